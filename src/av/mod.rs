@@ -1,0 +1,1 @@
+//! Driving policies: what the car under test does with what it perceives.

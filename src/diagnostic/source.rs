@@ -1,0 +1,68 @@
+use std::path::{Path, PathBuf};
+
+/// Names one of the [`Sources`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct SourceId(u32);
+
+/// A range of bytes in a source.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Span {
+    /// The source it lies in.
+    pub source: SourceId,
+    /// First byte.
+    pub start: usize,
+    /// One past the last byte.
+    pub end: usize,
+}
+
+impl Span {
+    /// The smallest span that holds both; the other must lie in the same source.
+    pub fn to(self, other: Span) -> Span {
+        Span { source: self.source, start: self.start.min(other.start), end: self.end.max(other.end) }
+    }
+}
+
+/// A text with the name it is shown under.
+#[derive(Debug, Clone)]
+pub struct Source {
+    /// Where it came from, as the user wrote it; imports are relative to its folder.
+    pub path: PathBuf,
+    /// The whole text.
+    pub text: String,
+}
+
+/// All texts of one run of the front end.
+#[derive(Debug, Clone, Default)]
+pub struct Sources {
+    all: Vec<Source>,
+}
+
+impl Sources {
+    /// Adds a text and names it.
+    pub fn add(&mut self, path: impl AsRef<Path>, text: impl Into<String>) -> SourceId {
+        self.all.push(Source { path: path.as_ref().to_path_buf(), text: text.into() });
+        SourceId(self.all.len() as u32 - 1)
+    }
+
+    /// The source with this name.
+    pub fn get(&self, id: SourceId) -> &Source {
+        &self.all[id.0 as usize]
+    }
+
+    /// All sources, in the order they were added.
+    pub fn iter(&self) -> impl Iterator<Item = (SourceId, &Source)> {
+        self.all.iter().enumerate().map(|(index, source)| (SourceId(index as u32), source))
+    }
+
+    /// The text a span covers.
+    pub fn text(&self, span: Span) -> &str {
+        &self.get(span.source).text[span.start..span.end]
+    }
+
+    /// Line and column of a byte, both from 1; the column counts characters.
+    pub fn line_column(&self, id: SourceId, byte: usize) -> (usize, usize) {
+        let before = &self.get(id).text[..byte];
+        let line_start = before.rfind('\n').map_or(0, |at| at + 1);
+        (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
+    }
+}

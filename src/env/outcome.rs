@@ -1,0 +1,50 @@
+use super::Spawn;
+use crate::av::DrivingMode;
+
+/// Why an episode ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Ending {
+    /// The pedestrian and the ego touched.
+    Collision {
+        /// Whether the pedestrian was within the front sector.
+        front: bool,
+        /// Whether the ego moved.
+        moving: bool,
+        /// Speed of the ego [m/s].
+        impact_speed: f64,
+        /// Bearing of the pedestrian from the ego's centre, positive to the left [rad].
+        bearing: f64,
+    },
+    /// The `end_when` condition held.
+    Lost,
+    /// The time was up.
+    Timeout,
+}
+
+/// What became of an episode.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outcome {
+    /// How it began.
+    pub spawn: Spawn,
+    /// Why it ended.
+    pub ending: Ending,
+    /// Sum of the rewards.
+    pub reward: f64,
+    /// Ticks it lasted.
+    pub ticks: u32,
+    /// Time from its beginning to the collision or the end [s].
+    pub duration: f64,
+    /// Least distance from the pedestrian's disc to the ego's box [m]; 0 at a collision.
+    pub least_gap: f64,
+    /// What the driver was doing at the pedestrian's last decision.
+    pub last_mode: DrivingMode,
+    /// A digest of every state of the episode: equal digests mean equal episodes.
+    pub digest: u64,
+}
+
+impl Outcome {
+    /// Whether the pedestrian and the ego touched.
+    pub fn is_collision(&self) -> bool {
+        matches!(self.ending, Ending::Collision { .. })
+    }
+}

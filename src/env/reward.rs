@@ -1,0 +1,128 @@
+//! Rewards are formulas of the scenario, evaluated when something happens.
+
+use crate::signature::{Event, Formula, Variable, VariableId, Vocabulary};
+use crate::units::Dimension;
+
+/// Everything that formulas may speak about, in SI. The order of the fields is the vocabulary's.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Situation {
+    /// Speed of the ego when it was hit [m/s]; only at `hit`.
+    pub v_c: f64,
+    /// Bearing of the pedestrian from the ego's centre, positive to the left [rad].
+    pub bearing: f64,
+    /// Distance between the centres [m].
+    pub distance: f64,
+    /// How far the pedestrian is ahead of the ego's centre, negative behind it [m].
+    pub ahead: f64,
+    /// How far the pedestrian is to the left of the ego's axis [m].
+    pub aside: f64,
+    /// Speed of the ego [m/s].
+    pub ego_speed: f64,
+    /// Speed of the pedestrian [m/s].
+    pub walking_speed: f64,
+    /// Time since the episode began [s].
+    pub elapsed: f64,
+}
+
+const ALWAYS: &[&str] = &["bearing", "distance", "ahead", "aside", "ego_speed", "walking_speed", "elapsed"];
+const AT_HIT: &[&str] = &["v_c", "bearing", "distance", "ahead", "aside", "ego_speed", "walking_speed", "elapsed"];
+
+/// The variables and events that formulas may name.
+pub fn vocabulary() -> Vocabulary {
+    let variable = |name, dimension, doc| Variable { name, dimension, doc };
+    Vocabulary {
+        variables: vec![
+            variable("v_c", Dimension::SPEED, "Speed of the ego at the collision."),
+            variable("bearing", Dimension::ANGLE, "Bearing of the pedestrian from the ego's centre, positive to the left."),
+            variable("distance", Dimension::LENGTH, "Distance between the centres of pedestrian and ego."),
+            variable("ahead", Dimension::LENGTH, "How far the pedestrian is ahead of the ego's centre; negative behind it."),
+            variable("aside", Dimension::LENGTH, "How far the pedestrian is to the left of the ego's axis."),
+            variable("ego_speed", Dimension::SPEED, "Speed of the ego."),
+            variable("walking_speed", Dimension::SPEED, "Speed of the pedestrian."),
+            variable("elapsed", Dimension::TIME, "Time since the episode began."),
+        ],
+        events: vec![
+            Event { name: "hit", words: &["front", "other"], variables: AT_HIT, doc: "The pedestrian and the ego touch; `front` within the front sector, `other` elsewhere." },
+            Event { name: "step", words: &[], variables: ALWAYS, doc: "A decision has been carried out and nothing was hit." },
+            Event { name: "lost", words: &[], variables: ALWAYS, doc: "The episode ends because its `end_when` condition holds." },
+            Event { name: "timeout", words: &[], variables: ALWAYS, doc: "The episode's time is up." },
+        ],
+    }
+}
+
+impl Situation {
+    fn value(&self, id: VariableId) -> f64 {
+        let fields = [
+            self.v_c,
+            self.bearing,
+            self.distance,
+            self.ahead,
+            self.aside,
+            self.ego_speed,
+            self.walking_speed,
+            self.elapsed,
+        ];
+        fields[id.0]
+    }
+
+    /// Whether a condition holds.
+    pub fn satisfies(&self, condition: &Formula) -> bool {
+        condition.evaluate(&|id| self.value(id)) != 0.0
+    }
+}
+
+/// What each event is worth; an event without a formula is worth nothing.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RewardRule {
+    /// A frontal hit, unless only `hit` is given.
+    pub hit_front: Option<Formula>,
+    /// Another hit, unless only `hit` is given.
+    pub hit_other: Option<Formula>,
+    /// A decision without a hit.
+    pub step: Option<Formula>,
+    /// The `end_when` condition.
+    pub lost: Option<Formula>,
+    /// The end of the time.
+    pub timeout: Option<Formula>,
+}
+
+impl RewardRule {
+    /// The worth of a formula in a situation; 0 without one.
+    pub fn worth(formula: Option<&Formula>, situation: &Situation) -> f64 {
+        formula.map_or(0.0, |formula| formula.evaluate(&|id| situation.value(id)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_vocabulary_and_the_fields_have_one_order() {
+        let situation = Situation {
+            v_c: 0.0,
+            bearing: 1.0,
+            distance: 2.0,
+            ahead: 3.0,
+            aside: 4.0,
+            ego_speed: 5.0,
+            walking_speed: 6.0,
+            elapsed: 7.0,
+        };
+        let names = ["v_c", "bearing", "distance", "ahead", "aside", "ego_speed", "walking_speed", "elapsed"];
+        for (index, variable) in vocabulary().variables.iter().enumerate() {
+            assert_eq!(variable.name, names[index]);
+            assert_eq!(situation.value(VariableId(index)), index as f64);
+        }
+    }
+
+    #[test]
+    fn events_name_only_known_variables() {
+        let vocabulary = vocabulary();
+        for event in &vocabulary.events {
+            for name in event.variables {
+                assert!(vocabulary.variables.iter().any(|variable| variable.name == *name), "{name}");
+            }
+        }
+    }
+}

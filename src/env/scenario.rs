@@ -1,0 +1,57 @@
+use std::sync::Arc;
+
+use super::{Adversary, RewardRule, SpawnRule};
+use crate::av::DrivingPolicy;
+use crate::geometry::Obstacles;
+use crate::road::Town;
+use crate::signature::Formula;
+use crate::sim::VehicleBlueprint;
+
+/// Makes a fresh driving policy; every episode's environment owns one.
+pub type PolicyMaker = Arc<dyn Fn() -> Box<dyn DrivingPolicy> + Send + Sync>;
+
+/// How long an episode lasts and what ends it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EpisodeRule {
+    /// Length of a tick [s].
+    pub tick: f64,
+    /// Ticks for which a command of the pedestrian is held.
+    pub hold: u32,
+    /// Most ticks of an episode.
+    pub ticks: u32,
+    /// Ends the episode after a decision without a hit when it holds; nothing is bootstrapped then.
+    pub end_when: Option<Formula>,
+    /// A hit is frontal when the pedestrian's bearing from the ego's centre is at most this [rad].
+    pub front_half_angle: f64,
+    /// The ego counts as moving above this speed [m/s].
+    pub moving_above: f64,
+    /// Whether the town's traffic lights work.
+    pub traffic_lights: bool,
+}
+
+/// A logical scenario: everything that is the same for all its episodes.
+#[derive(Clone)]
+pub struct Scenario {
+    /// The roads.
+    pub town: Arc<Town>,
+    /// What stands beside them.
+    pub obstacles: Arc<Obstacles>,
+    /// The car under test.
+    pub vehicle: VehicleBlueprint,
+    /// Its driver.
+    pub policy: PolicyMaker,
+    /// The pedestrian.
+    pub adversary: Adversary,
+    /// How episodes begin.
+    pub spawn: SpawnRule,
+    /// What the pedestrian is paid for.
+    pub reward: RewardRule,
+    /// How episodes end.
+    pub episode: EpisodeRule,
+}
+
+impl std::fmt::Debug for Scenario {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Scenario").field("town", &self.town.name).finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,145 @@
+//! How an episode begins: a logical scene (ranges) becomes a concrete one.
+//!
+//! The sector about the ego is sampled directly, so nothing is rejected but places inside obstacles.
+
+use rand::RngExt;
+
+use super::FirstHeading;
+use crate::geometry::{Obstacles, Point, Pose, Vector, wrap_angle};
+use crate::road::{LaneStretch, Town};
+use crate::seed::Stream;
+
+/// What is uniform when a place in the sector is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Measure {
+    /// The distance: places near the ego are denser.
+    Range,
+    /// The ground: as many places a square metre everywhere in the sector.
+    Area,
+}
+
+/// Where the ego begins.
+#[derive(Debug, Clone, PartialEq)]
+pub enum EgoStart {
+    /// Anywhere on the driving lanes outside junctions, uniform in length.
+    Anywhere,
+    /// One of these poses, each as likely.
+    Poses(Vec<Pose>),
+}
+
+/// How an episode begins.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpawnRule {
+    /// Bearing of the pedestrian from the ego's heading, positive to the left [rad].
+    pub bearing: (f64, f64),
+    /// Distance between the centres [m].
+    pub distance: (f64, f64),
+    /// What is uniform.
+    pub measure: Measure,
+    /// Least distance from the pedestrian's centre to an obstacle [m].
+    pub clearance: f64,
+    /// Where the ego begins.
+    pub ego_start: EgoStart,
+    /// How fast the ego begins [m/s].
+    pub ego_speed: (f64, f64),
+}
+
+/// A concrete beginning.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spawn {
+    /// Pose of the ego.
+    pub ego: Pose,
+    /// Speed of the ego [m/s].
+    pub ego_speed: f64,
+    /// Pose of the pedestrian.
+    pub pedestrian: Pose,
+}
+
+/// Why nobody can be placed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SpawnError {
+    /// The town has no lane to begin on.
+    #[error("the town has no driving lane outside junctions")]
+    NoLane,
+    /// Too few places are free of obstacles.
+    #[error("only {accepted} of {tried} places of the sector are {clearance} m clear of obstacles (constraint `clearance`)")]
+    Crowded {
+        /// Places that were free.
+        accepted: u32,
+        /// Places that were tried.
+        tried: u32,
+        /// The clearance asked for [m].
+        clearance: f64,
+    },
+}
+
+/// Tries of [`SpawnRule::probe`].
+const PROBES: u32 = 400;
+/// Tries of one [`SpawnRule::sample`]; after a successful probe all fail less often than once in 1e40.
+const TRIES: u32 = 10_000;
+
+impl SpawnRule {
+    /// Makes sure that the rule can place somebody: at least one place in a hundred must be free.
+    ///
+    /// # Errors
+    /// Says what stands in the way.
+    pub fn probe(&self, town: &Town, obstacles: &Obstacles, stream: &mut Stream) -> Result<(), SpawnError> {
+        if self.ego_start == EgoStart::Anywhere && town.driving_lanes().is_empty() {
+            return Err(SpawnError::NoLane);
+        }
+        let accepted = (0..PROBES).filter(|_| self.candidate(town, obstacles, stream).is_some()).count() as u32;
+        if accepted * 100 < PROBES {
+            return Err(SpawnError::Crowded { accepted, tried: PROBES, clearance: self.clearance });
+        }
+        Ok(())
+    }
+
+    /// Draws a beginning; the rule must have passed [`SpawnRule::probe`].
+    pub fn sample(&self, town: &Town, obstacles: &Obstacles, first: FirstHeading, stream: &mut Stream) -> Spawn {
+        let (ego, place) = (0..TRIES)
+            .find_map(|_| self.candidate(town, obstacles, stream))
+            .expect("checked: the probe found free places");
+        let turn = stream.random_range(-std::f64::consts::PI..std::f64::consts::PI);
+        let yaw = match first {
+            FirstHeading::Random => wrap_angle(turn),
+            FirstHeading::TowardsEgo => libm::atan2(ego.y - place.y, ego.x - place.x),
+        };
+        let ego_speed = between(self.ego_speed, stream);
+        Spawn { ego, ego_speed, pedestrian: Pose::new(place.x, place.y, yaw) }
+    }
+
+    fn candidate(&self, town: &Town, obstacles: &Obstacles, stream: &mut Stream) -> Option<(Pose, Point)> {
+        let ego = match &self.ego_start {
+            EgoStart::Poses(poses) => poses[stream.random_range(0..poses.len())],
+            EgoStart::Anywhere => anywhere(town, stream),
+        };
+        let bearing = between(self.bearing, stream);
+        let (near, far) = self.distance;
+        let distance = match self.measure {
+            Measure::Range => between((near, far), stream),
+            Measure::Area => between((near * near, far * far), stream).sqrt(),
+        };
+        let place = ego.to_world(Vector::new(distance * libm::cos(bearing), distance * libm::sin(bearing)));
+        (obstacles.clearance(place, self.clearance) >= self.clearance).then_some((ego, place))
+    }
+}
+
+fn anywhere(town: &Town, stream: &mut Stream) -> Pose {
+    let lanes = town.driving_lanes();
+    let total: f64 = lanes.iter().map(|lane: &LaneStretch| lane.length).sum();
+    let mut left = stream.random_range(0.0..total);
+    let last = lanes.len() - 1;
+    let index = lanes[..last].iter().position(|lane| {
+        let here = left < lane.length;
+        if !here {
+            left -= lane.length;
+        }
+        here
+    });
+    let stretch = &lanes[index.unwrap_or(last)];
+    town.pose(town.along(stretch, left.min(stretch.length)))
+}
+
+fn between((low, high): (f64, f64), stream: &mut Stream) -> f64 {
+    low + (high - low) * stream.random::<f64>()
+}

@@ -1,0 +1,25 @@
+//! Points, poses, boxes and what can be asked of them.
+//!
+//! The world frame is OpenDRIVE's: right-handed, `x` east, `y` north, metres; a yaw is in radians,
+//! counter-clockwise from `+x`, wrapped to (−π, π] by [`wrap_angle`] and by nothing else. CARLA's
+//! left-handed frame is `(x, −y, −yaw)`; the conversion happens at the edge, where files are read or written.
+
+mod angle;
+mod pose;
+mod oriented_box;
+mod sweep;
+#[cfg(not(falsify_lab))]
+mod obstacles;
+
+pub use angle::wrap_angle;
+#[cfg(not(falsify_lab))]
+pub use obstacles::Obstacles;
+pub use oriented_box::OrientedBox;
+pub use pose::Pose;
+pub use sweep::{Touch, first_touch};
+
+/// A place in the plane [m].
+pub type Point = nalgebra::Point2<f64>;
+
+/// A displacement or a velocity in the plane [m] or [m/s].
+pub type Vector = nalgebra::Vector2<f64>;

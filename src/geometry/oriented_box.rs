@@ -1,0 +1,48 @@
+use super::{Point, Pose, Vector};
+
+/// A rectangle with a heading: a car, a building, a parked van.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OrientedBox {
+    /// Centre and heading.
+    pub pose: Pose,
+    /// Half extents along the heading and across it [m], both positive.
+    pub half: Vector,
+}
+
+impl OrientedBox {
+    /// Makes a box from its centre, heading and half extents (along, across) [m].
+    pub fn new(pose: Pose, half_length: f64, half_width: f64) -> Self {
+        Self { pose, half: Vector::new(half_length, half_width) }
+    }
+
+    /// Makes an axis-parallel box from two opposite corners, in any order.
+    pub fn spanning(a: Point, b: Point) -> Self {
+        let centre = nalgebra::center(&a, &b);
+        let half = (b - a).abs() / 2.0;
+        Self::new(Pose::new(centre.x, centre.y, 0.0), half.x, half.y)
+    }
+
+    /// The distance from a point to the box [m]; 0 inside.
+    pub fn distance_to(&self, point: Point) -> f64 {
+        let local = self.pose.to_local(point).abs();
+        Vector::new((local.x - self.half.x).max(0.0), (local.y - self.half.y).max(0.0)).norm()
+    }
+
+    /// The corners, counter-clockwise from the front left.
+    pub fn corners(&self) -> [Point; 4] {
+        let (l, w) = (self.half.x, self.half.y);
+        [(l, w), (-l, w), (-l, -w), (l, -w)].map(|(x, y)| self.pose.to_world(Vector::new(x, y)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distance_is_zero_inside_and_euclidean_at_corners() {
+        let unit = OrientedBox::spanning(Point::new(-1.0, -1.0), Point::new(1.0, 1.0));
+        assert_eq!(unit.distance_to(Point::new(0.5, -0.5)), 0.0);
+        assert!((unit.distance_to(Point::new(4.0, 5.0)) - 5.0).abs() < 1e-12);
+    }
+}

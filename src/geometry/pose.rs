@@ -1,0 +1,72 @@
+use super::{Point, Vector, wrap_angle};
+
+/// A place and a heading in the plane.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Pose {
+    /// Position east [m].
+    pub x: f64,
+    /// Position north [m].
+    pub y: f64,
+    /// Heading [rad], counter-clockwise from `+x`, in (−π, π].
+    pub yaw: f64,
+}
+
+impl Pose {
+    /// Makes a pose, wrapping the heading.
+    pub fn new(x: f64, y: f64, yaw: f64) -> Self {
+        Self { x, y, yaw: wrap_angle(yaw) }
+    }
+
+    /// The place without the heading.
+    pub fn position(&self) -> Point {
+        Point::new(self.x, self.y)
+    }
+
+    /// The unit vector along the heading.
+    pub fn forward(&self) -> Vector {
+        Vector::new(libm::cos(self.yaw), libm::sin(self.yaw))
+    }
+
+    /// The unit vector to the left of the heading.
+    pub fn left(&self) -> Vector {
+        Vector::new(-libm::sin(self.yaw), libm::cos(self.yaw))
+    }
+
+    /// A point of this pose's own frame (`x` ahead, `y` to the left) in the world.
+    pub fn to_world(&self, local: Vector) -> Point {
+        let (sin, cos) = libm::sincos(self.yaw);
+        Point::new(self.x + cos * local.x - sin * local.y, self.y + sin * local.x + cos * local.y)
+    }
+
+    /// A point of the world in this pose's own frame: `x` ahead, `y` to the left [m].
+    pub fn to_local(&self, point: Point) -> Vector {
+        let (sin, cos) = libm::sincos(self.yaw);
+        let (dx, dy) = (point.x - self.x, point.y - self.y);
+        Vector::new(cos * dx + sin * dy, -sin * dx + cos * dy)
+    }
+
+    /// The bearing of a point from the heading [rad], positive to the left, in (−π, π].
+    pub fn bearing_to(&self, point: Point) -> f64 {
+        let local = self.to_local(point);
+        libm::atan2(local.y, local.x)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::FRAC_PI_2;
+
+    #[test]
+    fn local_and_world_frames_are_inverse() {
+        let pose = Pose::new(3.0, -2.0, 0.7);
+        let local = Vector::new(1.5, -0.25);
+        assert!((pose.to_local(pose.to_world(local)) - local).norm() < 1e-12);
+    }
+
+    #[test]
+    fn bearings_are_positive_to_the_left() {
+        let north = Pose::new(0.0, 0.0, FRAC_PI_2);
+        assert!((north.bearing_to(Point::new(-1.0, 0.0)) - FRAC_PI_2).abs() < 1e-12);
+    }
+}

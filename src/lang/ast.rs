@@ -1,0 +1,142 @@
+//! The untyped tree: what was written, with a span on every node. No name is resolved at this stage.
+
+use crate::diagnostic::{SourceId, Span};
+
+/// A word with its place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Name {
+    /// The word.
+    pub text: String,
+    /// Its place.
+    pub span: Span,
+}
+
+/// A file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct File {
+    /// Its source.
+    pub source: SourceId,
+    /// The number after `edition`, with its place.
+    pub edition: Option<(f64, Span)>,
+    /// The files it imports.
+    pub imports: Vec<Import>,
+    /// Its declarations, in order.
+    pub declarations: Vec<Declaration>,
+}
+
+/// `import "path"`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Import {
+    /// The path as written.
+    pub path: String,
+    /// The place of the path.
+    pub span: Span,
+    /// The file it led to, once loaded.
+    pub source: Option<SourceId>,
+}
+
+/// `form name = kind(…) { … }`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Declaration {
+    /// The text of its `///` lines.
+    pub docs: Vec<String>,
+    /// The first word.
+    pub form: Name,
+    /// The second word.
+    pub name: Option<Name>,
+    /// The word after `=`.
+    pub kind: Option<Name>,
+    /// Everything in parentheses and braces.
+    pub entries: Vec<Entry>,
+    /// From the form to the name or kind, for messages.
+    pub head: Span,
+}
+
+/// Something inside a declaration.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Entry {
+    /// `key: value`
+    Property(Property),
+    /// `on event(word) => formula`
+    Clause(Clause),
+    /// A nested declaration.
+    Child(Declaration),
+    /// A value without a key, in parentheses.
+    Bare(Expression),
+}
+
+/// `key: value`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Property {
+    /// The key.
+    pub key: Name,
+    /// The value.
+    pub value: Expression,
+}
+
+/// `on event(word) => formula`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Clause {
+    /// The event.
+    pub event: Name,
+    /// The word in parentheses.
+    pub word: Option<Name>,
+    /// The formula.
+    pub formula: Expression,
+}
+
+/// An expression with its place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Expression {
+    /// What it is.
+    pub kind: ExpressionKind,
+    /// Its place.
+    pub span: Span,
+}
+
+/// What an expression is.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ExpressionKind {
+    /// `7`, `7 m`
+    Number {
+        /// The number as written.
+        value: f64,
+        /// The unit as written.
+        unit: Option<Name>,
+    },
+    /// `"text"`
+    Text(String),
+    /// A bare word.
+    Name(String),
+    /// `function(a, b)`
+    Call {
+        /// The function.
+        function: Name,
+        /// Its arguments.
+        arguments: Vec<Expression>,
+    },
+    /// `-a`
+    Negate(Box<Expression>),
+    /// `not a`
+    Not(Box<Expression>),
+    /// `a + b`
+    Binary {
+        /// The operator's sign.
+        operator: Operator,
+        /// Left side.
+        left: Box<Expression>,
+        /// Right side.
+        right: Box<Expression>,
+    },
+    /// `a .. b`
+    Range(Box<Expression>, Box<Expression>),
+    /// `a in unit`
+    Conversion(Box<Expression>, Name),
+    /// `(a, b)`; one member is a parenthesis.
+    Group(Vec<Expression>),
+    /// `[a, b]`
+    List(Vec<Expression>),
+}
+
+/// The sign between two expressions.
+pub use crate::signature::BinaryOperator as Operator;

@@ -1,0 +1,286 @@
+//! AST → HIR: forms, kinds, keys, references, defaults.
+
+use std::collections::BTreeMap;
+
+use super::ast::{self, Entry};
+use super::formula::{Scope, Sort, formula};
+use super::hir::{Block, Clause, Declaration, Program};
+use super::value::{Context, value};
+use super::{Loaded, codes, parse};
+use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
+use crate::signature::{Arguments, DeclarationId, Form, Param, Signature, Type, Value, Vocabulary};
+
+/// Checks all files against what the language offers.
+///
+/// Gives the program and everything that is wrong with it; the program may only be compiled when no diagnostic is an
+/// error.
+pub fn check(loaded: &Loaded, sources: &Sources, forms: &[Form], vocabulary: &Vocabulary) -> (Program, Vec<Diagnostic>) {
+    let mut diagnostics = Vec::new();
+    let ids = number_declarations(&loaded.files);
+    let mut program = Program { declarations: Vec::new(), roots: loaded.roots.clone() };
+    let form_names: Vec<&str> = forms.iter().map(|form| form.name).collect();
+    for file in &loaded.files {
+        let names = names_of(file, &loaded.files, &ids, &mut diagnostics);
+        let context = Context { vocabulary, names: &names, sources };
+        for (declaration, id) in file.declarations.iter().zip(&ids[&file.source]) {
+            let mut checker = Checker { context: &context, diagnostics: &mut diagnostics };
+            let checked = checker.declaration(declaration, *id, file.source, forms, &form_names);
+            program.declarations.push(checked);
+        }
+    }
+    // A clash inside an imported file is found again by every file that imports it.
+    let mut said = Vec::new();
+    diagnostics.retain(|diagnostic| {
+        let new = !said.contains(diagnostic);
+        if new {
+            said.push(diagnostic.clone());
+        }
+        new
+    });
+    (program, diagnostics)
+}
+
+fn number_declarations(files: &[ast::File]) -> BTreeMap<SourceId, Vec<DeclarationId>> {
+    let mut next = 0;
+    let mut number = |file: &ast::File| {
+        let first = next;
+        next += file.declarations.len();
+        (file.source, (first..next).map(DeclarationId).collect())
+    };
+    files.iter().map(&mut number).collect()
+}
+
+/// The names a file can see: its own and those of the files it imports.
+pub(super) struct Names<'a> {
+    known: BTreeMap<(&'a str, &'a str), (DeclarationId, Span)>,
+}
+
+impl<'a> Names<'a> {
+    pub(super) fn find(&self, form: &str, name: &str) -> Option<DeclarationId> {
+        self.known.get(&(form, name)).map(|(id, _)| *id)
+    }
+
+    pub(super) fn of_form(&self, form: &str) -> Vec<&'a str> {
+        self.known.keys().filter(|(f, _)| *f == form).map(|(_, name)| *name).collect()
+    }
+}
+
+fn names_of<'a>(
+    file: &'a ast::File,
+    files: &'a [ast::File],
+    ids: &BTreeMap<SourceId, Vec<DeclarationId>>,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Names<'a> {
+    let mut order = vec![file];
+    let mut next = 0;
+    while let Some(current) = order.get(next).copied() {
+        for import in current.imports.iter().filter_map(|import| import.source) {
+            let imported = files.iter().find(|candidate| candidate.source == import).expect("imports are loaded");
+            if !order.iter().any(|seen| seen.source == imported.source) {
+                order.push(imported);
+            }
+        }
+        next += 1;
+    }
+    let mut known = BTreeMap::new();
+    for visible in order.iter().rev() {
+        for (declaration, id) in visible.declarations.iter().zip(&ids[&visible.source]) {
+            let Some(name) = &declaration.name else { continue };
+            let key = (declaration.form.text.as_str(), name.text.as_str());
+            if let Some((_, first)) = known.insert(key, (*id, name.span)) {
+                diagnostics.push(codes::duplicate_declaration(name.span, key.0, key.1, first));
+            }
+        }
+    }
+    Names { known }
+}
+
+struct Checker<'a, 'b> {
+    context: &'a Context<'a>,
+    diagnostics: &'b mut Vec<Diagnostic>,
+}
+
+impl Checker<'_, '_> {
+    fn declaration(
+        &mut self,
+        written: &ast::Declaration,
+        id: DeclarationId,
+        source: SourceId,
+        forms: &[Form],
+        form_names: &[&str],
+    ) -> Declaration {
+        let empty = |word| Block {
+            word,
+            name: None,
+            arguments: Arguments::default(),
+            places: Vec::new(),
+            children: Vec::new(),
+            clauses: Vec::new(),
+            head: written.head,
+        };
+        let (form, block) = match forms.iter().find(|form| form.name == written.form.text) {
+            None => {
+                self.diagnostics.push(codes::unknown_form(written.form.span, &written.form.text, form_names));
+                ("", empty(""))
+            }
+            Some(form) => {
+                if written.name.is_none() {
+                    self.diagnostics.push(codes::missing_name(written.head, form.name));
+                }
+                match self.signature(written, form) {
+                    Some(signature) => (form.name, self.block(written, signature)),
+                    None => (form.name, empty(form.name)),
+                }
+            }
+        };
+        let name = written.name.as_ref().map_or_else(String::new, |name| name.text.clone());
+        Declaration { id, source, form, kind: block.word, name, docs: written.docs.clone(), block }
+    }
+
+    fn signature<'f>(&mut self, written: &ast::Declaration, form: &'f Form) -> Option<&'f Signature> {
+        let kinds: Vec<&str> = form.kinds.iter().map(|kind| kind.name).collect();
+        match &written.kind {
+            None => {
+                if form.plain.is_none() {
+                    self.diagnostics.push(codes::missing_kind(written.head, form.name, &kinds));
+                }
+                form.plain.as_ref()
+            }
+            Some(kind) => {
+                let found = form.kinds.iter().find(|candidate| candidate.name == kind.text);
+                if found.is_none() {
+                    self.diagnostics.push(codes::unknown_kind(kind.span, form.name, &kind.text, &kinds));
+                }
+                found
+            }
+        }
+    }
+
+    fn block(&mut self, written: &ast::Declaration, signature: &Signature) -> Block {
+        let keys: Vec<&str> = signature.params.iter().map(|param| param.name).collect();
+        let words: Vec<&str> = signature.children.iter().map(|child| child.name).collect();
+        let mut given: Vec<(&'static str, Span, Option<Value>)> = Vec::new();
+        let mut children = Vec::new();
+        let mut clauses: Vec<Clause> = Vec::new();
+        for entry in &written.entries {
+            match entry {
+                Entry::Property(property) => match signature.params.iter().find(|p| p.name == property.key.text) {
+                    None => self.diagnostics.push(codes::unknown_key(
+                        property.key.span,
+                        signature.name,
+                        &property.key.text,
+                        &keys,
+                    )),
+                    Some(param) => {
+                        if let Some((_, first, _)) = given.iter().find(|(name, ..)| *name == param.name) {
+                            self.diagnostics.push(codes::duplicate_key(property.key.span, param.name, *first));
+                            continue;
+                        }
+                        let checked = value(&property.value, &param.ty, self.context, self.diagnostics);
+                        given.push((param.name, property.value.span, checked));
+                    }
+                },
+                Entry::Bare(expression) => self.diagnostics.push(codes::bare_argument(expression.span, &keys)),
+                Entry::Child(child) => match signature.children.iter().find(|c| c.name == child.form.text) {
+                    None => self.diagnostics.push(codes::unknown_block(
+                        child.form.span,
+                        signature.name,
+                        &child.form.text,
+                        &words,
+                    )),
+                    Some(inner) => children.push(self.block(child, inner)),
+                },
+                Entry::Clause(clause) if signature.clauses => {
+                    if let Some(clause) = self.clause(clause, &clauses) {
+                        clauses.push(clause);
+                    }
+                }
+                Entry::Clause(clause) => {
+                    self.diagnostics.push(codes::unexpected_clause(clause.event.span, signature.name));
+                }
+            }
+        }
+        let mut arguments = Arguments::default();
+        for param in &signature.params {
+            let value = match given.iter().find(|(name, ..)| *name == param.name) {
+                Some((_, _, checked)) => checked.clone(),
+                None => match param.default {
+                    Some("") => Some(Value::Absent),
+                    Some(text) => Some(default(param, text, self.context)),
+                    None => {
+                        self.diagnostics.push(codes::missing_key(written.head, signature.name, param));
+                        None
+                    }
+                },
+            };
+            arguments.push(param.name, value.unwrap_or(Value::Absent));
+        }
+        let places = given.iter().map(|(name, span, _)| (*name, *span)).collect();
+        let name = written.name.as_ref().map(|name| name.text.clone());
+        Block { word: signature.name, name, arguments, places, children, clauses, head: written.head }
+    }
+
+    fn clause(&mut self, written: &ast::Clause, earlier: &[Clause]) -> Option<Clause> {
+        let events = &self.context.vocabulary.events;
+        let known: Vec<&str> = events.iter().map(|event| event.name).collect();
+        let name = &written.event;
+        let Some(event) = events.iter().find(|event| event.name == name.text) else {
+            self.diagnostics.push(codes::unknown_event(name.span, &name.text, &known));
+            return None;
+        };
+        let word = match &written.word {
+            None => None,
+            Some(word) => match event.words.iter().find(|known| **known == word.text) {
+                Some(known) => Some(*known),
+                None => {
+                    let unknown = codes::unknown_event_word(word.span, event.name, &word.text, event.words);
+                    self.diagnostics.push(unknown);
+                    return None;
+                }
+            },
+        };
+        if let Some(first) = earlier.iter().find(|clause| clause.event == event.name && clause.word == word) {
+            self.diagnostics.push(codes::duplicate_clause(name.span, first.span));
+        }
+        let scope = Scope { vocabulary: self.context.vocabulary, available: event.variables, event: event.name };
+        let (formula, sort) = formula(&written.formula, &scope, self.diagnostics)?;
+        match sort {
+            Sort::Quantity(crate::units::Dimension::RATIO) => {
+                Some(Clause { event: event.name, word, formula, span: name.span })
+            }
+            Sort::Quantity(dimension) => {
+                let ratio = crate::units::Dimension::RATIO;
+                let mut diagnostic = codes::wrong_unit(written.formula.span, ratio, dimension);
+                diagnostic.help = dimension
+                    .usual_units()
+                    .first()
+                    .map(|unit| format!("a reward is a plain number: write `… in {unit}`"))
+                    .into_iter()
+                    .collect();
+                self.diagnostics.push(diagnostic);
+                None
+            }
+            Sort::Truth => {
+                self.diagnostics.push(codes::not_a(written.formula.span, "plain number", "condition"));
+                None
+            }
+        }
+    }
+}
+
+/// Reads a signature's default, which is written as in a file.
+fn default(param: &Param, text: &str, context: &Context) -> Value {
+    if let Type::Reference(form) = param.ty {
+        // A default declaration is one of the standard library's, and may not be imported.
+        return context.names.find(form, text).map_or(Value::Absent, Value::Reference);
+    }
+    let mut sources = Sources::default();
+    let source = sources.add(format!("<default of {}>", param.name), text);
+    let mut diagnostics = Vec::new();
+    let names = Names { known: BTreeMap::new() };
+    let inner = Context { vocabulary: context.vocabulary, names: &names, sources: &sources };
+    let checked = parse::parse_value(source, text)
+        .ok()
+        .and_then(|expression| value(&expression, &param.ty, &inner, &mut diagnostics));
+    checked.unwrap_or_else(|| panic!("the default `{text}` of `{}` does not fit its type: {diagnostics:?}", param.name))
+}

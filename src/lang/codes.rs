@@ -1,0 +1,294 @@
+//! Every diagnostic of the language, one function a code, so that all wording sits in one file.
+
+use crate::diagnostic::{Diagnostic, Span};
+use crate::signature::{Param, Type};
+use crate::units::Dimension;
+
+use super::suggest::nearest;
+
+fn quoted<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
+    words.into_iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")
+}
+
+/// Points at an unknown word, offers the nearest known one or lists them all.
+fn unknown(code: &'static str, span: Span, what: &str, word: &str, known: &[&str]) -> Diagnostic {
+    let diagnostic = Diagnostic::error(code, span, format!("unknown {what} `{word}`"));
+    match nearest(word, known.iter().copied()) {
+        Some(near) => diagnostic.here(format!("did you mean `{near}`?")).fix(near),
+        None if known.is_empty() => diagnostic.here("none is known here"),
+        None => diagnostic.help(format!("known here: {}", quoted(known.iter().copied()))),
+    }
+}
+
+/// A statement has no shape the grammar knows.
+pub fn syntax(span: Span, text: String) -> Diagnostic {
+    Diagnostic::error("syntax", span, "this statement cannot be read").here(text)
+}
+
+/// A bracket is never closed.
+pub fn unclosed_bracket(span: Span, bracket: char) -> Diagnostic {
+    Diagnostic::error("unclosed-bracket", span, format!("`{bracket}` is never closed")).here("opened here")
+}
+
+/// A closing bracket has no partner.
+pub fn stray_bracket(span: Span) -> Diagnostic {
+    Diagnostic::error("stray-bracket", span, "this bracket closes nothing").help("remove it, or add its opening partner")
+}
+
+/// A closing bracket meets another kind of opening one.
+pub fn mismatched_bracket(span: Span, opening: Span, bracket: char) -> Diagnostic {
+    Diagnostic::error("mismatched-bracket", span, format!("this does not close `{bracket}`")).label(opening, "opened here")
+}
+
+/// Brackets nest too deep.
+pub fn too_deep(span: Span, limit: usize) -> Diagnostic {
+    Diagnostic::error("too-deep", span, format!("brackets nest deeper than {limit} levels"))
+}
+
+/// A file is too large.
+pub fn too_large(span: Span, bytes: usize, limit: usize) -> Diagnostic {
+    Diagnostic::error("too-large", span, format!("the file has {bytes} bytes; at most {limit} are read"))
+}
+
+/// The file does not say which edition of the language it is written in.
+pub fn missing_edition(span: Span) -> Diagnostic {
+    Diagnostic::error("missing-edition", span, "the file does not name its edition")
+        .help("begin the file with `edition 1`, so that later versions of the language read it as you meant it")
+}
+
+/// The edition is not one this program reads.
+pub fn unknown_edition(span: Span, edition: f64) -> Diagnostic {
+    Diagnostic::error("unknown-edition", span, format!("edition {edition} is not known"))
+        .here("this program reads edition 1")
+        .fix("1")
+}
+
+/// An import leads to no file.
+pub fn import_not_found(span: Span, path: &str, reason: &str) -> Diagnostic {
+    Diagnostic::error("import-not-found", span, format!("cannot import `{path}`: {reason}"))
+        .help("paths are relative to the folder of the file that imports")
+}
+
+/// Files import each other in a circle.
+pub fn import_cycle(span: Span, path: &str) -> Diagnostic {
+    Diagnostic::error("import-cycle", span, format!("`{path}` imports this file in turn"))
+        .help("move what both need into a third file")
+}
+
+/// The first word of a declaration is no form.
+pub fn unknown_form(span: Span, word: &str, forms: &[&str]) -> Diagnostic {
+    unknown("unknown-form", span, "declaration", word, forms)
+}
+
+/// The word after `=` is no kind of this form.
+pub fn unknown_kind(span: Span, form: &str, word: &str, kinds: &[&str]) -> Diagnostic {
+    unknown("unknown-kind", span, &format!("kind of {form}"), word, kinds)
+}
+
+/// A form needs a kind and has none.
+pub fn missing_kind(span: Span, form: &str, kinds: &[&str]) -> Diagnostic {
+    Diagnostic::error("missing-kind", span, format!("a {form} needs a kind"))
+        .help(format!("write `{form} name = kind(…)`; the kinds are {}", quoted(kinds.iter().copied())))
+}
+
+/// A declaration has no name.
+pub fn missing_name(span: Span, form: &str) -> Diagnostic {
+    Diagnostic::error("missing-name", span, format!("this {form} has no name")).help(format!("write `{form} name …`"))
+}
+
+/// A key is not in the signature.
+pub fn unknown_key(span: Span, owner: &str, word: &str, keys: &[&str]) -> Diagnostic {
+    unknown("unknown-key", span, &format!("key of `{owner}`"), word, keys)
+}
+
+/// A key stands twice.
+pub fn duplicate_key(span: Span, word: &str, first: Span) -> Diagnostic {
+    Diagnostic::error("duplicate-key", span, format!("`{word}` is given twice")).label(first, "first given here")
+}
+
+/// A key without default is not given.
+pub fn missing_key(span: Span, owner: &str, param: &Param) -> Diagnostic {
+    Diagnostic::error("missing-key", span, format!("`{owner}` needs the key `{}`", param.name))
+        .help(format!("`{}` is a {}: {}", param.name, param.ty.describe(), param.doc))
+}
+
+/// A value in parentheses has no key.
+pub fn bare_argument(span: Span, keys: &[&str]) -> Diagnostic {
+    let diagnostic = Diagnostic::error("bare-argument", span, "this value has no key");
+    match keys.first() {
+        Some(first) => diagnostic.help(format!("write `{first}: …`; the keys are {}", quoted(keys.iter().copied()))),
+        None => diagnostic.help("this kind takes no keys"),
+    }
+}
+
+/// A function's argument has a key.
+pub fn named_argument(span: Span, word: &str) -> Diagnostic {
+    Diagnostic::error("named-argument", span, format!("functions take no keys such as `{word}`"))
+}
+
+/// A block may not stand here.
+pub fn unknown_block(span: Span, owner: &str, word: &str, blocks: &[&str]) -> Diagnostic {
+    unknown("unknown-block", span, &format!("block inside `{owner}`"), word, blocks)
+}
+
+/// An `on` clause may not stand here.
+pub fn unexpected_clause(span: Span, owner: &str) -> Diagnostic {
+    Diagnostic::error("unexpected-clause", span, format!("`on` clauses have no place inside `{owner}`"))
+        .help("they belong inside a `reward`")
+}
+
+/// Two declarations of a form share a name.
+pub fn duplicate_declaration(span: Span, form: &str, name: &str, first: Span) -> Diagnostic {
+    Diagnostic::error("duplicate-declaration", span, format!("there are two declarations of {form} `{name}`"))
+        .label(first, "the other is here")
+}
+
+/// A reference leads to no declaration.
+pub fn unknown_name(span: Span, form: &str, word: &str, known: &[&str]) -> Diagnostic {
+    unknown("unknown-name", span, form, word, known)
+}
+
+/// A declaration is never used.
+pub fn unused(span: Span, form: &str, name: &str) -> Diagnostic {
+    Diagnostic::warning("unused", span, format!("{form} `{name}` is never used"))
+}
+
+/// A value has another type than its key.
+pub fn wrong_type(span: Span, expected: &Type, found: &str) -> Diagnostic {
+    Diagnostic::error("wrong-type", span, format!("expected a {}, found {found}", expected.describe()))
+}
+
+/// A bare number stands where a unit is needed.
+pub fn missing_unit(span: Span, dimension: Dimension, written: &str) -> Diagnostic {
+    let offers: Vec<String> = dimension.usual_units().iter().map(|unit| format!("`{written} {unit}`")).collect();
+    let diagnostic = Diagnostic::error("missing-unit", span, format!("a {dimension} needs a unit"));
+    match offers.as_slice() {
+        [] => diagnostic,
+        [one] => diagnostic.help(format!("write {one}")),
+        many => diagnostic.help(format!("did you mean {}?", many.join(" or "))),
+    }
+}
+
+/// A quantity has another dimension than its key.
+pub fn wrong_unit(span: Span, expected: Dimension, found: Dimension) -> Diagnostic {
+    let diagnostic = Diagnostic::error("wrong-unit", span, format!("expected a {expected}, found a {found}"));
+    match expected.usual_units() {
+        [] if expected == Dimension::RATIO => diagnostic.help("write the number without a unit"),
+        [] => diagnostic,
+        units => diagnostic.help(format!("units of {expected}: {}", quoted(units.iter().copied()))),
+    }
+}
+
+/// A unit is not known.
+pub fn unknown_unit(span: Span, written: &str, part: Option<&str>, units: &[&str]) -> Diagnostic {
+    let Some(part) = part else {
+        return Diagnostic::error("unknown-unit", span, format!("`{written}` is no unit"))
+            .help("a power is a whole number from -9 to 9, as in `m/s^2`");
+    };
+    let diagnostic = Diagnostic::error("unknown-unit", span, format!("`{part}` is no unit"));
+    let diagnostic = match nearest(part, units.iter().copied()) {
+        Some(near) => diagnostic.here(format!("did you mean `{near}`?")),
+        None => diagnostic.help(format!("units: {}", quoted(units.iter().copied()))),
+    };
+    if part == written {
+        diagnostic
+    } else {
+        diagnostic.help(format!("to divide or multiply by something named `{part}`, put spaces round the sign"))
+    }
+}
+
+/// A value lies outside its bounds.
+pub fn out_of_range(span: Span, found: String, bounds: String) -> Diagnostic {
+    Diagnostic::error("out-of-range", span, format!("{found} is out of range")).here(format!("allowed: {bounds}"))
+}
+
+/// A range's low end lies above its high end.
+pub fn empty_range(span: Span, swapped: String) -> Diagnostic {
+    Diagnostic::error("empty-range", span, "this range is empty: its low end lies above its high end").fix(swapped)
+}
+
+/// A whole number has a fraction.
+pub fn not_whole(span: Span, value: f64) -> Diagnostic {
+    Diagnostic::error("not-whole", span, format!("expected a whole number, found {value}"))
+}
+
+/// A list has no members.
+pub fn empty_list(span: Span) -> Diagnostic {
+    Diagnostic::error("empty-list", span, "this list is empty").help("name at least one member")
+}
+
+/// A word is not among the choices.
+pub fn unknown_choice(span: Span, word: &str, words: &[&str]) -> Diagnostic {
+    unknown("unknown-choice", span, "choice", word, words)
+}
+
+/// A formula names an unknown variable.
+pub fn unknown_variable(span: Span, word: &str, known: &[&str]) -> Diagnostic {
+    unknown("unknown-variable", span, "variable", word, known)
+}
+
+/// A formula names a variable that has no value at this event.
+pub fn unavailable_variable(span: Span, word: &str, event: &str, known: &[&str]) -> Diagnostic {
+    Diagnostic::error("unavailable-variable", span, format!("`{word}` has no value at `{event}`"))
+        .help(format!("at `{event}` there are {}", quoted(known.iter().copied())))
+}
+
+/// A formula calls an unknown function.
+pub fn unknown_function(span: Span, word: &str, known: &[&str]) -> Diagnostic {
+    unknown("unknown-function", span, "function", word, known)
+}
+
+/// A function has the wrong number of arguments.
+pub fn wrong_arity(span: Span, function: &str, expected: &str, found: usize) -> Diagnostic {
+    Diagnostic::error("wrong-arity", span, format!("`{function}` takes {expected}, found {found}"))
+}
+
+/// Two sides of an operator, or two arguments, have different dimensions.
+pub fn mixed_dimensions(left: Span, first: Dimension, right: Span, second: Dimension) -> Diagnostic {
+    let diagnostic = Diagnostic::error("mixed-dimensions", right, format!("a {first} and a {second} do not mix"))
+        .here(format!("this is a {second}"))
+        .label(left, format!("this is a {first}"));
+    let quantity = if first == Dimension::RATIO { second } else { first };
+    match quantity.usual_units().first() {
+        Some(unit) if first == Dimension::RATIO || second == Dimension::RATIO => {
+            diagnostic.help(format!("to count a {quantity} in {unit} on purpose, write `… in {unit}`"))
+        }
+        _ => diagnostic,
+    }
+}
+
+/// A condition stands where a quantity is wanted, or the other way round.
+pub fn not_a(span: Span, wanted: &str, found: &str) -> Diagnostic {
+    Diagnostic::error("wrong-type", span, format!("expected a {wanted}, found a {found}"))
+}
+
+/// A clause answers to an unknown event.
+pub fn unknown_event(span: Span, word: &str, known: &[&str]) -> Diagnostic {
+    unknown("unknown-event", span, "event", word, known)
+}
+
+/// An event's word is unknown.
+pub fn unknown_event_word(span: Span, event: &str, word: &str, known: &[&str]) -> Diagnostic {
+    unknown("unknown-event-word", span, &format!("word of event `{event}`"), word, known)
+}
+
+/// Two clauses answer to the same event.
+pub fn duplicate_clause(span: Span, first: Span) -> Diagnostic {
+    Diagnostic::error("duplicate-clause", span, "this event has a clause already").label(first, "the first is here")
+}
+
+/// A map file cannot be used.
+pub fn unusable_map(span: Span, path: &str, reason: &str) -> Diagnostic {
+    Diagnostic::error("unusable-map", span, format!("cannot use the map `{path}`: {reason}"))
+        .help("paths are relative to the folder of the file that names them")
+}
+
+/// A town written in the language cannot be built.
+pub fn unbuildable_town(span: Span, reason: &str) -> Diagnostic {
+    Diagnostic::error("unbuildable-town", span, format!("this town cannot be built: {reason}"))
+}
+
+/// Values that are fine alone contradict each other.
+pub fn contradiction(span: Span, message: String) -> Diagnostic {
+    Diagnostic::error("contradiction", span, message)
+}

@@ -1,0 +1,89 @@
+//! The checked program: every name resolved, every value in SI, every default filled in, every node with its place.
+
+use crate::diagnostic::{SourceId, Span};
+use crate::signature::{Arguments, DeclarationId, Formula};
+
+/// All declarations of all files.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Program {
+    /// The declarations; a [`DeclarationId`] is an index into them.
+    pub declarations: Vec<Declaration>,
+    /// The files the user named.
+    pub roots: Vec<SourceId>,
+}
+
+impl Program {
+    /// The declaration with this id.
+    pub fn get(&self, id: DeclarationId) -> &Declaration {
+        &self.declarations[id.0]
+    }
+
+    /// The declarations of a form in the files the user named, in order.
+    pub fn of_form<'a>(&'a self, form: &'a str) -> impl Iterator<Item = &'a Declaration> {
+        let in_roots = |source| self.roots.contains(&source);
+        self.declarations.iter().filter(move |d| d.form == form && in_roots(d.source))
+    }
+}
+
+/// One declaration.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Declaration {
+    /// Its id.
+    pub id: DeclarationId,
+    /// The file it stands in.
+    pub source: SourceId,
+    /// Its form.
+    pub form: &'static str,
+    /// Its kind; the form's own name when it has none.
+    pub kind: &'static str,
+    /// Its name.
+    pub name: String,
+    /// Its documentation, one string a line.
+    pub docs: Vec<String>,
+    /// Its contents.
+    pub block: Block,
+}
+
+/// The contents of a declaration.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Block {
+    /// The word that names the signature.
+    pub word: &'static str,
+    /// The name of a nested block.
+    pub name: Option<String>,
+    /// A value for every key.
+    pub arguments: Arguments,
+    /// Where the given keys' values stand.
+    pub places: Vec<(&'static str, Span)>,
+    /// Nested blocks, in order.
+    pub children: Vec<Block>,
+    /// `on` clauses, in order.
+    pub clauses: Vec<Clause>,
+    /// Where the block begins.
+    pub head: Span,
+}
+
+impl Block {
+    /// Where a key's value stands, or the block's head when the default holds.
+    pub fn place(&self, key: &str) -> Span {
+        self.places.iter().find(|(name, _)| *name == key).map_or(self.head, |(_, span)| *span)
+    }
+
+    /// The nested blocks with this word.
+    pub fn nested<'a>(&'a self, word: &'a str) -> impl Iterator<Item = &'a Block> {
+        self.children.iter().filter(move |child| child.word == word)
+    }
+}
+
+/// `on event(word) => formula`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Clause {
+    /// The event's name.
+    pub event: &'static str,
+    /// The word in parentheses.
+    pub word: Option<&'static str>,
+    /// What it is worth.
+    pub formula: Formula,
+    /// The event's place.
+    pub span: Span,
+}

@@ -1,0 +1,112 @@
+//! Follows imports: paths → files, each read once.
+
+use std::path::{Component, Path, PathBuf};
+
+use super::ast::File;
+use super::{codes, parse};
+use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
+
+/// Reads a file's text; the only way in which the front end reaches the outside.
+pub type Reader<'a> = dyn Fn(&Path) -> std::io::Result<String> + 'a;
+
+/// Everything that was read.
+#[derive(Debug)]
+pub struct Loaded {
+    /// The trees, in the order of the sources.
+    pub files: Vec<File>,
+    /// The files that the user named, as opposed to imported ones.
+    pub roots: Vec<SourceId>,
+    /// What was found wrong.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// Reads the named files and all they import, adding each text to the sources once.
+///
+/// # Errors
+/// The first named file that cannot be read, with the reason. An import that cannot be read is a diagnostic instead.
+pub fn load(paths: &[PathBuf], read: &Reader, sources: &mut Sources) -> Result<Loaded, (PathBuf, std::io::Error)> {
+    let mut loader = Loader { read, sources, known: Vec::new(), files: Vec::new(), diagnostics: Vec::new() };
+    let mut roots = Vec::new();
+    for path in paths {
+        let source = loader.file(path, &mut Vec::new()).map_err(|error| (path.clone(), error))?;
+        if !roots.contains(&source) {
+            roots.push(source);
+        }
+    }
+    let Loader { mut files, diagnostics, .. } = loader;
+    files.sort_by_key(|file| file.source);
+    Ok(Loaded { files, roots, diagnostics })
+}
+
+struct Loader<'a> {
+    read: &'a Reader<'a>,
+    sources: &'a mut Sources,
+    known: Vec<(PathBuf, SourceId)>,
+    files: Vec<File>,
+    diagnostics: Vec<Diagnostic>,
+}
+
+impl Loader<'_> {
+    fn file(&mut self, path: &Path, importers: &mut Vec<SourceId>) -> std::io::Result<SourceId> {
+        let key = normal(path);
+        if let Some((_, source)) = self.known.iter().find(|(known, _)| *known == key) {
+            return Ok(*source);
+        }
+        let text = (self.read)(path)?;
+        let source = self.sources.add(path, text.clone());
+        self.known.push((key, source));
+        let (mut file, mut diagnostics) = parse(source, &text);
+        self.diagnostics.append(&mut diagnostics);
+        if file.edition.is_none() && !self.diagnostics.iter().any(|d| d.primary.span.source == source) {
+            self.diagnostics.push(codes::missing_edition(Span { source, start: 0, end: 0 }));
+        }
+        if let Some((edition, span)) = file.edition
+            && edition != 1.0
+        {
+            self.diagnostics.push(codes::unknown_edition(span, edition));
+        }
+        importers.push(source);
+        for import in &mut file.imports {
+            let folder = path.parent().unwrap_or(Path::new(""));
+            match self.file(&folder.join(&import.path), importers) {
+                Ok(imported) if importers.contains(&imported) => {
+                    self.diagnostics.push(codes::import_cycle(import.span, &import.path));
+                }
+                Ok(imported) => import.source = Some(imported),
+                Err(error) => {
+                    let reason = reason(&error);
+                    self.diagnostics.push(codes::import_not_found(import.span, &import.path, &reason));
+                }
+            }
+        }
+        importers.pop();
+        self.files.push(file);
+        Ok(source)
+    }
+}
+
+/// Says in words why a file cannot be read.
+pub fn reason(error: &std::io::Error) -> String {
+    match error.kind() {
+        std::io::ErrorKind::NotFound => "there is no such file".into(),
+        std::io::ErrorKind::PermissionDenied => "you may not read it".into(),
+        std::io::ErrorKind::InvalidData => "it is not UTF-8 text".into(),
+        std::io::ErrorKind::IsADirectory => "it is a folder".into(),
+        _ => error.to_string(),
+    }
+}
+
+/// The same path for `a/../b` and `b`, without asking the file system.
+fn normal(path: &Path) -> PathBuf {
+    let mut result = PathBuf::new();
+    for component in path.components() {
+        match component {
+            Component::CurDir => {}
+            Component::ParentDir if matches!(result.components().next_back(), Some(Component::Normal(_))) => {
+                result.pop();
+            }
+            other => result.push(other),
+        }
+    }
+    result
+}

@@ -1,0 +1,25 @@
+//! The scenario language: text → AST → HIR.
+//!
+//! | phase | function | from → to |
+//! |---|---|---|
+//! | load | [`load`] | paths → [`ast::File`]s, imports followed, every file read once |
+//! | parse | [`parse`] | text → [`ast::File`] |
+//! | check | [`check`] | files, [`Form`](crate::signature::Form)s, vocabulary → [`hir::Program`] |
+//!
+//! Every phase returns what it could build **and** all it has to say; nothing stops at the first mistake. The language
+//! knows no form, kind or key by name: those are handed in as signatures.
+
+mod load;
+mod parse;
+pub mod ast;
+mod brackets;
+mod check;
+mod formula;
+mod value;
+pub mod codes;
+pub mod hir;
+mod suggest;
+
+pub use check::check;
+pub use load::{Loaded, Reader, load};
+pub use parse::parse;

@@ -1,0 +1,373 @@
+//! Text → AST. The only code that knows pest.
+
+use pest::Parser;
+use pest::error::{ErrorVariant, InputLocation};
+use pest::iterators::Pair;
+use pest::pratt_parser::{Assoc, Op, PrattParser};
+use std::sync::LazyLock;
+
+use super::ast::{Clause, Declaration, Entry, Expression, ExpressionKind, File, Import, Name, Operator, Property};
+use super::{brackets, codes};
+use crate::diagnostic::{Diagnostic, SourceId, Span};
+
+#[allow(missing_docs, reason = "the derive writes the enum; the grammar documents the rules")]
+mod rules {
+    /// The parser made from the grammar files.
+    #[derive(pest_derive::Parser)]
+    #[grammar = "../grammar/lexical.pest"]
+    #[grammar = "../grammar/scenario.pest"]
+    pub(super) struct ScenarioParser;
+}
+use rules::{Rule, ScenarioParser};
+
+/// The longest file that is read [bytes].
+const MAX_BYTES: usize = 4 << 20;
+
+/// Reads a file's text into a tree, with everything that could be read and one diagnostic for each statement that
+/// could not.
+pub fn parse(source: SourceId, text: &str) -> (File, Vec<Diagnostic>) {
+    let mut reader = Reader { source, offset: 0, diagnostics: Vec::new() };
+    let mut file = File { source, edition: None, imports: Vec::new(), declarations: Vec::new() };
+    if text.len() > MAX_BYTES {
+        let span = Span { source, start: 0, end: 0 };
+        return (file, vec![codes::too_large(span, text.len(), MAX_BYTES)]);
+    }
+    if let Err(diagnostic) = brackets::scan(source, text) {
+        return (file, vec![diagnostic]);
+    }
+    match ScenarioParser::parse(Rule::file, text) {
+        Ok(mut pairs) => {
+            for pair in pairs.next().expect("a parse gives its rule").into_inner() {
+                reader.item(pair, &mut file);
+            }
+        }
+        Err(error) => reader.diagnostics.push(reader.syntax_error(&error, 0)),
+    }
+    (file, reader.diagnostics)
+}
+
+/// Reads a value that stands alone, such as a default in a signature.
+pub(super) fn parse_value(source: SourceId, text: &str) -> Result<Expression, Diagnostic> {
+    let mut reader = Reader { source, offset: 0, diagnostics: Vec::new() };
+    brackets::scan(source, text)?;
+    match ScenarioParser::parse(Rule::whole_value, text) {
+        Ok(mut pairs) => {
+            let value = pairs.next().and_then(|whole| whole.into_inner().next()).expect("whole_value holds a value");
+            Ok(reader.value(value))
+        }
+        Err(error) => Err(reader.syntax_error(&error, 0)),
+    }
+}
+
+struct Reader {
+    source: SourceId,
+    /// Where the text that is being parsed begins in the source.
+    offset: usize,
+    diagnostics: Vec<Diagnostic>,
+}
+
+impl Reader {
+    fn span(&self, pair: &Pair<Rule>) -> Span {
+        let span = pair.as_span();
+        Span { source: self.source, start: self.offset + span.start(), end: self.offset + span.end() }
+    }
+
+    fn name(&self, pair: Pair<Rule>) -> Name {
+        Name { text: pair.as_str().to_string(), span: self.span(&pair) }
+    }
+
+    fn item(&mut self, pair: Pair<Rule>, file: &mut File) {
+        match pair.as_rule() {
+            Rule::edition => {
+                let number = pair.into_inner().next().expect("edition has a number");
+                file.edition = Some((read_number(number.as_str()), self.span(&number)));
+            }
+            Rule::import => {
+                let text = pair.into_inner().next().expect("import has a text");
+                file.imports.push(Import { path: inner_text(&text), span: self.span(&text), source: None });
+            }
+            Rule::declaration => {
+                let declaration = self.declaration(pair);
+                file.declarations.push(declaration);
+            }
+            Rule::junk_item => self.junk(&pair, Rule::whole_item),
+            Rule::doc | Rule::EOI => {}
+            other => unreachable!("file holds no {other:?}"),
+        }
+    }
+
+    fn declaration(&mut self, pair: Pair<Rule>) -> Declaration {
+        let mut docs = Vec::new();
+        let mut names = Vec::new();
+        let mut kind = None;
+        let mut entries = Vec::new();
+        for part in pair.into_inner() {
+            match part.as_rule() {
+                Rule::doc => docs.push(part.as_str()[3..].trim().to_string()),
+                Rule::name => names.push(self.name(part)),
+                Rule::kind => {
+                    let mut inner = part.into_inner();
+                    kind = inner.next().map(|word| self.name(word));
+                    for argument in inner.flat_map(Pair::into_inner) {
+                        let entry = self.argument(argument);
+                        entries.push(entry);
+                    }
+                }
+                Rule::block => self.block(part, &mut entries),
+                other => unreachable!("declaration holds no {other:?}"),
+            }
+        }
+        let mut names = names.into_iter();
+        let form = names.next().expect("a declaration begins with a name");
+        let name = names.next();
+        let last = kind.as_ref().or(name.as_ref()).unwrap_or(&form);
+        Declaration { docs, head: form.span.to(last.span), form, name, kind, entries }
+    }
+
+    fn argument(&mut self, pair: Pair<Rule>) -> Entry {
+        let mut inner = pair.into_inner();
+        let first = inner.next().expect("an argument has a value");
+        match inner.next() {
+            Some(value) => Entry::Property(Property { key: self.name(first), value: self.value(value) }),
+            None => Entry::Bare(self.value(first)),
+        }
+    }
+
+    fn block(&mut self, pair: Pair<Rule>, entries: &mut Vec<Entry>) {
+        for part in pair.into_inner() {
+            match part.as_rule() {
+                Rule::property => {
+                    let mut inner = part.into_inner().filter(|p| p.as_rule() != Rule::doc);
+                    let key = self.name(inner.next().expect("a property has a key"));
+                    let value = self.value(inner.next().expect("a property has a value"));
+                    entries.push(Entry::Property(Property { key, value }));
+                }
+                Rule::clause => {
+                    let mut inner = part.into_inner().filter(|p| p.as_rule() != Rule::doc);
+                    let mut event = inner.next().expect("a clause has an event").into_inner();
+                    let name = self.name(event.next().expect("an event has a name"));
+                    let word = event.next().map(|word| self.name(word));
+                    let formula = self.value(inner.next().expect("a clause has a formula"));
+                    entries.push(Entry::Clause(Clause { event: name, word, formula }));
+                }
+                Rule::declaration => {
+                    let child = self.declaration(part);
+                    entries.push(Entry::Child(child));
+                }
+                Rule::junk_entry => self.junk(&part, Rule::whole_entry),
+                Rule::doc => {}
+                other => unreachable!("block holds no {other:?}"),
+            }
+        }
+    }
+
+    fn value(&mut self, pair: Pair<Rule>) -> Expression {
+        let span = self.span(&pair);
+        let mut inner = pair.into_inner();
+        let low = self.expression(inner.next().expect("a value has an expression"));
+        match inner.next() {
+            None => low,
+            Some(high) => {
+                let high = self.expression(high);
+                Expression { kind: ExpressionKind::Range(low.into(), high.into()), span }
+            }
+        }
+    }
+
+    fn expression(&mut self, pair: Pair<Rule>) -> Expression {
+        let pairs = pair.into_inner();
+        let reader = std::cell::RefCell::new(self);
+        PRATT
+            .map_primary(|term| reader.borrow_mut().term(term))
+            .map_infix(|left, operator, right| {
+                let span = left.span.to(right.span);
+                let operator = operator_of(operator.as_rule());
+                Expression {
+                    kind: ExpressionKind::Binary { operator, left: left.into(), right: right.into() },
+                    span,
+                }
+            })
+            .parse(pairs)
+    }
+
+    fn term(&mut self, pair: Pair<Rule>) -> Expression {
+        let mut prefixes = Vec::new();
+        let mut result = None;
+        for part in pair.into_inner() {
+            match part.as_rule() {
+                Rule::negative | Rule::not => prefixes.push((part.as_rule(), self.span(&part))),
+                Rule::conversion => {
+                    let unit = self.name(part.into_inner().next().expect("a conversion has a unit"));
+                    let inner: Expression = result.take().expect("a conversion follows a value");
+                    let span = inner.span.to(unit.span);
+                    result = Some(Expression { kind: ExpressionKind::Conversion(inner.into(), unit), span });
+                }
+                _ => result = Some(self.primary(part)),
+            }
+        }
+        let mut expression = result.expect("a term has a value");
+        for (sign, span) in prefixes.into_iter().rev() {
+            let span = span.to(expression.span);
+            let kind = match (sign, expression.kind) {
+                (Rule::negative, ExpressionKind::Number { value, unit }) => {
+                    ExpressionKind::Number { value: -value, unit }
+                }
+                (Rule::negative, kind) => ExpressionKind::Negate(Expression { kind, span: expression.span }.into()),
+                (_, kind) => ExpressionKind::Not(Expression { kind, span: expression.span }.into()),
+            };
+            expression = Expression { kind, span };
+        }
+        expression
+    }
+
+    fn primary(&mut self, pair: Pair<Rule>) -> Expression {
+        let span = self.span(&pair);
+        let kind = match pair.as_rule() {
+            Rule::number => ExpressionKind::Number { value: read_number(pair.as_str()), unit: None },
+            Rule::quantity => {
+                let mut inner = pair.into_inner();
+                let value = read_number(inner.next().expect("a quantity has a number").as_str());
+                let unit = self.name(inner.next().expect("a quantity has a unit"));
+                ExpressionKind::Number { value, unit: Some(unit) }
+            }
+            Rule::text => ExpressionKind::Text(inner_text(&pair)),
+            Rule::name => ExpressionKind::Name(pair.as_str().to_string()),
+            Rule::call => {
+                let mut inner = pair.into_inner();
+                let function = self.name(inner.next().expect("a call has a name"));
+                let mut arguments = Vec::new();
+                for argument in inner.flat_map(Pair::into_inner) {
+                    match self.argument(argument) {
+                        Entry::Bare(value) => arguments.push(value),
+                        Entry::Property(property) => {
+                            self.diagnostics.push(codes::named_argument(property.key.span, &property.key.text));
+                        }
+                        Entry::Clause(_) | Entry::Child(_) => unreachable!("an argument is a value"),
+                    }
+                }
+                ExpressionKind::Call { function, arguments }
+            }
+            Rule::group => ExpressionKind::Group(pair.into_inner().map(|value| self.value(value)).collect()),
+            Rule::list => ExpressionKind::List(pair.into_inner().map(|value| self.value(value)).collect()),
+            other => unreachable!("no primary is a {other:?}"),
+        };
+        Expression { kind, span }
+    }
+
+    /// Reads a statement of no known shape once more, on its own, to find out where it goes wrong.
+    fn junk(&mut self, pair: &Pair<Rule>, rule: Rule) {
+        let start = pair.as_span().start();
+        let text = pair.as_str().trim_end();
+        let diagnostic = match ScenarioParser::parse(rule, text) {
+            Err(error) => self.syntax_error(&error, start),
+            Ok(_) => codes::syntax(self.span(pair), "this cannot stand here".into()),
+        };
+        self.diagnostics.push(diagnostic);
+    }
+
+    fn syntax_error(&self, error: &pest::error::Error<Rule>, start: usize) -> Diagnostic {
+        let (from, to) = match error.location {
+            InputLocation::Pos(at) => (at, at),
+            InputLocation::Span((from, to)) => (from, to),
+        };
+        let span = Span { source: self.source, start: self.offset + start + from, end: self.offset + start + to };
+        let expected = match &error.variant {
+            ErrorVariant::ParsingError { positives, .. } => {
+                let mut words: Vec<&str> = positives.iter().filter_map(|rule| describe(*rule)).collect();
+                words.sort_unstable();
+                words.dedup();
+                words.join(", ")
+            }
+            ErrorVariant::CustomError { message } => message.clone(),
+        };
+        let text = if expected.is_empty() { "not understood from here".into() } else { format!("expected {expected}") };
+        codes::syntax(span, text)
+    }
+}
+
+fn read_number(text: &str) -> f64 {
+    text.replace('_', "").parse().expect("the grammar admits only numbers")
+}
+
+fn inner_text(pair: &Pair<Rule>) -> String {
+    pair.clone().into_inner().next().map_or_else(String::new, |inner| inner.as_str().to_string())
+}
+
+static PRATT: LazyLock<PrattParser<Rule>> = LazyLock::new(|| {
+    PrattParser::new()
+        .op(Op::infix(Rule::or, Assoc::Left))
+        .op(Op::infix(Rule::and, Assoc::Left))
+        .op(Op::infix(Rule::less, Assoc::Left)
+            | Op::infix(Rule::less_equal, Assoc::Left)
+            | Op::infix(Rule::greater, Assoc::Left)
+            | Op::infix(Rule::greater_equal, Assoc::Left))
+        .op(Op::infix(Rule::add, Assoc::Left) | Op::infix(Rule::subtract, Assoc::Left))
+        .op(Op::infix(Rule::multiply, Assoc::Left) | Op::infix(Rule::divide, Assoc::Left))
+});
+
+fn operator_of(rule: Rule) -> Operator {
+    match rule {
+        Rule::or => Operator::Or,
+        Rule::and => Operator::And,
+        Rule::less => Operator::Less,
+        Rule::less_equal => Operator::LessEqual,
+        Rule::greater => Operator::Greater,
+        Rule::greater_equal => Operator::GreaterEqual,
+        Rule::add => Operator::Add,
+        Rule::subtract => Operator::Subtract,
+        Rule::multiply => Operator::Multiply,
+        Rule::divide => Operator::Divide,
+        other => unreachable!("{other:?} is no operator"),
+    }
+}
+
+/// What a user calls a rule; `None` for rules that say nothing to a user. Exhaustive, so that a new rule gets a name.
+fn describe(rule: Rule) -> Option<&'static str> {
+    Some(match rule {
+        Rule::name => "a name",
+        Rule::number | Rule::quantity => "a number",
+        Rule::unit => "a unit",
+        Rule::text => "a text in quotes",
+        Rule::block => "`{`",
+        Rule::kind => "`=`",
+        Rule::arguments | Rule::group => "`(`",
+        Rule::list => "`[`",
+        Rule::edition => "`edition`",
+        Rule::import => "`import`",
+        Rule::declaration => "a declaration",
+        Rule::property => "`key: value`",
+        Rule::clause => "`on event => formula`",
+        Rule::event => "an event",
+        Rule::value | Rule::expression | Rule::term | Rule::primary => "a value",
+        Rule::call => "a call",
+        Rule::argument => "an argument",
+        Rule::infix
+        | Rule::or
+        | Rule::and
+        | Rule::less
+        | Rule::less_equal
+        | Rule::greater
+        | Rule::greater_equal
+        | Rule::add
+        | Rule::subtract
+        | Rule::multiply
+        | Rule::divide => "an operator",
+        Rule::conversion => "`in`",
+        Rule::EOI | Rule::whole_item | Rule::whole_entry | Rule::whole_value => "the end of the statement",
+        Rule::WHITESPACE
+        | Rule::COMMENT
+        | Rule::doc
+        | Rule::name_char
+        | Rule::keyword
+        | Rule::digits
+        | Rule::unit_part
+        | Rule::text_inner
+        | Rule::file
+        | Rule::junk_item
+        | Rule::junk_entry
+        | Rule::balanced
+        | Rule::prefix
+        | Rule::negative
+        | Rule::not => return None,
+    })
+}

@@ -1,0 +1,201 @@
+//! Checks values against the types of their keys.
+
+use super::ast::{Expression, ExpressionKind};
+use super::check::Names;
+use super::codes;
+use super::formula::{Scope, Sort, formula};
+use crate::diagnostic::{Diagnostic, Sources, Span};
+use crate::signature::{Type, Value, VariableId, Vocabulary};
+use crate::units::Dimension;
+
+/// What a value is checked against.
+pub(super) struct Context<'a> {
+    pub vocabulary: &'a Vocabulary,
+    pub names: &'a Names<'a>,
+    pub sources: &'a Sources,
+}
+
+/// Checks an expression as a value of this type; `None` when something was wrong and has been said.
+pub(super) fn value(
+    expression: &Expression,
+    ty: &Type,
+    context: &Context,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Option<Value> {
+    let span = expression.span;
+    let wrong = |diagnostics: &mut Vec<Diagnostic>| {
+        diagnostics.push(codes::wrong_type(span, ty, &describe(expression)));
+        None
+    };
+    match (ty, &expression.kind) {
+        (Type::List(item), ExpressionKind::List(members)) => {
+            if members.is_empty() {
+                diagnostics.push(codes::empty_list(span));
+                return None;
+            }
+            let values: Vec<Option<Value>> =
+                members.iter().map(|member| value(member, item, context, diagnostics)).collect();
+            values.into_iter().collect::<Option<_>>().map(Value::List)
+        }
+        (Type::List(item), _) => value(expression, item, context, diagnostics).map(|one| Value::List(vec![one])),
+        (Type::Range { dimension, min, max }, ExpressionKind::Range(low, high)) => {
+            let (a, b) = (quantity(low, *dimension, context, diagnostics), quantity(high, *dimension, context, diagnostics));
+            let (a, b) = (a?, b?);
+            if a > b {
+                let swapped = format!("{} .. {}", context.sources.text(high.span), context.sources.text(low.span));
+                diagnostics.push(codes::empty_range(span, swapped));
+                return None;
+            }
+            within(a, *min, *max, *dimension, low.span, context, diagnostics)?;
+            within(b, *min, *max, *dimension, high.span, context, diagnostics)?;
+            Some(Value::Range(a, b))
+        }
+        (Type::Quantity { dimension, min, max }, _) if is_formula(expression) => {
+            let number = quantity(expression, *dimension, context, diagnostics)?;
+            within(number, *min, *max, *dimension, span, context, diagnostics)?;
+            Some(Value::Number(number))
+        }
+        (Type::Integer { min, max }, _) if is_formula(expression) => {
+            let number = quantity(expression, Dimension::RATIO, context, diagnostics)?;
+            if number.fract() != 0.0 || number.abs() > 9e15 {
+                diagnostics.push(codes::not_whole(span, number));
+                return None;
+            }
+            let number = number as i64;
+            if number < *min || number > *max {
+                let bounds = if *max == i64::MAX { format!("{min} or more") } else { format!("{min} to {max}") };
+                diagnostics.push(codes::out_of_range(span, number.to_string(), bounds));
+                return None;
+            }
+            Some(Value::Integer(number))
+        }
+        (Type::Boolean, ExpressionKind::Name(word)) if word == "true" || word == "false" => {
+            Some(Value::Boolean(word == "true"))
+        }
+        (Type::Choice(words), ExpressionKind::Name(word) | ExpressionKind::Text(word)) => {
+            match words.iter().find(|known| *known == word) {
+                Some(known) => Some(Value::Choice(known)),
+                None => {
+                    diagnostics.push(codes::unknown_choice(span, word, words));
+                    None
+                }
+            }
+        }
+        (Type::Text | Type::Path, ExpressionKind::Text(text)) => Some(Value::Text(text.clone())),
+        (Type::Reference(form), ExpressionKind::Name(word)) => match context.names.find(form, word) {
+            Some(id) => Some(Value::Reference(id)),
+            None => {
+                diagnostics.push(codes::unknown_name(span, form, word, &context.names.of_form(form)));
+                None
+            }
+        },
+        (Type::Point, ExpressionKind::Group(parts)) if parts.len() == 2 => {
+            let numbers = parts.iter().map(|part| quantity(part, Dimension::LENGTH, context, diagnostics));
+            let numbers: Vec<Option<f64>> = numbers.collect();
+            Some(Value::Point(numbers[0]?, numbers[1]?))
+        }
+        (Type::Pose, ExpressionKind::Group(parts)) if parts.len() == 3 => {
+            let dimensions = [Dimension::LENGTH, Dimension::LENGTH, Dimension::ANGLE];
+            let numbers = parts.iter().zip(dimensions).map(|(part, d)| quantity(part, d, context, diagnostics));
+            let numbers: Vec<Option<f64>> = numbers.collect();
+            Some(Value::Pose(numbers[0]?, numbers[1]?, numbers[2]?))
+        }
+        (Type::Condition, _) => {
+            let step = context.vocabulary.events.iter().find(|event| event.name == "step");
+            let available = step.map_or(&[][..], |event| event.variables);
+            let scope = Scope { vocabulary: context.vocabulary, available, event: "step" };
+            match formula(expression, &scope, diagnostics)? {
+                (formula, Sort::Truth) => Some(Value::Formula(formula)),
+                (_, Sort::Quantity(dimension)) => {
+                    diagnostics.push(codes::not_a(span, "condition", &dimension.to_string()));
+                    None
+                }
+            }
+        }
+        _ => wrong(diagnostics),
+    }
+}
+
+/// Whether an expression can be a constant quantity; words and texts get a better message from their type.
+fn is_formula(expression: &Expression) -> bool {
+    match &expression.kind {
+        ExpressionKind::Group(members) => members.len() == 1,
+        ExpressionKind::Text(_) | ExpressionKind::Range(..) | ExpressionKind::List(_) | ExpressionKind::Name(_) => false,
+        _ => true,
+    }
+}
+
+fn quantity(
+    expression: &Expression,
+    dimension: Dimension,
+    context: &Context,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Option<f64> {
+    let scope = Scope { vocabulary: context.vocabulary, available: &[], event: "compile time" };
+    let (formula, sort) = formula(expression, &scope, diagnostics)?;
+    match sort {
+        Sort::Truth => {
+            diagnostics.push(codes::not_a(expression.span, &dimension.to_string(), "condition"));
+            None
+        }
+        Sort::Quantity(found) if found == dimension => {
+            let number = formula.evaluate(&|_: VariableId| unreachable!("no variable is in scope"));
+            if number.is_finite() {
+                return Some(number);
+            }
+            diagnostics.push(codes::out_of_range(expression.span, number.to_string(), "a finite number".into()));
+            None
+        }
+        Sort::Quantity(Dimension::RATIO) => {
+            let written = context.sources.text(expression.span);
+            diagnostics.push(codes::missing_unit(expression.span, dimension, written));
+            None
+        }
+        Sort::Quantity(found) => {
+            diagnostics.push(codes::wrong_unit(expression.span, dimension, found));
+            None
+        }
+    }
+}
+
+fn within(
+    number: f64,
+    min: f64,
+    max: f64,
+    dimension: Dimension,
+    span: Span,
+    context: &Context,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Option<()> {
+    if number >= min && number <= max {
+        return Some(());
+    }
+    // Bounds are shown in degrees for angles, as a user would write them.
+    let (scale, name) = match dimension {
+        Dimension::RATIO => (1.0, ""),
+        Dimension::ANGLE => (std::f64::consts::PI / 180.0, " deg"),
+        _ => (1.0, dimension.usual_units().first().copied().unwrap_or("")),
+    };
+    let shown = |bound: f64| format!("{} {}", bound / scale, name.trim()).trim().to_string();
+    let bounds = match (min, max) {
+        (min, f64::INFINITY) if min == f64::MIN_POSITIVE => format!("above {}", shown(0.0)),
+        (min, f64::INFINITY) => format!("{} or more", shown(min)),
+        (f64::NEG_INFINITY, max) => format!("{} or less", shown(max)),
+        (min, max) => format!("{} to {}", shown(min), shown(max)),
+    };
+    diagnostics.push(codes::out_of_range(span, context.sources.text(span).to_string(), bounds));
+    None
+}
+
+fn describe(expression: &Expression) -> String {
+    match &expression.kind {
+        ExpressionKind::Number { unit: None, .. } => "a plain number".into(),
+        ExpressionKind::Number { .. } => "a quantity".into(),
+        ExpressionKind::Text(_) => "a text".into(),
+        ExpressionKind::Name(word) => format!("the word `{word}`"),
+        ExpressionKind::Range(..) => "a range".into(),
+        ExpressionKind::List(_) => "a list".into(),
+        ExpressionKind::Group(parts) if parts.len() > 1 => format!("a tuple of {}", parts.len()),
+        _ => "a formula".into(),
+    }
+}

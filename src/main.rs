@@ -1,0 +1,2 @@
+//! falsify
+fn main() {}

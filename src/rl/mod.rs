@@ -1,0 +1,1 @@
+//! Reinforcement learning: PPO and what it needs. Knows no car.

@@ -1,0 +1,128 @@
+use crate::units::Dimension;
+
+/// The type of a value in the language.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Type {
+    /// One number with a dimension; bounds are in SI and inclusive.
+    Quantity {
+        /// What it measures.
+        dimension: Dimension,
+        /// Least value.
+        min: f64,
+        /// Greatest value.
+        max: f64,
+    },
+    /// `low .. high`, low not above high; bounds are in SI and inclusive.
+    Range {
+        /// What both ends measure.
+        dimension: Dimension,
+        /// Least value of the low end.
+        min: f64,
+        /// Greatest value of the high end.
+        max: f64,
+    },
+    /// A whole number without unit, in inclusive bounds.
+    Integer {
+        /// Least value.
+        min: i64,
+        /// Greatest value.
+        max: i64,
+    },
+    /// `true` or `false`.
+    Boolean,
+    /// One of these words, bare or in quotes.
+    Choice(&'static [&'static str]),
+    /// A text in quotes.
+    Text,
+    /// A file's path in quotes, relative to the folder of the file that names it.
+    Path,
+    /// `(x, y)`, two lengths.
+    Point,
+    /// `(x, y, yaw)`, two lengths and an angle.
+    Pose,
+    /// The name of a declaration of this form.
+    Reference(&'static str),
+    /// `[a, b, …]` with at least one member; a single value may stand without brackets.
+    List(Box<Type>),
+    /// A condition over the variables of the vocabulary's `step` event.
+    Condition,
+}
+
+impl Type {
+    /// A quantity of any size.
+    pub fn any(dimension: Dimension) -> Self {
+        Self::Quantity { dimension, min: f64::NEG_INFINITY, max: f64::INFINITY }
+    }
+
+    /// A quantity that is not negative.
+    pub fn non_negative(dimension: Dimension) -> Self {
+        Self::Quantity { dimension, min: 0.0, max: f64::INFINITY }
+    }
+
+    /// A quantity above zero.
+    pub fn positive(dimension: Dimension) -> Self {
+        Self::Quantity { dimension, min: f64::MIN_POSITIVE, max: f64::INFINITY }
+    }
+
+    /// A plain number from 0 to 1.
+    pub fn share() -> Self {
+        Self::Quantity { dimension: Dimension::RATIO, min: 0.0, max: 1.0 }
+    }
+
+    /// What a user calls it.
+    pub fn describe(&self) -> String {
+        match self {
+            Type::Quantity { dimension, .. } => with_units(*dimension, &dimension.to_string()),
+            Type::Range { dimension, .. } => with_units(*dimension, &format!("range of {dimension}")),
+            Type::Integer { min, max } if *max == i64::MAX => format!("whole number from {min}"),
+            Type::Integer { min, max } => format!("whole number from {min} to {max}"),
+            Type::Boolean => "`true` or `false`".into(),
+            Type::Choice(words) => format!("one of {}", words.join(", ")),
+            Type::Text => "text in quotes".into(),
+            Type::Path => "path in quotes".into(),
+            Type::Point => "point `(x, y)`".into(),
+            Type::Pose => "pose `(x, y, yaw)`".into(),
+            Type::Reference(form) => format!("name of a {form}"),
+            Type::List(item) => format!("list, each a {}", item.describe()),
+            Type::Condition => "condition".into(),
+        }
+    }
+}
+
+fn with_units(dimension: Dimension, name: &str) -> String {
+    match dimension.usual_units() {
+        [] => name.to_string(),
+        units => format!("{name} [{}]", units.join(", ")),
+    }
+}
+
+/// A key of a form or kind.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Param {
+    /// The key.
+    pub name: &'static str,
+    /// The type of its value.
+    pub ty: Type,
+    /// The value when the key is not given, as it would stand in a file; `None` when it must be given and `Some("")`
+    /// when it may be left out and then is absent.
+    pub default: Option<&'static str>,
+    /// One sentence for the reference.
+    pub doc: &'static str,
+}
+
+impl Param {
+    /// A key that must be given.
+    pub fn required(name: &'static str, ty: Type, doc: &'static str) -> Self {
+        Self { name, ty, default: None, doc }
+    }
+
+    /// A key with a default, written as in a file.
+    pub fn with_default(name: &'static str, ty: Type, default: &'static str, doc: &'static str) -> Self {
+        Self { name, ty, default: Some(default), doc }
+    }
+
+    /// A key that may be left out.
+    pub fn optional(name: &'static str, ty: Type, doc: &'static str) -> Self {
+        Self { name, ty, default: Some(""), doc }
+    }
+}

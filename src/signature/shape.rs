@@ -1,0 +1,70 @@
+use super::Param;
+use crate::units::Dimension;
+
+/// A kind, or a block: a name, its keys, and the blocks that may stand inside.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Signature {
+    /// The word that selects it.
+    pub name: &'static str,
+    /// One or two sentences for the reference.
+    pub doc: &'static str,
+    /// Its keys.
+    pub params: Vec<Param>,
+    /// Blocks that may stand inside, any number of each.
+    pub children: Vec<Signature>,
+    /// Whether `on event => formula` clauses may stand inside.
+    pub clauses: bool,
+}
+
+impl Signature {
+    /// A kind with keys and nothing inside.
+    pub fn new(name: &'static str, doc: &'static str, params: Vec<Param>) -> Self {
+        Self { name, doc, params, children: Vec::new(), clauses: false }
+    }
+}
+
+/// A form: the word a declaration begins with.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Form {
+    /// The word.
+    pub name: &'static str,
+    /// One or two sentences for the reference.
+    pub doc: &'static str,
+    /// The keys of `form name { … }`; `None` when a kind must be named.
+    pub plain: Option<Signature>,
+    /// The kinds of `form name = kind(…)`.
+    pub kinds: Vec<Signature>,
+}
+
+/// A quantity that a formula may name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variable {
+    /// Its name in formulas.
+    pub name: &'static str,
+    /// What it measures; its value is in SI.
+    pub dimension: Dimension,
+    /// One sentence for the reference.
+    pub doc: &'static str,
+}
+
+/// Something that a reward can answer to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Event {
+    /// Its name, such as `hit`.
+    pub name: &'static str,
+    /// The words it takes in parentheses, such as `front`; empty when it takes none.
+    pub words: &'static [&'static str],
+    /// The names of the variables that have a value when it happens.
+    pub variables: &'static [&'static str],
+    /// One sentence for the reference.
+    pub doc: &'static str,
+}
+
+/// What formulas can speak about.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Vocabulary {
+    /// All variables; a formula holds indices into this list.
+    pub variables: Vec<Variable>,
+    /// All events.
+    pub events: Vec<Event>,
+}
