@@ -28,6 +28,18 @@ impl OrientedBox {
         Vector::new((local.x - self.half.x).max(0.0), (local.y - self.half.y).max(0.0)).norm()
     }
 
+    /// Whether two boxes overlap or touch; by separating axes.
+    pub fn overlaps(&self, other: &Self) -> bool {
+        let offset = other.pose.position() - self.pose.position();
+        let (ours, theirs) = ([self.pose.forward(), self.pose.left()], [other.pose.forward(), other.pose.left()]);
+        let reach = |axis: &Vector, sides: &[Vector; 2], half: &Vector| {
+            half.x * axis.dot(&sides[0]).abs() + half.y * axis.dot(&sides[1]).abs()
+        };
+        ours.iter().chain(&theirs).all(|axis| {
+            offset.dot(axis).abs() <= reach(axis, &ours, &self.half) + reach(axis, &theirs, &other.half)
+        })
+    }
+
     /// The corners, counter-clockwise from the front left.
     pub fn corners(&self) -> [Point; 4] {
         let (l, w) = (self.half.x, self.half.y);
@@ -38,6 +50,14 @@ impl OrientedBox {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn boxes_overlap_unless_an_axis_separates_them() {
+        let car = OrientedBox::new(Pose::new(0.0, 0.0, 0.0), 2.0, 1.0);
+        let turned = |x, y| OrientedBox::new(Pose::new(x, y, std::f64::consts::FRAC_PI_4), 1.0, 1.0);
+        assert!(car.overlaps(&turned(3.4, 0.0)) && !car.overlaps(&turned(3.42, 0.0)));
+        assert!(!car.overlaps(&turned(2.8, 1.8)), "corner to corner, where axis-parallel bounds overlap");
+    }
 
     #[test]
     fn distance_is_zero_inside_and_euclidean_at_corners() {

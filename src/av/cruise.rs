@@ -1,0 +1,74 @@
+use super::{DrivingMode, DrivingPolicy, Path, Perception, lane_keeping};
+use crate::seed::Stream;
+use crate::signature::{Arguments, Param, Signature, Type};
+use crate::sim::Control;
+use crate::units::Dimension;
+
+/// Keeps its lane and its speed and sees nobody: the driver that every pedestrian can hit, as a lower bound.
+#[derive(Debug, Clone)]
+pub struct Cruise {
+    /// Share of the speed limit that it drives.
+    limit_share: f64,
+    /// Lateral acceleration it takes in bends [m/s²].
+    lateral: f64,
+    path: Path,
+    mode: DrivingMode,
+}
+
+/// Comfortable braking before bends [m/s²].
+const COMFORTABLE: f64 = 2.0;
+
+impl Cruise {
+    /// What it takes in a scenario.
+    pub fn signature() -> Signature {
+        Signature::new(
+            "cruise",
+            "Keeps its lane and its speed, and sees nobody: neither pedestrians nor lights.",
+            vec![
+                Param::with_default("limit_share", Type::share(), "0.9", "Share of the speed limit that it drives."),
+                Param::with_default(
+                    "lateral_acceleration",
+                    Type::positive(Dimension::ACCELERATION),
+                    "2 m/s^2",
+                    "Lateral acceleration that it takes in bends.",
+                ),
+            ],
+        )
+    }
+
+    /// Makes one from checked arguments.
+    pub fn new(arguments: &Arguments) -> Self {
+        Self {
+            limit_share: arguments.number("limit_share"),
+            lateral: arguments.number("lateral_acceleration"),
+            path: Path::default(),
+            mode: DrivingMode::Cruise,
+        }
+    }
+}
+
+impl DrivingPolicy for Cruise {
+    fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
+        self.path.reset(perception, stream);
+        self.mode = DrivingMode::Cruise;
+    }
+
+    fn drive(&mut self, perception: &Perception<'_>) -> Control {
+        self.path.advance(perception);
+        let speed = perception.ego.speed();
+        let wanted = self.limit_share * perception.speed_limit;
+        let allowed = lane_keeping::speed_for_bends(&self.path, wanted, self.lateral, COMFORTABLE);
+        self.mode = match () {
+            () if allowed < 0.1 => DrivingMode::Arrived,
+            () if allowed < wanted - 0.1 => DrivingMode::Turn,
+            () => DrivingMode::Cruise,
+        };
+        let acceleration = ((allowed - speed) / 0.5).clamp(-2.0 * COMFORTABLE, 2.0);
+        let pedals = perception.blueprint.pedals_for(acceleration, speed);
+        Control { steer: lane_keeping::steer(&self.path, perception), ..pedals }
+    }
+
+    fn mode(&self) -> DrivingMode {
+        self.mode
+    }
+}

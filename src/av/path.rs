@@ -1,0 +1,73 @@
+use std::collections::VecDeque;
+
+use super::Perception;
+use crate::geometry::{Point, Pose};
+use crate::road::{LaneFilter, RandomWalk, RoadOption, RoutePoint, Town};
+use crate::seed::Stream;
+
+/// Spacing of the points [m], along the reference line.
+const STEP: f64 = 1.0;
+/// How far ahead a path is known [points].
+const HORIZON: usize = 80;
+
+/// The way ahead of a car that drives through a town without a destination, for policies of our own.
+#[derive(Debug, Clone)]
+pub struct Path {
+    points: VecDeque<RoutePoint>,
+    walk: RandomWalk,
+    stream: Option<Stream>,
+}
+
+impl Default for Path {
+    fn default() -> Self {
+        Self { points: VecDeque::with_capacity(HORIZON + 1), walk: RandomWalk::default(), stream: None }
+    }
+}
+
+impl Path {
+    /// Begins on the driving lane nearest to the ego.
+    pub fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
+        self.points.clear();
+        self.stream = Some(stream);
+        let nearest = perception.town.nearest_lane(perception.ego.pose.position(), LaneFilter::Driving);
+        self.points.extend(nearest.map(|start| RoutePoint::new(perception.town, start, RoadOption::LaneFollow)));
+        self.extend(perception.town);
+    }
+
+    /// Drops what lies behind the ego and looks further ahead.
+    pub fn advance(&mut self, perception: &Perception<'_>) {
+        let here = perception.ego.pose.position();
+        while self.points.len() > 1 && nearer(&self.points[1].pose, &self.points[0].pose, here) {
+            self.points.pop_front();
+        }
+        self.extend(perception.town);
+    }
+
+    /// The points ahead, the first one abeam the ego.
+    pub fn points(&self) -> impl ExactSizeIterator<Item = &RoutePoint> {
+        self.points.iter()
+    }
+
+    /// The first point at least so far [m] from a place, or the last one.
+    pub fn ahead(&self, from: Point, distance: f64) -> Option<&RoutePoint> {
+        let far = self.points.iter().find(|point| (point.pose.position() - from).norm() >= distance);
+        far.or_else(|| self.points.back())
+    }
+
+    /// How far along the path its last point is [m]; grows as one drives, until the road ends.
+    pub fn length(&self) -> f64 {
+        self.points.len().saturating_sub(1) as f64 * STEP
+    }
+
+    fn extend(&mut self, town: &Town) {
+        let Some(stream) = &mut self.stream else { return };
+        while self.points.len() < HORIZON {
+            let Some(next) = self.points.back().and_then(|last| self.walk.next(town, last, STEP, stream)) else { return };
+            self.points.push_back(next);
+        }
+    }
+}
+
+fn nearer(a: &Pose, b: &Pose, place: Point) -> bool {
+    (a.position() - place).norm_squared() <= (b.position() - place).norm_squared()
+}

@@ -1,0 +1,291 @@
+use std::sync::Arc;
+
+use super::{Ending, Observation, Outcome, RewardRule, Scenario, Situation, Spawn};
+use crate::av::{DrivingMode, DrivingPolicy, Sensors};
+use crate::geometry::{Pose, wrap_angle};
+use crate::rl::{Env, Step};
+use crate::seed::Seed;
+use crate::sim::{Contact, LightCycle, Scene, WalkCommand, World};
+use rand::RngExt;
+
+/// A logical scenario made runnable: it draws concrete episodes from it, one after another.
+///
+/// Episode *k* depends on the seed and on *k* alone, so two pedestrians that are tried with one seed meet the same
+/// beginnings and the same drivers.
+pub struct PedestrianEnv {
+    scenario: Arc<Scenario>,
+    world: World,
+    policy: Box<dyn DrivingPolicy>,
+    sensors: Sensors,
+    seed: Seed,
+    next_episode: u64,
+    episode: Episode,
+}
+
+/// The running episode's record.
+#[derive(Debug, Clone, Copy)]
+struct Episode {
+    spawn: Spawn,
+    command: WalkCommand,
+    reward: f64,
+    least_gap: f64,
+    mode: DrivingMode,
+    digest: u64,
+    outcome: Option<Outcome>,
+}
+
+impl PedestrianEnv {
+    /// Makes an environment whose first episode is number 0 under the seed. The scenario's spawn rule must have been probed.
+    pub fn new(scenario: Arc<Scenario>, seed: Seed) -> Self {
+        let lights = scenario.episode.traffic_lights.then(LightCycle::default);
+        let world = World::new(
+            scenario.town.clone(),
+            scenario.obstacles.clone(),
+            scenario.vehicle.clone(),
+            scenario.adversary.body,
+            lights,
+            scenario.episode.tick,
+        );
+        let policy = (scenario.policy)();
+        let nowhere = Spawn { ego: Pose::default(), ego_speed: 0.0, pedestrian: Pose::default() };
+        let episode = Episode {
+            spawn: nowhere,
+            command: WalkCommand::default(),
+            reward: 0.0,
+            least_gap: f64::INFINITY,
+            mode: DrivingMode::Cruise,
+            digest: 0,
+            outcome: None,
+        };
+        Self { scenario, world, policy, sensors: Sensors::default(), seed, next_episode: 0, episode }
+    }
+
+    /// The scenario.
+    pub fn scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+
+    /// The world as it stands.
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// Begins the episode with this number.
+    pub fn begin(&mut self, number: u64) {
+        let seed = self.seed.index(number);
+        let scenario = &self.scenario;
+        let mut stream = seed.child("spawn").stream();
+        let first = scenario.adversary.first_heading;
+        let spawn = scenario.spawn.sample(&scenario.town, &scenario.obstacles, first, &mut stream);
+        let light_phase = stream.random_range(0.0..1000.0);
+        self.world.begin(&Scene {
+            ego: spawn.ego,
+            ego_speed: spawn.ego_speed,
+            pedestrian: spawn.pedestrian,
+            light_phase,
+        });
+        self.policy.reset(&self.sensors.perceive(&self.world), seed.child("policy").stream());
+        self.episode = Episode {
+            spawn,
+            command: WalkCommand { heading: spawn.pedestrian.yaw, speed: 0.0 },
+            reward: 0.0,
+            least_gap: self.world.gap(),
+            mode: DrivingMode::Cruise,
+            digest: 0,
+            outcome: None,
+        };
+        self.next_episode = number + 1;
+    }
+
+    /// What the pedestrian sees.
+    pub fn observe(&self) -> Observation {
+        let (pedestrian, ego) = (&self.world.pedestrian, &self.world.ego);
+        let observed = self.scenario.adversary.observed_speed;
+        Observation::new(&pedestrian.pose, pedestrian.speed(), &ego.pose, ego.speed, observed)
+    }
+
+    /// What became of the episode; none while it runs.
+    pub fn outcome(&self) -> Option<&Outcome> {
+        self.episode.outcome.as_ref()
+    }
+
+    /// Carries a command out for as many ticks as the scenario holds it.
+    pub fn walk(&mut self, command: WalkCommand) -> Step {
+        let rule = &self.scenario.episode;
+        let (limit, hold) = (rule.ticks, rule.hold);
+        self.episode.command = command;
+        let mut contact = None;
+        for tick in 0..hold {
+            let perception = self.sensors.perceive(&self.world);
+            let control = self.policy.drive(&perception);
+            if tick == 0 {
+                self.episode.mode = self.policy.mode();
+            }
+            contact = self.world.tick(control, command);
+            self.record();
+            if contact.is_some() || self.world.ticks >= limit {
+                break;
+            }
+        }
+        self.settle(contact)
+    }
+
+    /// Pays for the decision and ends the episode when it is over.
+    fn settle(&mut self, contact: Option<Contact>) -> Step {
+        let (rule, reward) = (&self.scenario.episode, &self.scenario.reward);
+        let situation = self.situation(contact.as_ref());
+        let lost = || rule.end_when.as_ref().is_some_and(|condition| situation.satisfies(condition));
+        let worth = |formula| RewardRule::worth(formula, &situation);
+        let (earned, ending) = match contact {
+            Some(contact) => {
+                let front = contact.is_front(rule.front_half_angle);
+                let earned = worth(if front { reward.hit_front.as_ref() } else { reward.hit_other.as_ref() });
+                let ending = Ending::Collision {
+                    front,
+                    moving: contact.impact_speed > rule.moving_above,
+                    impact_speed: contact.impact_speed,
+                    bearing: contact.bearing,
+                };
+                (earned, Some(ending))
+            }
+            None if lost() => (worth(reward.step.as_ref()) + worth(reward.lost.as_ref()), Some(Ending::Lost)),
+            None if self.world.ticks >= rule.ticks => {
+                (worth(reward.step.as_ref()) + worth(reward.timeout.as_ref()), Some(Ending::Timeout))
+            }
+            None => (worth(reward.step.as_ref()), None),
+        };
+        self.episode.reward += earned;
+        if let Some(ending) = ending {
+            let before = f64::from(self.world.ticks - 1) * self.world.dt;
+            let duration = contact.map_or(self.world.elapsed(), |contact| before + contact.fraction * self.world.dt);
+            self.episode.outcome = Some(Outcome {
+                spawn: self.episode.spawn,
+                ending,
+                reward: self.episode.reward,
+                ticks: self.world.ticks,
+                duration,
+                least_gap: if contact.is_some() { 0.0 } else { self.episode.least_gap },
+                last_mode: self.episode.mode,
+                digest: self.episode.digest,
+            });
+        }
+        let truncated = ending == Some(Ending::Timeout);
+        Step { reward: earned, terminated: ending.is_some() && !truncated, truncated }
+    }
+
+    fn situation(&self, contact: Option<&Contact>) -> Situation {
+        let (ego, pedestrian) = (&self.world.ego, &self.world.pedestrian);
+        let local = ego.pose.to_local(pedestrian.pose.position());
+        let (ahead, aside) = contact.map_or((local.x, local.y), |contact| (contact.ahead, contact.aside));
+        Situation {
+            v_c: contact.map_or(0.0, |contact| contact.impact_speed),
+            bearing: contact.map_or_else(|| libm::atan2(aside, ahead), |contact| contact.bearing),
+            distance: (ahead * ahead + aside * aside).sqrt(),
+            ahead,
+            aside,
+            ego_speed: ego.speed,
+            walking_speed: pedestrian.speed(),
+            elapsed: self.world.elapsed(),
+        }
+    }
+
+    fn record(&mut self) {
+        let (ego, pedestrian) = (&self.world.ego, &self.world.pedestrian);
+        for value in [ego.pose.x, ego.pose.y, ego.pose.yaw, ego.speed, pedestrian.pose.x, pedestrian.pose.y] {
+            self.episode.digest = mix(self.episode.digest, value.to_bits());
+        }
+        // The distance of the centres bounds the gap from below; most ticks need no more.
+        let blueprint = &self.world.blueprint;
+        let reach = self.episode.least_gap + blueprint.half_length + blueprint.half_width + self.world.body.radius;
+        let apart = (ego.pose.position() - pedestrian.pose.position()).norm_squared();
+        if apart < reach * reach {
+            self.episode.least_gap = self.episode.least_gap.min(self.world.gap());
+        }
+    }
+
+    fn encode(&self, state: &mut [f64]) {
+        let (pedestrian, ego) = (&self.world.pedestrian.pose, self.world.ego.pose.position());
+        let initial = self.episode.spawn.pedestrian.yaw;
+        let seen = self.observe();
+        state.copy_from_slice(&self.scenario.adversary.encode(&seen, pedestrian, initial, ego));
+    }
+
+    /// The command for a learner's action, now.
+    pub fn command(&self, action: [f64; 2]) -> WalkCommand {
+        let (pedestrian, ego) = (&self.world.pedestrian.pose, self.world.ego.pose.position());
+        self.scenario.adversary.command(action, pedestrian, self.episode.spawn.pedestrian.yaw, ego)
+    }
+
+    /// Where an intercepting pedestrian would walk: to the nearest place where it can meet an ego that keeps its
+    /// velocity, or straight at the ego when there is none.
+    pub fn intercept(&self) -> WalkCommand {
+        let (pedestrian, ego) = (&self.world.pedestrian.pose, &self.world.ego);
+        let speed = self.scenario.adversary.speed.1;
+        let offset = ego.pose.position() - pedestrian.position();
+        let velocity = ego.pose.forward() * ego.speed;
+        let meeting = offset + velocity * meeting_time(offset, velocity, speed).unwrap_or(0.0);
+        WalkCommand { heading: wrap_angle(libm::atan2(meeting.y, meeting.x)), speed }
+    }
+}
+
+/// The least time [s] after which a walker at the origin can be where a car at `offset` with `velocity` is.
+fn meeting_time(offset: crate::geometry::Vector, velocity: crate::geometry::Vector, speed: f64) -> Option<f64> {
+    // |offset + velocity t| = speed t
+    let a = velocity.norm_squared() - speed * speed;
+    let b = offset.dot(&velocity);
+    let c = offset.norm_squared();
+    if a.abs() < 1e-9 {
+        return (b < 0.0).then(|| -c / (2.0 * b));
+    }
+    let discriminant = b * b - a * c;
+    if discriminant < 0.0 {
+        return None;
+    }
+    let root = discriminant.sqrt();
+    let (t1, t2) = ((-b - root) / a, (-b + root) / a);
+    let earliest = t1.min(t2);
+    let latest = t1.max(t2);
+    if earliest > 0.0 { Some(earliest) } else { (latest > 0.0).then_some(latest) }
+}
+
+/// One round of a multiply-rotate hash.
+fn mix(digest: u64, word: u64) -> u64 {
+    (digest.rotate_left(5) ^ word).wrapping_mul(0x517c_c1b7_2722_0a95)
+}
+
+impl Env for PedestrianEnv {
+    fn obs_dim(&self) -> usize {
+        4
+    }
+
+    fn action_bounds(&self) -> Vec<(f64, f64)> {
+        self.scenario.adversary.action_bounds().to_vec()
+    }
+
+    fn reset(&mut self, state: &mut [f64]) {
+        self.begin(self.next_episode);
+        self.encode(state);
+    }
+
+    fn step(&mut self, action: &[f64], state: &mut [f64]) -> Step {
+        let step = self.walk(self.command([action[0], action[1]]));
+        self.encode(state);
+        step
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Vector;
+
+    #[test]
+    fn the_meeting_point_is_reached_by_both_at_once() {
+        let (offset, velocity) = (Vector::new(-20.0, 5.0), Vector::new(7.0, 0.0));
+        let t = meeting_time(offset, velocity, 3.5).unwrap();
+        assert!(((offset + velocity * t).norm() - 3.5 * t).abs() < 1e-9);
+        assert_eq!(meeting_time(Vector::new(20.0, 0.0), Vector::new(7.0, 0.0), 3.5), None, "it drives away, faster");
+        let same = meeting_time(Vector::new(-10.0, 0.0), Vector::new(3.5, 0.0), 3.5).unwrap();
+        assert!((same - 10.0 / 7.0).abs() < 1e-9);
+    }
+}

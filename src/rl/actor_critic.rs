@@ -1,0 +1,196 @@
+//! The learned policy and its critic.
+
+use std::ops::Range;
+
+use super::gaussian::Gaussian;
+use super::init::{ACTION_GAIN, HIDDEN_GAIN, VALUE_GAIN, orthogonal};
+use super::mlp::{Mlp, MlpScratch};
+use super::real::Real;
+use crate::seed::Stream;
+
+/// A policy with normally distributed actions, and the critic that values observations.
+///
+/// Actor and critic are separate networks. The standard deviation of an action does not depend on the observation.
+///
+/// # Source
+/// `ActorCriticPolicy` of stable-baselines3 with `net_arch=dict(pi=hidden, vf=hidden)` and tanh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ActorCritic<T: Real = f32> {
+    actor: Mlp,
+    critic: Mlp,
+    parameters: Vec<T>,
+}
+
+impl<T: Real> ActorCritic<T> {
+    /// Draws the first weights: orthogonal matrices and zero biases.
+    ///
+    /// # Panics
+    /// When a dimension or the width of a hidden layer is zero.
+    pub fn new(
+        obs_dim: usize,
+        action_dim: usize,
+        hidden: &[usize],
+        initial_log_std: f64,
+        stream: &mut Stream,
+    ) -> Self {
+        let widths = |outputs: usize| [&[obs_dim], hidden, &[outputs]].concat();
+        let mut this = Self::zeros(Mlp::new(&widths(action_dim)), Mlp::new(&widths(1)));
+        let (actor, critic) = (this.actor.clone(), this.critic.clone());
+        for (mlp, start, head_gain) in
+            [(&actor, 0, ACTION_GAIN), (&critic, this.critic_range().start, VALUE_GAIN)]
+        {
+            for (l, layer) in mlp.layers().iter().enumerate() {
+                let gain = if l + 1 < mlp.layers().len() { HIDDEN_GAIN } else { head_gain };
+                let weight = orthogonal(layer.outputs, layer.inputs, gain, stream);
+                let place = &mut this.parameters[start + layer.weight.start..start + layer.weight.end];
+                for (slot, value) in place.iter_mut().zip(weight.iter()) {
+                    *slot = T::from_f64(*value);
+                }
+            }
+        }
+        let log_std = this.log_std_range();
+        this.parameters[log_std].fill(T::from_f64(initial_log_std));
+        this
+    }
+
+    /// Makes an actor and a critic of these shapes with all parameters zero.
+    pub(super) fn zeros(actor: Mlp, critic: Mlp) -> Self {
+        let count = actor.parameter_count() + critic.parameter_count() + actor.outputs();
+        Self { actor, critic, parameters: vec![T::zero(); count] }
+    }
+
+    /// Returns the number of components of an observation.
+    pub fn obs_dim(&self) -> usize {
+        self.actor.inputs()
+    }
+
+    /// Returns the number of components of an action.
+    pub fn action_dim(&self) -> usize {
+        self.actor.outputs()
+    }
+
+    /// Returns the shape of the network that gives the mean action.
+    pub(super) fn actor(&self) -> &Mlp {
+        &self.actor
+    }
+
+    /// Returns the shape of the network that values an observation.
+    pub(super) fn critic(&self) -> &Mlp {
+        &self.critic
+    }
+
+    /// Returns all parameters: actor, critic, logarithms of the standard deviations.
+    pub(super) fn parameters(&self) -> &[T] {
+        &self.parameters
+    }
+
+    /// Gives access to all parameters, in the order of [`ActorCritic::parameters`].
+    pub(super) fn parameters_mut(&mut self) -> &mut [T] {
+        &mut self.parameters
+    }
+
+    /// Returns where the actor's parameters lie.
+    pub(super) fn actor_range(&self) -> Range<usize> {
+        0..self.actor.parameter_count()
+    }
+
+    /// Returns where the critic's parameters lie.
+    pub(super) fn critic_range(&self) -> Range<usize> {
+        let start = self.actor.parameter_count();
+        start..start + self.critic.parameter_count()
+    }
+
+    /// Returns where the logarithms of the standard deviations lie.
+    pub(super) fn log_std_range(&self) -> Range<usize> {
+        self.critic_range().end..self.parameters.len()
+    }
+
+    /// Returns the natural logarithm of the standard deviation of every action component.
+    pub fn log_std(&self) -> &[T] {
+        &self.parameters[self.critic_range().end..]
+    }
+
+    /// Makes room for evaluating up to `capacity` observations at once.
+    pub fn scratch(&self, capacity: usize) -> Scratch<T> {
+        Scratch {
+            obs: vec![T::zero(); self.obs_dim() * capacity],
+            actor: MlpScratch::new(&self.actor, capacity),
+            critic: MlpScratch::new(&self.critic, capacity),
+        }
+    }
+
+    /// Writes the mean action for one observation into `out`: the deterministic policy, not clipped to any bounds.
+    pub fn act(&self, obs: &[f64], out: &mut [f64], scratch: &mut Scratch<T>) {
+        scratch.load(obs);
+        let input = &scratch.obs[..obs.len()];
+        let mean = self.actor.forward(&self.parameters[self.actor_range()], input, &mut scratch.actor);
+        for (out, mean) in out.iter_mut().zip(mean) {
+            *out = mean.to_f64();
+        }
+    }
+
+    /// Returns the critic's estimate of the discounted reward to come after one observation.
+    pub fn value(&self, obs: &[f64], scratch: &mut Scratch<T>) -> f64 {
+        scratch.load(obs);
+        let input = &scratch.obs[..obs.len()];
+        self.critic.forward(&self.parameters[self.critic_range()], input, &mut scratch.critic)[0].to_f64()
+    }
+
+    /// Writes the critic's values of a batch of observations (obs_dim × batch) into `out`.
+    pub(super) fn values(&self, obs: &[T], out: &mut [f64], scratch: &mut Scratch<T>) {
+        let values = self.critic.forward(&self.parameters[self.critic_range()], obs, &mut scratch.critic);
+        for (out, value) in out.iter_mut().zip(values) {
+            *out = value.to_f64();
+        }
+    }
+
+    /// Returns the natural logarithm of the density with which the policy takes `action` (before clipping) at `obs`.
+    pub fn log_prob(&self, obs: &[f64], action: &[f64], scratch: &mut Scratch<T>) -> f64 {
+        let mut mean = vec![0.0; self.action_dim()];
+        self.act(obs, &mut mean, scratch);
+        let log_std: Vec<f64> = self.log_std().iter().map(|x| x.to_f64()).collect();
+        Gaussian { mean: &mean, log_std: &log_std }.log_prob(action)
+    }
+}
+
+/// The memory that evaluating an [`ActorCritic`] takes.
+#[derive(Debug, Clone)]
+pub struct Scratch<T: Real = f32> {
+    obs: Vec<T>,
+    pub(super) actor: MlpScratch<T>,
+    pub(super) critic: MlpScratch<T>,
+}
+
+impl<T: Real> Scratch<T> {
+    fn load(&mut self, obs: &[f64]) {
+        for (slot, obs) in self.obs.iter_mut().zip(obs) {
+            *slot = T::from_f64(*obs);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::seed::Seed;
+
+    #[test]
+    fn the_paper_size_has_9155_weights_and_two_deviations() {
+        let policy = ActorCritic::<f32>::new(4, 2, &[64, 64], -0.5, &mut Seed::root(0).stream());
+        // 4·64 + 64 + 64·64 + 64 twice, heads 2·64 + 2 and 64 + 1, two standard deviations.
+        assert_eq!(policy.parameters().len(), 2 * (320 + 4160) + 130 + 65 + 2);
+        assert_eq!(policy.log_std(), [-0.5, -0.5]);
+    }
+
+    #[test]
+    fn first_actions_are_small_and_depend_on_the_observation() {
+        let policy = ActorCritic::<f32>::new(4, 2, &[64, 64], 0.0, &mut Seed::root(0).stream());
+        let mut scratch = policy.scratch(1);
+        let (mut a, mut b) = ([0.0; 2], [0.0; 2]);
+        policy.act(&[0.1, -0.2, 0.3, 0.4], &mut a, &mut scratch);
+        policy.act(&[0.1, -0.2, -0.3, 0.4], &mut b, &mut scratch);
+        assert!(a.iter().chain(&b).all(|x| x.abs() < 0.1));
+        assert_ne!(a, b);
+        assert_ne!(policy.value(&[0.1; 4], &mut scratch), policy.value(&[0.2; 4], &mut scratch));
+    }
+}

@@ -1,0 +1,42 @@
+//! What the learner asks of an environment.
+
+/// An environment with continuous observations and a box of continuous actions.
+///
+/// The learner owns the episode: it calls [`Env::reset`] before the first step and after every step that ends an
+/// episode. An environment never resets itself, so that the last observation of an episode stays visible.
+pub trait Env {
+    /// Returns the number of components of an observation.
+    fn obs_dim(&self) -> usize;
+
+    /// Returns the lower and upper bound of every action component, in the units of the action.
+    fn action_bounds(&self) -> Vec<(f64, f64)>;
+
+    /// Starts a new episode and writes its first observation into `obs` (length [`Env::obs_dim`]).
+    fn reset(&mut self, obs: &mut [f64]);
+
+    /// Takes one decision and writes the observation that follows it into `obs`.
+    ///
+    /// `action` lies inside the bounds of [`Env::action_bounds`]. At the end of an episode `obs` receives the final
+    /// observation, from which the learner bootstraps when the episode was merely cut off.
+    fn step(&mut self, action: &[f64], obs: &mut [f64]) -> Step;
+}
+
+/// The outcome of one decision.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// The reward of this decision, unscaled.
+    pub reward: f64,
+    /// The episode has reached a terminal state: nothing of value follows.
+    pub terminated: bool,
+    /// The episode was cut off by a time limit: what would have followed is estimated by the critic.
+    ///
+    /// Without effect on the learner's targets when `terminated` is set, too.
+    pub truncated: bool,
+}
+
+impl Step {
+    /// Tells whether the episode is over, for either reason.
+    pub fn done(&self) -> bool {
+        self.terminated || self.truncated
+    }
+}

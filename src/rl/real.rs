@@ -1,0 +1,62 @@
+//! The number types the networks can be built from.
+
+use super::tanh;
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for f32 {}
+    impl Sealed for f64 {}
+}
+
+/// A floating-point type of the networks: `f32` for training, `f64` for checking gradients.
+pub trait Real: nalgebra::RealField + Copy + sealed::Sealed {
+    /// Rounds to this type.
+    fn from_f64(value: f64) -> Self;
+
+    /// Widens to `f64`, without loss.
+    fn to_f64(self) -> f64;
+
+    /// Returns the correctly rounded square root, by the processor's own instruction.
+    fn square_root(self) -> Self;
+
+    /// Replaces every element by its hyperbolic tangent.
+    fn tanh_slice(values: &mut [Self]);
+}
+
+impl Real for f32 {
+    fn from_f64(value: f64) -> Self {
+        value as f32
+    }
+
+    fn to_f64(self) -> f64 {
+        f64::from(self)
+    }
+
+    fn square_root(self) -> Self {
+        self.sqrt()
+    }
+
+    fn tanh_slice(values: &mut [Self]) {
+        tanh::tanh_f32(values);
+    }
+}
+
+impl Real for f64 {
+    fn from_f64(value: f64) -> Self {
+        value
+    }
+
+    fn to_f64(self) -> f64 {
+        self
+    }
+
+    fn square_root(self) -> Self {
+        self.sqrt()
+    }
+
+    fn tanh_slice(values: &mut [Self]) {
+        for value in values {
+            *value = libm::tanh(*value);
+        }
+    }
+}

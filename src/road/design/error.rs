@@ -1,0 +1,153 @@
+use thiserror::Error;
+
+/// Why a town cannot be laid out as designed.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum DesignError {
+    /// A measure lies outside its limits.
+    #[error("the {what} is {value} m; it must lie between {low} and {high} m")]
+    Measure {
+        /// Which measure.
+        what: &'static str,
+        /// Its value [m].
+        value: f64,
+        /// The least it may be [m].
+        low: f64,
+        /// The most it may be [m].
+        high: f64,
+    },
+    /// A node lies too far away, or nowhere.
+    #[error("node `{node}` does not lie within {reach} m of the origin")]
+    FarNode {
+        /// The node.
+        node: String,
+        /// How far it may lie from the origin along either axis [m].
+        reach: f64,
+    },
+    /// A speed limit is not a positive number.
+    #[error("street `{street}` has a speed limit of {limit} m/s")]
+    SpeedLimit {
+        /// The street.
+        street: String,
+        /// Its limit [m/s].
+        limit: f64,
+    },
+    /// A building has no place or no size.
+    #[error("building {building} has no place or no size")]
+    BuildingMeasure {
+        /// Its place in the design.
+        building: usize,
+    },
+    /// A street has fewer than two nodes.
+    #[error("street `{street}` needs two nodes and has {nodes}")]
+    ShortStreet {
+        /// The street.
+        street: String,
+        /// How many nodes it has.
+        nodes: usize,
+    },
+    /// A street names a node that does not exist.
+    #[error("street `{street}` names node number {node}, which does not exist")]
+    UnknownNode {
+        /// The street.
+        street: String,
+        /// The place that was asked for.
+        node: usize,
+    },
+    /// A street names a node twice in a row.
+    #[error("street `{street}` names node `{node}` twice in a row")]
+    RepeatedNode {
+        /// The street.
+        street: String,
+        /// The node.
+        node: String,
+    },
+    /// Two nodes lie on one place.
+    #[error("nodes `{first}` and `{second}` lie on one place")]
+    SamePlace {
+        /// A node.
+        first: String,
+        /// The other one.
+        second: String,
+    },
+    /// No street uses a node.
+    #[error("no street uses node `{node}`")]
+    UnusedNode {
+        /// The node.
+        node: String,
+    },
+    /// Streets cross where they have no node in common.
+    #[error("streets `{first}` and `{second}` cross at ({x:.1}, {y:.1}) without a common node")]
+    Crossing {
+        /// A street.
+        first: String,
+        /// The other one, or the same again.
+        second: String,
+        /// Where they cross [m].
+        x: f64,
+        /// Where they cross [m].
+        y: f64,
+    },
+    /// Streets lie so close that their sidewalks overlap.
+    #[error("streets `{first}` and `{second}` overlap near ({x:.1}, {y:.1})")]
+    Overlap {
+        /// A street, or the node of a bend or junction.
+        first: String,
+        /// The other one, or the same again.
+        second: String,
+        /// About where they overlap [m].
+        x: f64,
+        /// About where they overlap [m].
+        y: f64,
+    },
+    /// Two streets meet at too sharp an angle.
+    #[error("streets `{first}` and `{second}` meet at node `{node}` at {degrees:.1} degrees; at least {least:.0} are needed")]
+    SharpAngle {
+        /// The node.
+        node: String,
+        /// A street.
+        first: String,
+        /// The other one, or the same again.
+        second: String,
+        /// The angle between them [degrees].
+        degrees: f64,
+        /// The least it may be [degrees].
+        least: f64,
+    },
+    /// More than four legs meet at a node.
+    #[error("{legs} legs meet at node `{node}`; a junction has at most four")]
+    ManyLegs {
+        /// The node.
+        node: String,
+        /// How many legs it has.
+        legs: usize,
+    },
+    /// There is no room for a road between the junctions or bends at its ends.
+    #[error("street `{street}` is {length:.1} m long between `{from}` and `{to}`; bends and junctions need {needed:.1} m")]
+    ShortLeg {
+        /// The street.
+        street: String,
+        /// The node at one end.
+        from: String,
+        /// The node at the other end.
+        to: String,
+        /// The distance of the nodes [m].
+        length: f64,
+        /// The least it may be [m].
+        needed: f64,
+    },
+    /// A node that is no junction has traffic lights.
+    #[error("node `{node}` has traffic lights and is no junction")]
+    LightsWithoutJunction {
+        /// The node.
+        node: String,
+    },
+    /// A building stands on a lane.
+    #[error("building {building} stands on a lane of `{road}`")]
+    BuildingOnLane {
+        /// Its place in the design.
+        building: usize,
+        /// The street, or the node of the bend or junction.
+        road: String,
+    },
+}

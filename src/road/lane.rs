@@ -1,0 +1,67 @@
+use super::Profile;
+
+/// The number of a lane as in OpenDRIVE: negative to the right of the reference line, positive to its left, 0 the line.
+pub type LaneId = i32;
+
+/// What a lane is for; the types of OpenDRIVE that matter here.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum LaneKind {
+    /// Cars drive on it.
+    Driving,
+    /// People walk on it.
+    Sidewalk,
+    /// Beside the carriageway.
+    Shoulder,
+    /// Between carriageway and shoulder or kerb.
+    Border,
+    /// For bicycles.
+    Biking,
+    /// For parking.
+    Parking,
+    /// Between two carriageways.
+    Median,
+    /// A hard shoulder.
+    Stop,
+    /// Turning in both directions.
+    Bidirectional,
+    /// Reserved lanes of all sorts: `special1`, `entry`, `exit`, `onRamp`, `offRamp`, `tram`, `rail`, …
+    Special,
+    /// Nothing.
+    None,
+}
+
+impl LaneKind {
+    /// Reads a type as written in OpenDRIVE; unknown ones become [`LaneKind::None`].
+    pub fn from_opendrive(text: &str) -> Self {
+        match text {
+            "driving" => Self::Driving,
+            "sidewalk" | "walking" => Self::Sidewalk,
+            "shoulder" => Self::Shoulder,
+            "border" | "curb" => Self::Border,
+            "biking" => Self::Biking,
+            "parking" => Self::Parking,
+            "median" => Self::Median,
+            "stop" => Self::Stop,
+            "bidirectional" => Self::Bidirectional,
+            "special1" | "special2" | "special3" | "roadWorks" | "tram" | "rail" | "entry" | "exit" | "offRamp" | "onRamp"
+            | "restricted" | "bus" | "taxi" | "HOV" => Self::Special,
+            _ => Self::None,
+        }
+    }
+}
+
+/// A lane of a lane section.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lane {
+    /// Its number.
+    pub id: LaneId,
+    /// What it is for.
+    pub kind: LaneKind,
+    /// Its width [m] over the distance from the beginning of the road (not of the section).
+    pub width: Profile,
+    /// The lane of the section (or road) before, if the file says so.
+    pub predecessor: Option<LaneId>,
+    /// The lane of the section (or road) after, if the file says so.
+    pub successor: Option<LaneId>,
+}

@@ -1,0 +1,103 @@
+use super::{Lane, LaneId, PlanView, Profile};
+use crate::geometry::Pose;
+
+/// The place of a road in [`Town::roads`](super::Town::roads).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct RoadIndex(pub u32);
+
+/// The place of a junction in [`Town::junctions`](super::Town::junctions).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct JunctionIndex(pub u32);
+
+/// The two ends of a road.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum RoadEnd {
+    /// `s = 0`.
+    Start,
+    /// `s = length`.
+    End,
+}
+
+/// What a road is linked to at one of its ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum RoadLink {
+    /// Another road, at one of its ends.
+    Road(RoadIndex, RoadEnd),
+    /// A junction.
+    Junction(JunctionIndex),
+}
+
+/// A stretch of a road on which the lanes are the same.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LaneSection {
+    /// Where it begins [m].
+    pub start: f64,
+    /// Where it ends [m].
+    pub end: f64,
+    /// Its lanes from left to right (descending numbers), with the centre lane 0 if the file has it.
+    pub lanes: Vec<Lane>,
+}
+
+impl LaneSection {
+    /// The lane with a number.
+    pub fn lane(&self, id: LaneId) -> Option<&Lane> {
+        self.lanes.iter().find(|lane| lane.id == id)
+    }
+}
+
+/// A road: a reference line and lanes beside it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Road {
+    /// Its number in the file; for messages, and for CARLA's comparisons.
+    pub id: u32,
+    /// Its name, often empty.
+    pub name: String,
+    /// Its length [m].
+    pub length: f64,
+    /// The junction it lies in.
+    pub junction: Option<JunctionIndex>,
+    /// The reference line.
+    pub plan_view: PlanView,
+    /// Lateral offset of lane 0 from the reference line, positive to the left [m].
+    pub lane_offset: Profile,
+    /// Lane sections in order; never empty.
+    pub sections: Vec<LaneSection>,
+    /// What lies before `s = 0`.
+    pub predecessor: Option<RoadLink>,
+    /// What lies after `s = length`.
+    pub successor: Option<RoadLink>,
+}
+
+impl Road {
+    /// The section that holds at `s` [m].
+    pub fn section_at(&self, s: f64) -> usize {
+        self.sections.partition_point(|section| section.start <= s).saturating_sub(1)
+    }
+
+    /// The centre of a lane at `s` [m], heading along its driving direction (right-hand traffic).
+    ///
+    /// None when the section has no such lane.
+    pub fn lane_pose(&self, section: usize, id: LaneId, s: f64) -> Option<Pose> {
+        let (t, slope) = self.lane_centre(section, id, s)?;
+        let line = self.plan_view.pose(s);
+        let centre = line.position() + line.left() * t;
+        let ahead = line.yaw + libm::atan(slope);
+        let yaw = if id > 0 { ahead + std::f64::consts::PI } else { ahead };
+        Some(Pose::new(centre.x, centre.y, crate::geometry::wrap_angle(yaw)))
+    }
+
+    /// Lateral position of a lane's centre, positive to the left [m], and its slope along the road.
+    pub fn lane_centre(&self, section: usize, id: LaneId, s: f64) -> Option<(f64, f64)> {
+        let lanes = &self.sections[section].lanes;
+        let own = lanes.iter().find(|lane| lane.id == id)?;
+        let side = f64::from(id.signum());
+        let (mut t, mut slope) = (self.lane_offset.value(s), self.lane_offset.slope(s));
+        for lane in lanes.iter().filter(|lane| lane.id.signum() == id.signum() && lane.id.abs() < id.abs()) {
+            t += side * lane.width.value(s);
+            slope += side * lane.width.slope(s);
+        }
+        t += side * own.width.value(s) / 2.0;
+        slope += side * own.width.slope(s) / 2.0;
+        Some((t, slope))
+    }
+}

@@ -1,0 +1,33 @@
+use super::{LaneId, RoadIndex};
+use crate::geometry::Pose;
+
+/// A place on a lane's centre line. Its pose is asked of the [`Town`](super::Town).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Waypoint {
+    /// The road.
+    pub road: RoadIndex,
+    /// The lane section within the road.
+    pub section: u32,
+    /// The lane within the section; never 0.
+    pub lane: LaneId,
+    /// Distance along the road's reference line from its beginning [m].
+    pub s: f64,
+}
+
+/// A driving lane of one section outside junctions, as a stretch to begin on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LaneStretch {
+    /// Where driving along it begins.
+    pub start: Waypoint,
+    /// Its length along the reference line [m].
+    pub length: f64,
+}
+
+/// A waypoint with its pose, where a planner needs both.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PosedWaypoint {
+    /// The place on the lane.
+    pub waypoint: Waypoint,
+    /// Centre of the lane, heading along its driving direction.
+    pub pose: Pose,
+}
