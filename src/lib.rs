@@ -1,7 +1,22 @@
-//! falsify
+//! Finds the ways a self-driving car hits a pedestrian.
+//!
+//! A scenario file says which towns, driving policies, spawn places and rewards there are, and which campaigns are to be
+//! run with them; see `grammar/README.md` for the language.
+#![doc = include_str!("ARCHITECTURE.md")]
+
 pub mod diagnostic;
+pub mod units;
+pub mod signature;
+pub mod seed;
 pub mod geometry;
 pub mod lang;
-pub mod seed;
-pub mod signature;
-pub mod units;
+pub mod road;
+pub mod sim;
+pub mod av;
+pub mod rl;
+pub mod env;
+pub mod compile;
+pub mod falsifier;
+pub mod campaign;
+pub mod report;
+pub mod cli;

@@ -1,2 +1,5 @@
-//! falsify
-fn main() {}
+//! The program `falsify`.
+
+fn main() -> std::process::ExitCode {
+    falsify::cli::main().into()
+}

@@ -203,11 +203,11 @@ impl PedestrianEnv {
         }
     }
 
-    fn encode(&self, state: &mut [f64]) {
+    /// The learner's state: what the pedestrian sees, in the adversary's frame and units.
+    pub fn state(&self) -> [f64; 4] {
         let (pedestrian, ego) = (&self.world.pedestrian.pose, self.world.ego.pose.position());
         let initial = self.episode.spawn.pedestrian.yaw;
-        let seen = self.observe();
-        state.copy_from_slice(&self.scenario.adversary.encode(&seen, pedestrian, initial, ego));
+        self.scenario.adversary.encode(&self.observe(), pedestrian, initial, ego)
     }
 
     /// The command for a learner's action, now.
@@ -264,12 +264,12 @@ impl Env for PedestrianEnv {
 
     fn reset(&mut self, state: &mut [f64]) {
         self.begin(self.next_episode);
-        self.encode(state);
+        state.copy_from_slice(&self.state());
     }
 
     fn step(&mut self, action: &[f64], state: &mut [f64]) -> Step {
         let step = self.walk(self.command([action[0], action[1]]));
-        self.encode(state);
+        state.copy_from_slice(&self.state());
         step
     }
 }

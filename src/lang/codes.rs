@@ -292,3 +292,8 @@ pub fn unbuildable_town(span: Span, reason: &str) -> Diagnostic {
 pub fn contradiction(span: Span, message: String) -> Diagnostic {
     Diagnostic::error("contradiction", span, message)
 }
+
+/// Nobody can be placed where an episode should begin.
+pub fn unplaceable(span: Span, town: &str, reason: &str) -> Diagnostic {
+    Diagnostic::error("unplaceable", span, format!("nobody can be placed in `{town}`: {reason}"))
+}

@@ -21,5 +21,5 @@ pub mod hir;
 mod suggest;
 
 pub use check::check;
-pub use load::{Loaded, Reader, load};
+pub use load::{Loaded, Reader, load, reason};
 pub use parse::parse;

@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use super::gaussian::Gaussian;
 use super::init::{ACTION_GAIN, HIDDEN_GAIN, VALUE_GAIN, orthogonal};
 use super::mlp::{Mlp, MlpScratch};
 use super::real::Real;
@@ -26,30 +25,22 @@ impl<T: Real> ActorCritic<T> {
     ///
     /// # Panics
     /// When a dimension or the width of a hidden layer is zero.
-    pub fn new(
-        obs_dim: usize,
-        action_dim: usize,
-        hidden: &[usize],
-        initial_log_std: f64,
-        stream: &mut Stream,
-    ) -> Self {
+    pub fn new(obs_dim: usize, action_dim: usize, hidden: &[usize], initial_log_std: f64, stream: &mut Stream) -> Self {
         let widths = |outputs: usize| [&[obs_dim], hidden, &[outputs]].concat();
         let mut this = Self::zeros(Mlp::new(&widths(action_dim)), Mlp::new(&widths(1)));
         let (actor, critic) = (this.actor.clone(), this.critic.clone());
-        for (mlp, start, head_gain) in
-            [(&actor, 0, ACTION_GAIN), (&critic, this.critic_range().start, VALUE_GAIN)]
-        {
+        for (mlp, start, head_gain) in [(&actor, 0, ACTION_GAIN), (&critic, this.critic_range().start, VALUE_GAIN)] {
             for (l, layer) in mlp.layers().iter().enumerate() {
                 let gain = if l + 1 < mlp.layers().len() { HIDDEN_GAIN } else { head_gain };
                 let weight = orthogonal(layer.outputs, layer.inputs, gain, stream);
                 let place = &mut this.parameters[start + layer.weight.start..start + layer.weight.end];
                 for (slot, value) in place.iter_mut().zip(weight.iter()) {
-                    *slot = T::from_f64(*value);
+                    *slot = T::rounded(*value);
                 }
             }
         }
         let log_std = this.log_std_range();
-        this.parameters[log_std].fill(T::from_f64(initial_log_std));
+        this.parameters[log_std].fill(T::rounded(initial_log_std));
         this
     }
 
@@ -125,7 +116,7 @@ impl<T: Real> ActorCritic<T> {
         let input = &scratch.obs[..obs.len()];
         let mean = self.actor.forward(&self.parameters[self.actor_range()], input, &mut scratch.actor);
         for (out, mean) in out.iter_mut().zip(mean) {
-            *out = mean.to_f64();
+            *out = mean.widened();
         }
     }
 
@@ -133,23 +124,15 @@ impl<T: Real> ActorCritic<T> {
     pub fn value(&self, obs: &[f64], scratch: &mut Scratch<T>) -> f64 {
         scratch.load(obs);
         let input = &scratch.obs[..obs.len()];
-        self.critic.forward(&self.parameters[self.critic_range()], input, &mut scratch.critic)[0].to_f64()
+        self.critic.forward(&self.parameters[self.critic_range()], input, &mut scratch.critic)[0].widened()
     }
 
     /// Writes the critic's values of a batch of observations (obs_dim × batch) into `out`.
     pub(super) fn values(&self, obs: &[T], out: &mut [f64], scratch: &mut Scratch<T>) {
         let values = self.critic.forward(&self.parameters[self.critic_range()], obs, &mut scratch.critic);
         for (out, value) in out.iter_mut().zip(values) {
-            *out = value.to_f64();
+            *out = value.widened();
         }
-    }
-
-    /// Returns the natural logarithm of the density with which the policy takes `action` (before clipping) at `obs`.
-    pub fn log_prob(&self, obs: &[f64], action: &[f64], scratch: &mut Scratch<T>) -> f64 {
-        let mut mean = vec![0.0; self.action_dim()];
-        self.act(obs, &mut mean, scratch);
-        let log_std: Vec<f64> = self.log_std().iter().map(|x| x.to_f64()).collect();
-        Gaussian { mean: &mean, log_std: &log_std }.log_prob(action)
     }
 }
 
@@ -164,7 +147,7 @@ pub struct Scratch<T: Real = f32> {
 impl<T: Real> Scratch<T> {
     fn load(&mut self, obs: &[f64]) {
         for (slot, obs) in self.obs.iter_mut().zip(obs) {
-            *slot = T::from_f64(*obs);
+            *slot = T::rounded(*obs);
         }
     }
 }

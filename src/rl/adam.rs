@@ -33,12 +33,12 @@ impl<T: Real> Adam<T> {
     pub fn step(&mut self, parameters: &mut [T], gradient: &[T], scale: f64) {
         self.beta1_power *= BETA1;
         self.beta2_power *= BETA2;
-        let scale = T::from_f64(scale);
-        let (keep1, add1) = (T::from_f64(BETA1), T::from_f64(1.0 - BETA1));
-        let (keep2, add2) = (T::from_f64(BETA2), T::from_f64(1.0 - BETA2));
-        let step_size = T::from_f64(self.learning_rate / (1.0 - self.beta1_power));
-        let correction = T::from_f64(1.0 / (1.0 - self.beta2_power).sqrt());
-        let eps = T::from_f64(self.eps);
+        let scale = T::rounded(scale);
+        let (keep1, add1) = (T::rounded(BETA1), T::rounded(1.0 - BETA1));
+        let (keep2, add2) = (T::rounded(BETA2), T::rounded(1.0 - BETA2));
+        let step_size = T::rounded(self.learning_rate / (1.0 - self.beta1_power));
+        let correction = T::rounded(1.0 / (1.0 - self.beta2_power).sqrt());
+        let eps = T::rounded(self.eps);
         let moments = self.first.iter_mut().zip(&mut self.second);
         for ((parameter, gradient), (first, second)) in parameters.iter_mut().zip(gradient).zip(moments) {
             let gradient = *gradient * scale;

@@ -65,7 +65,14 @@ mod tests {
         assert_eq!(advantages, [1.25, 1.0, 4.0, 6.0]);
         assert_eq!(returns, [1.75, 2.0, 5.5, 8.0]);
 
-        advantages_and_returns(Trajectory { last_done: true, ..trajectory }, 1, 0.5, 0.5, &mut advantages, &mut returns);
+        advantages_and_returns(
+            Trajectory { last_done: true, ..trajectory },
+            1,
+            0.5,
+            0.5,
+            &mut advantages,
+            &mut returns,
+        );
         assert_eq!(advantages, [1.25, 1.0, 3.0, 2.0]);
     }
 

@@ -21,11 +21,8 @@ pub(super) const VALUE_GAIN: f64 = 1.0;
 /// which makes it uniform over all such matrices.
 pub(super) fn orthogonal(rows: usize, columns: usize, gain: f64, stream: &mut Stream) -> DMatrix<f64> {
     let (long, short) = (rows.max(columns), rows.min(columns));
-    let qr = DMatrix::from_fn(long, short, |_, _| standard_normal(stream)).qr();
-    let (mut q, r) = (qr.q(), qr.r());
-    for (mut column, diagonal) in q.column_iter_mut().zip(r.diagonal().iter()) {
-        column *= gain * diagonal.signum();
-    }
+    // nalgebra chooses the signs that make R's diagonal positive.
+    let q = DMatrix::from_fn(long, short, |_, _| standard_normal(stream)).qr().q() * gain;
     if rows < columns { q.transpose() } else { q }
 }
 

@@ -104,8 +104,8 @@ impl Mlp {
 
     /// Writes the gradient of a loss with respect to the parameters.
     ///
-    /// Belongs to the last call of [`Mlp::forward`] with this scratch space. [`MlpScratch::output_gradient`] must hold the
-    /// derivative of the loss with respect to every output; it is used up.
+    /// Belongs to the last call of [`Mlp::forward`] with this scratch space. [`MlpScratch::output_to_gradient`] must
+    /// hold the derivative of the loss with respect to every output; it is used up.
     pub fn backward<T: Real>(&self, parameters: &[T], gradient: &mut [T], scratch: &mut MlpScratch<T>) {
         let batch = scratch.batch;
         for (l, layer) in self.layers.iter().enumerate().rev() {
@@ -177,9 +177,12 @@ impl<T: Real> MlpScratch<T> {
         }
     }
 
-    /// Gives access to the derivative of the loss with respect to the outputs of the last batch (outputs × batch).
-    pub fn output_gradient(&mut self, mlp: &Mlp) -> &mut [T] {
-        &mut self.delta[..mlp.outputs() * self.batch]
+    /// Gives the outputs of the last batch (outputs × batch), to be replaced by the derivatives of a loss with respect to
+    /// them.
+    pub fn output_to_gradient(&mut self, mlp: &Mlp) -> &mut [T] {
+        let count = mlp.outputs() * self.batch;
+        self.delta[..count].copy_from_slice(&self.activations[mlp.layers.len()][..count]);
+        &mut self.delta[..count]
     }
 }
 
@@ -210,9 +213,9 @@ mod tests {
             let y = mlp.forward(parameters, &input, scratch);
             y.iter().enumerate().map(|(i, y)| (i + 1) as f64 * y * y / 2.0).sum()
         };
-        let y = mlp.forward(&parameters, &input, &mut scratch).to_vec();
-        for (i, (slot, y)) in scratch.output_gradient(&mlp).iter_mut().zip(y).enumerate() {
-            *slot = (i + 1) as f64 * y;
+        mlp.forward(&parameters, &input, &mut scratch);
+        for (i, slot) in scratch.output_to_gradient(&mlp).iter_mut().enumerate() {
+            *slot *= (i + 1) as f64;
         }
         let mut gradient = vec![f64::NAN; parameters.len()];
         mlp.backward(&parameters, &mut gradient, &mut scratch);

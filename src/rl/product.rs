@@ -2,7 +2,8 @@
 //!
 //! nalgebra's general product serves only operands that are contiguous, column-major and larger than [`SMALL`] in every
 //! dimension: below that nalgebra 0.35 takes another path, which is slow for matrices of few rows and unsound for views
-//! with a row stride. Plain loops serve the rest.
+//! with a row stride. Plain loops serve the rest. The general product packs its operands into memory that it allocates in
+//! every call; nothing else here allocates.
 
 use nalgebra::{DMatrixView, DMatrixViewMut};
 

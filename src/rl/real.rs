@@ -11,10 +11,10 @@ mod sealed {
 /// A floating-point type of the networks: `f32` for training, `f64` for checking gradients.
 pub trait Real: nalgebra::RealField + Copy + sealed::Sealed {
     /// Rounds to this type.
-    fn from_f64(value: f64) -> Self;
+    fn rounded(value: f64) -> Self;
 
     /// Widens to `f64`, without loss.
-    fn to_f64(self) -> f64;
+    fn widened(self) -> f64;
 
     /// Returns the correctly rounded square root, by the processor's own instruction.
     fn square_root(self) -> Self;
@@ -24,11 +24,11 @@ pub trait Real: nalgebra::RealField + Copy + sealed::Sealed {
 }
 
 impl Real for f32 {
-    fn from_f64(value: f64) -> Self {
+    fn rounded(value: f64) -> Self {
         value as f32
     }
 
-    fn to_f64(self) -> f64 {
+    fn widened(self) -> f64 {
         f64::from(self)
     }
 
@@ -42,11 +42,11 @@ impl Real for f32 {
 }
 
 impl Real for f64 {
-    fn from_f64(value: f64) -> Self {
+    fn rounded(value: f64) -> Self {
         value
     }
 
-    fn to_f64(self) -> f64 {
+    fn widened(self) -> f64 {
         self
     }
 

@@ -5,10 +5,10 @@ const LIMIT: f32 = 7.905_311;
 
 /// The coefficients of x, x³, … x¹³ in the numerator.
 const NUMERATOR: [f32; 7] =
-    [4.893_524_6e-3, 6.372_619_3e-4, 1.485_722_4e-5, 5.122_297_1e-8, -8.604_671_5e-11, 2.000_187_9e-13, -2.760_768_5e-16];
+    [4.893_524_6e-3, 6.372_619_3e-4, 1.485_722_36e-5, 5.122_297_1e-8, -8.604_672e-11, 2.000_188e-13, -2.760_768_4e-16];
 
 /// The coefficients of 1, x², x⁴ and x⁶ in the denominator.
-const DENOMINATOR: [f32; 4] = [4.893_525_2e-3, 2.268_434_6e-3, 1.185_347_1e-4, 1.198_258_4e-6];
+const DENOMINATOR: [f32; 4] = [4.893_525e-3, 2.268_434_7e-3, 1.185_347_1e-4, 1.198_258_4e-6];
 
 /// Replaces every element by its hyperbolic tangent, with an absolute error below 10⁻⁶; NaN stays NaN.
 ///

@@ -71,6 +71,26 @@ impl Profile {
     pub fn slope(&self, s: f64) -> f64 {
         self.at(s).map_or(0.0, |cubic| cubic.slope(s))
     }
+
+    /// The sum of profiles, each multiplied by a factor, from `start` to `end` [m]; exact, since sums of cubics are cubics.
+    pub fn sum(terms: &[(&Self, f64)], start: f64, end: f64) -> Self {
+        let begins = terms.iter().flat_map(|(profile, _)| &profile.0).map(|cubic| cubic.start);
+        let mut begins: Vec<f64> = begins.filter(|s| *s > start && *s < end).collect();
+        begins.push(start);
+        begins.sort_by(f64::total_cmp);
+        begins.dedup();
+        let at = |s: f64| {
+            let mut sum = Cubic { start: s, ..Cubic::default() };
+            for (cubic, factor) in terms.iter().filter_map(|(profile, factor)| Some((profile.at(s)?, factor))) {
+                sum.a += factor * cubic.value(s);
+                sum.b += factor * cubic.slope(s);
+                sum.c += factor * (cubic.c + 3.0 * cubic.d * (s - cubic.start));
+                sum.d += factor * cubic.d;
+            }
+            sum
+        };
+        Self(begins.into_iter().map(at).collect())
+    }
 }
 
 #[cfg(test)]
@@ -87,5 +107,20 @@ mod tests {
         assert_eq!(profile.value(12.0), 5.0 + 2.0 + 2.0 + 2.0);
         assert_eq!(profile.slope(12.0), 1.0 + 2.0 + 3.0);
         assert_eq!(Profile::default().value(1.0), 0.0);
+    }
+
+    #[test]
+    fn a_sum_has_the_values_and_slopes_of_its_terms_together() {
+        let one = Profile::new(vec![
+            Cubic { start: 0.0, a: 1.0, b: 0.1, c: 0.02, d: -0.003 },
+            Cubic { start: 7.0, a: 2.0, b: -0.2, ..Cubic::default() },
+        ]);
+        let two = Profile::new(vec![Cubic { start: -3.0, a: 0.5, b: 0.3, c: -0.01, d: 0.002 }]);
+        let sum = Profile::sum(&[(&one, 1.0), (&two, -0.5)], 2.0, 10.0);
+        assert_eq!(sum.cubics().len(), 2);
+        for s in [2.0, 4.5, 6.999, 7.0, 9.5] {
+            assert!((sum.value(s) - (one.value(s) - 0.5 * two.value(s))).abs() < 1e-12);
+            assert!((sum.slope(s) - (one.slope(s) - 0.5 * two.slope(s))).abs() < 1e-12);
+        }
     }
 }

@@ -4,17 +4,32 @@
 //! CARLA's map answers, since its driver's decisions hang on it.
 
 mod cubic;
+mod spiral;
 mod plan_view;
 mod lane;
 mod road;
 mod junction;
 mod furniture;
 mod waypoint;
+mod lane_network;
+mod lane_index;
+mod town;
+mod topology;
+pub mod opendrive;
+#[cfg(not(falsify_lab))]
+mod route;
+#[cfg(not(falsify_lab))]
+pub mod design;
 
 pub use cubic::{Cubic, Profile};
 pub use furniture::{SpeedSign, TrafficLight};
 pub use junction::{Connection, Junction};
 pub use lane::{Lane, LaneId, LaneKind};
+pub use lane_index::LaneFilter;
+pub use opendrive::{OpenDriveError, OpenDriveProblem, OpenDriveWarning};
 pub use plan_view::{Geometry, PlanView, Shape};
+#[cfg(not(falsify_lab))]
+pub use route::{RandomWalk, RoadOption, RoutePoint, turn};
 pub use road::{JunctionIndex, LaneSection, Road, RoadEnd, RoadIndex, RoadLink};
+pub use town::{Town, TownParts};
 pub use waypoint::{LaneStretch, PosedWaypoint, Waypoint};

@@ -1,4 +1,4 @@
-use super::spiral::{graph_length, spiral};
+use super::spiral::{integral, spiral};
 use crate::geometry::{Point, Pose, Vector, wrap_angle};
 
 /// A piece of a reference line.
@@ -27,9 +27,9 @@ pub enum Shape {
     Arc(f64),
     /// An Euler spiral: the curvature goes evenly from the first value to the second [1/m].
     Spiral(f64, f64),
-    /// A cubic of the distance straight ahead.
+    /// A cubic of the distance straight ahead, followed by its own length.
     Poly3([f64; 4]),
-    /// Two cubics of a parameter: ahead and to the left.
+    /// Two cubics of a parameter, ahead and to the left, followed by the length of the curve.
     ParamPoly3 {
         /// Ahead [m].
         u: [f64; 4],
@@ -93,13 +93,14 @@ impl Geometry {
                 self.placed(local, Vector::new(cos, sin), turn)
             }
             Shape::Poly3(cubic) => {
-                let u = distance_ahead(cubic, ds);
+                let u = parameter(ds, 1.0, self.length, |u| Vector::new(1.0, slope(cubic, u)).norm());
                 let slope = slope(cubic, u);
                 let forward = Vector::new(1.0, slope) / (1.0 + slope * slope).sqrt();
                 self.placed(Vector::new(u, value(cubic, u)), forward, libm::atan(slope))
             }
             Shape::ParamPoly3 { u, v, normalized } => {
-                let p = if normalized { ds / self.length.max(f64::MIN_POSITIVE) } else { ds };
+                let range = if normalized { 1.0 } else { self.length };
+                let p = parameter(ds, range / self.length, range, |p| Vector::new(slope(u, p), slope(v, p)).norm());
                 let tangent = Vector::new(slope(u, p), slope(v, p));
                 let speed = tangent.norm();
                 let forward = if speed > 1e-12 { tangent / speed } else { Vector::new(1.0, 0.0) };
@@ -128,19 +129,26 @@ fn slope([_, b, c, d]: [f64; 4], x: f64) -> f64 {
     b + x * (2.0 * c + x * 3.0 * d)
 }
 
-/// How far straight ahead one is after `ds` [m] along the graph of a cubic.
-fn distance_ahead(cubic: [f64; 4], ds: f64) -> f64 {
-    // The graph is never shorter than the way ahead, so the answer lies between 0 and `ds`; Newton's steps stay there.
-    let mut u = ds;
-    for _ in 0..16 {
-        let slope = slope(cubic, u);
-        let step = (graph_length(cubic, u) - ds) / (1.0 + slope * slope).sqrt();
-        u = (u - step).clamp(0.0, ds.max(0.0));
-        if step.abs() < 1e-10 {
+/// The parameter at which a curve is `ds` [m] long, given its speed over the parameter; `share` is the first guess for each
+/// metre.
+///
+/// # Source
+/// CARLA `road/element/Geometry.cpp` goes by the curve's length too, whatever `pRange` says.
+fn parameter(ds: f64, share: f64, range: f64, speed: impl Fn(f64) -> f64) -> f64 {
+    let mut p = ds * share;
+    for _ in 0..12 {
+        let rate = speed(p);
+        if !(rate > 1e-9) {
+            break;
+        }
+        let step = (integral(p, &speed) - ds) / rate;
+        // A curve may be a little shorter than the file says; then it goes on beyond its end.
+        p = (p - step).clamp(0.0, 1.1 * range);
+        if step.abs() * rate < 1e-9 {
             break;
         }
     }
-    u
+    p
 }
 
 /// The reference line of a road in the plane.
@@ -239,5 +247,9 @@ mod tests {
             let expected = by_length.pose(ds);
             near(by_share.pose(ds), expected.x, expected.y, expected.yaw);
         }
+        let steps = 4000;
+        let at = |i: i32| by_length.pose(5.0 * f64::from(i) / f64::from(steps)).position();
+        let walked: f64 = (0..steps).map(|i| (at(i + 1) - at(i)).norm()).sum();
+        assert!((walked - 5.0).abs() < 1e-6, "{walked}");
     }
 }

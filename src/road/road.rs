@@ -1,3 +1,4 @@
+use super::lane_network::heading;
 use super::{Lane, LaneId, PlanView, Profile};
 use crate::geometry::Pose;
 
@@ -79,16 +80,14 @@ impl Road {
     /// None when the section has no such lane.
     pub fn lane_pose(&self, section: usize, id: LaneId, s: f64) -> Option<Pose> {
         let (t, slope) = self.lane_centre(section, id, s)?;
-        let line = self.plan_view.pose(s);
-        let centre = line.position() + line.left() * t;
-        let ahead = line.yaw + libm::atan(slope);
-        let yaw = if id > 0 { ahead + std::f64::consts::PI } else { ahead };
-        Some(Pose::new(centre.x, centre.y, crate::geometry::wrap_angle(yaw)))
+        let line = self.plan_view.point(s);
+        let centre = line.beside(t);
+        Some(Pose { x: centre.x, y: centre.y, yaw: heading(&line, id, slope) })
     }
 
     /// Lateral position of a lane's centre, positive to the left [m], and its slope along the road.
     pub fn lane_centre(&self, section: usize, id: LaneId, s: f64) -> Option<(f64, f64)> {
-        let lanes = &self.sections[section].lanes;
+        let lanes = &self.sections.get(section)?.lanes;
         let own = lanes.iter().find(|lane| lane.id == id)?;
         let side = f64::from(id.signum());
         let (mut t, mut slope) = (self.lane_offset.value(s), self.lane_offset.slope(s));

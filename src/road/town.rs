@@ -1,6 +1,7 @@
-use super::{
-    Junction, LaneIndex, LaneKind, LaneStretch, Road, SpeedSign, TrafficLight, Waypoint, lane_index, opendrive::OpenDriveWarning,
-};
+use super::lane_index::{LaneFilter, LaneIndex};
+use super::lane_network::LaneNetwork;
+use super::opendrive::OpenDriveWarning;
+use super::{Junction, JunctionIndex, LaneId, LaneKind, LaneStretch, PosedWaypoint, Road, SpeedSign, TrafficLight, Waypoint};
 use crate::geometry::{OrientedBox, Point, Pose};
 
 /// What a town is made of, before it is indexed.
@@ -23,6 +24,8 @@ pub struct TownParts {
 }
 
 /// A road network with everything that stands beside it, indexed for the questions a simulation asks.
+///
+/// The parts are there to be read; whoever changes one has to build a new town.
 #[derive(Debug)]
 pub struct Town {
     /// Its name.
@@ -39,6 +42,121 @@ pub struct Town {
     pub obstacles: Vec<OrientedBox>,
     /// What the reader of a file had to skip or guess.
     pub warnings: Vec<OpenDriveWarning>,
-    driving_lanes: Vec<LaneStretch>,
+    pub(super) network: LaneNetwork,
     index: LaneIndex,
+    driving_lanes: Vec<LaneStretch>,
+    bounds: (Point, Point),
+}
+
+impl Town {
+    /// Indexes the parts. Links that lead nowhere are ignored.
+    pub fn new(parts: TownParts) -> Self {
+        let network = LaneNetwork::new(&parts.roads, &parts.junctions);
+        let index = LaneIndex::new(&parts.roads, &network);
+        let driving = network.lanes().iter().filter(|lane| lane.kind == LaneKind::Driving && !lane.in_junction);
+        let stretch = |lane: &super::lane_network::NetworkLane| LaneStretch {
+            start: lane.waypoint(lane.driving_ends().0),
+            length: (lane.end - lane.start).max(0.0),
+        };
+        let driving_lanes = driving.map(stretch).collect();
+        let bounds = bounds(&parts, &network);
+        let TownParts { name, roads, junctions, speed_signs, traffic_lights, obstacles, warnings } = parts;
+        Self { name, roads, junctions, speed_signs, traffic_lights, obstacles, warnings, network, index, driving_lanes, bounds }
+    }
+
+    /// The centre of the lane at a waypoint, heading along its driving direction.
+    ///
+    /// For a lane that does not exist it is the reference line, and the origin for a road that does not exist.
+    pub fn pose(&self, waypoint: Waypoint) -> Pose {
+        if let Some(slot) = self.network.slot(waypoint) {
+            return self.network.pose(&self.roads, self.network.lane(slot), waypoint.s);
+        }
+        self.roads.get(waypoint.road.0 as usize).map_or_else(Pose::default, |road| road.plan_view.pose(waypoint.s))
+    }
+
+    /// A waypoint together with its pose.
+    pub fn posed(&self, waypoint: Waypoint) -> PosedWaypoint {
+        PosedWaypoint { waypoint, pose: self.pose(waypoint) }
+    }
+
+    /// The width of the lane at a waypoint [m]; 0 for a lane that does not exist.
+    pub fn lane_width(&self, waypoint: Waypoint) -> f64 {
+        self.network.slot(waypoint).map_or(0.0, |slot| self.network.width(self.network.lane(slot), waypoint.s))
+    }
+
+    /// What the lane at a waypoint is for.
+    pub fn lane_kind(&self, waypoint: Waypoint) -> LaneKind {
+        self.network.slot(waypoint).map_or(LaneKind::None, |slot| self.network.lane(slot).kind)
+    }
+
+    /// The junction a waypoint lies in.
+    pub fn junction(&self, waypoint: Waypoint) -> Option<JunctionIndex> {
+        self.roads.get(waypoint.road.0 as usize)?.junction
+    }
+
+    /// Whether a waypoint lies in a junction.
+    pub fn is_junction(&self, waypoint: Waypoint) -> bool {
+        self.junction(waypoint).is_some()
+    }
+
+    /// The lane to the right in driving direction, at the same distance along the road.
+    pub fn right_lane(&self, waypoint: Waypoint) -> Option<Waypoint> {
+        self.beside(waypoint, waypoint.lane.checked_add(waypoint.lane.signum())?)
+    }
+
+    /// The lane to the left in driving direction, at the same distance along the road; beyond the middle it is the first
+    /// lane of the other direction.
+    pub fn left_lane(&self, waypoint: Waypoint) -> Option<Waypoint> {
+        let lane = waypoint.lane;
+        self.beside(waypoint, if lane.unsigned_abs() == 1 { -lane } else { lane - lane.signum() })
+    }
+
+    fn beside(&self, waypoint: Waypoint, lane: LaneId) -> Option<Waypoint> {
+        self.network.slot_of(waypoint.road, waypoint.section, lane).map(|_| Waypoint { lane, ..waypoint })
+    }
+
+    /// The place on the lane whose centre line is nearest, whatever the lanes' widths.
+    ///
+    /// # Source
+    /// CARLA `road/Map.cpp`, `GetClosestWaypointOnRoad`, in the plane.
+    pub fn nearest_lane(&self, point: Point, filter: LaneFilter) -> Option<Waypoint> {
+        self.index.nearest(&self.network, point, filter)
+    }
+
+    /// All driving lanes of all sections outside junctions.
+    pub fn driving_lanes(&self) -> &[LaneStretch] {
+        &self.driving_lanes
+    }
+
+    /// The waypoint `distance` [m] along a stretch in driving direction, held within it.
+    pub fn along(&self, stretch: &LaneStretch, distance: f64) -> Waypoint {
+        let moved = distance.clamp(0.0, stretch.length.max(0.0));
+        let s = stretch.start.s + if stretch.start.lane < 0 { moved } else { -moved };
+        Waypoint { s, ..stretch.start }
+    }
+
+    /// Opposite corners of the smallest upright rectangle around all lanes and obstacles: the south-west one and the
+    /// north-east one. Both are the origin in an empty town.
+    pub fn bounds(&self) -> (Point, Point) {
+        self.bounds
+    }
+}
+
+/// How many places of a lane are looked at for the bounds, at least every ten metres.
+const BOUND_STEP: f64 = 10.0;
+
+fn bounds(parts: &TownParts, network: &LaneNetwork) -> (Point, Point) {
+    let edges = network.lanes().iter().flat_map(|lane| {
+        let count = ((lane.end - lane.start) / BOUND_STEP).ceil().clamp(1.0, 4096.0);
+        (0..=count as u32).flat_map(move |i| {
+            let s = lane.start + (lane.end - lane.start) * f64::from(i) / count;
+            network.edges(&parts.roads, lane, s)
+        })
+    });
+    let corners = parts.obstacles.iter().flat_map(OrientedBox::corners);
+    let places = edges.chain(corners).filter(|place| place.x.is_finite() && place.y.is_finite());
+    let around = places.fold(None, |box_so_far: Option<(Point, Point)>, place| {
+        Some(box_so_far.map_or((place, place), |(low, high)| (low.inf(&place), high.sup(&place))))
+    });
+    around.unwrap_or((Point::origin(), Point::origin()))
 }

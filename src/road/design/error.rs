@@ -101,7 +101,9 @@ pub enum DesignError {
         y: f64,
     },
     /// Two streets meet at too sharp an angle.
-    #[error("streets `{first}` and `{second}` meet at node `{node}` at {degrees:.1} degrees; at least {least:.0} are needed")]
+    #[error(
+        "streets `{first}` and `{second}` meet at node `{node}` at {degrees:.1} degrees; at least {least:.0} are needed"
+    )]
     SharpAngle {
         /// The node.
         node: String,
@@ -123,7 +125,9 @@ pub enum DesignError {
         legs: usize,
     },
     /// There is no room for a road between the junctions or bends at its ends.
-    #[error("street `{street}` is {length:.1} m long between `{from}` and `{to}`; bends and junctions need {needed:.1} m")]
+    #[error(
+        "street `{street}` is {length:.1} m long between `{from}` and `{to}`; bends and junctions need {needed:.1} m"
+    )]
     ShortLeg {
         /// The street.
         street: String,

@@ -1,4 +1,6 @@
-use super::{BuildingRow, DesignError, building_row, layout::Layout, lights_and_signs, network::Network, surface::Surfaces};
+use super::{
+    BuildingRow, DesignError, building_row, layout::Layout, lights_and_signs, network::Network, surface::Surfaces,
+};
 use crate::geometry::{OrientedBox, Point};
 use crate::road::TownParts;
 
@@ -107,8 +109,8 @@ impl TownDesign {
         let layout = Layout::new(self, &mut faults);
         let network = Network::new(self, &layout);
         let surfaces = Surfaces::new(self, &layout, &network);
-        surfaces.find_overlaps(self, &network, &mut faults);
-        surfaces.find_buildings(self, &mut faults);
+        surfaces.find_overlaps(&network, &mut faults);
+        surfaces.find_buildings(self, &network, &mut faults);
         if !faults.is_empty() {
             return Err(faults);
         }
@@ -118,7 +120,7 @@ impl TownDesign {
         }
         Ok(TownParts {
             name: self.name.clone(),
-            speed_signs: lights_and_signs::speed_signs(self, &network),
+            speed_signs: lights_and_signs::speed_signs(self, &layout, &network),
             traffic_lights: lights_and_signs::traffic_lights(self, &layout, &network),
             roads: network.roads,
             junctions: network.junctions,
@@ -168,7 +170,8 @@ impl TownDesign {
         }
         for (building, each) in self.buildings.iter().enumerate() {
             let numbers = [each.pose.x, each.pose.y, each.pose.yaw];
-            let sound = numbers.iter().all(|n| n.is_finite()) && [each.half.x, each.half.y].iter().all(|&n| n > 0.0 && n.is_finite());
+            let sound = numbers.iter().all(|n| n.is_finite())
+                && [each.half.x, each.half.y].iter().all(|&n| n > 0.0 && n.is_finite());
             if !sound {
                 faults.push(DesignError::BuildingMeasure { building });
             }

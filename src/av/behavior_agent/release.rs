@@ -1,0 +1,180 @@
+use super::controller::{CITY_GAINS_0_9_11, GAINS, HIGHWAY_GAINS_0_9_11, Gains};
+use crate::road::LaneFilter;
+
+/// A release of CARLA whose agent is meant. 0.9.10 behaves as 0.9.11, 0.9.14 as 0.9.15.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Release {
+    /// 0.9.10.1 and 0.9.11.
+    V0_9_11,
+    /// 0.9.12.
+    V0_9_12,
+    /// 0.9.13.
+    V0_9_13,
+    /// 0.9.14 and 0.9.15.
+    #[default]
+    V0_9_15,
+}
+
+/// Between which points an obstacle's distance and bearing are measured outside junctions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Measure {
+    /// From the ego's centre to the obstacle's.
+    Centres,
+    /// From the middle of the ego's bumper to the middle of the obstacle's back.
+    BumperToRear,
+}
+
+/// When the route is compared as a polygon instead of by lanes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum PolygonRule {
+    /// Never.
+    Never,
+    /// When the ego and the obstacle are in junctions; the first such obstacle settles the question for all.
+    BothInJunctions,
+    /// When the ego or the obstacle is in a junction, or the ego is wider than its lane; what is out of reach is
+    /// skipped before its lane is looked up.
+    EitherInJunction,
+}
+
+/// Which red lights stop the agent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum RedLightRule {
+    /// The one in whose trigger box the server says the vehicle stands.
+    Affected,
+    /// The ones whose trigger box the agent finds ahead on its road.
+    OwnTest,
+}
+
+/// What differs between releases.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct ReleaseTraits {
+    /// Brake of an emergency stop.
+    pub emergency_brake: f64,
+    /// Among which lanes the nearest one of an obstacle is sought.
+    pub obstacle_lane: LaneFilter,
+    /// How obstacles are measured.
+    pub measure: Measure,
+    /// Headings are computed with 64 bits from the yaw, not taken as CARLA's 32-bit vector.
+    pub exact_heading: bool,
+    /// The queue's point whose lane counts like the ego's own.
+    pub accepted_point: usize,
+    /// When polygons are used.
+    pub polygons: PolygonRule,
+    /// Without a walker near by, the walker step tests the vehicles.
+    pub vehicles_for_walkers: bool,
+    /// Which red lights count.
+    pub red_light: RedLightRule,
+    /// Slows down where a turn comes.
+    pub slows_for_turns: bool,
+    /// Runs the planner twice when following or turning.
+    pub repeats_planner: bool,
+    /// The planner has a buffer of points besides its queue, and drops points after steering.
+    pub buffered_planner: bool,
+    /// The controllers forget everything every tick.
+    pub forgetful: bool,
+    /// Gains up to 50 km/h.
+    pub gains: Gains,
+    /// Gains above.
+    pub fast_gains: Gains,
+    /// Spacing of a route without destination [m].
+    pub step: f64,
+}
+
+const V0_9_15: ReleaseTraits = ReleaseTraits {
+    emergency_brake: 0.5,
+    obstacle_lane: LaneFilter::Any,
+    measure: Measure::BumperToRear,
+    exact_heading: false,
+    accepted_point: 3,
+    polygons: PolygonRule::EitherInJunction,
+    vehicles_for_walkers: true,
+    red_light: RedLightRule::OwnTest,
+    slows_for_turns: true,
+    repeats_planner: false,
+    buffered_planner: false,
+    forgetful: false,
+    gains: GAINS,
+    fast_gains: GAINS,
+    step: 2.0,
+};
+
+const V0_9_13: ReleaseTraits =
+    ReleaseTraits { polygons: PolygonRule::BothInJunctions, repeats_planner: true, ..V0_9_15 };
+
+const V0_9_12: ReleaseTraits = ReleaseTraits {
+    obstacle_lane: LaneFilter::Driving,
+    measure: Measure::Centres,
+    accepted_point: 5,
+    polygons: PolygonRule::Never,
+    vehicles_for_walkers: false,
+    ..V0_9_13
+};
+
+const V0_9_11: ReleaseTraits = ReleaseTraits {
+    emergency_brake: 1.0,
+    exact_heading: true,
+    red_light: RedLightRule::Affected,
+    slows_for_turns: false,
+    repeats_planner: false,
+    buffered_planner: true,
+    forgetful: true,
+    gains: CITY_GAINS_0_9_11,
+    fast_gains: HIGHWAY_GAINS_0_9_11,
+    step: 4.5,
+    ..V0_9_12
+};
+
+impl Release {
+    /// All of them, oldest first.
+    pub const ALL: [Self; 4] = [Self::V0_9_11, Self::V0_9_12, Self::V0_9_13, Self::V0_9_15];
+
+    /// Its number as CARLA writes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::V0_9_11 => "0.9.11",
+            Self::V0_9_12 => "0.9.12",
+            Self::V0_9_13 => "0.9.13",
+            Self::V0_9_15 => "0.9.15",
+        }
+    }
+
+    /// Finds the release that behaves like a CARLA version; none before 0.9.10.1 and after 0.9.15.
+    pub fn from_name(name: &str) -> Option<Self> {
+        match name {
+            "0.9.10.1" | "0.9.11" => Some(Self::V0_9_11),
+            "0.9.12" => Some(Self::V0_9_12),
+            "0.9.13" => Some(Self::V0_9_13),
+            "0.9.14" | "0.9.15" => Some(Self::V0_9_15),
+            _ => None,
+        }
+    }
+
+    pub(super) const fn traits(self) -> ReleaseTraits {
+        match self {
+            Self::V0_9_11 => V0_9_11,
+            Self::V0_9_12 => V0_9_12,
+            Self::V0_9_13 => V0_9_13,
+            Self::V0_9_15 => V0_9_15,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_oldest_release_brakes_fully() {
+        let brakes = Release::ALL.map(|release| release.traits().emergency_brake);
+        assert_eq!(brakes, [1.0, 0.5, 0.5, 0.5]);
+    }
+
+    #[test]
+    fn names_lead_back_to_releases() {
+        for release in Release::ALL {
+            assert_eq!(Release::from_name(release.name()), Some(release));
+        }
+        assert_eq!(Release::from_name("0.9.14"), Some(Release::V0_9_15));
+        assert_eq!(Release::from_name("0.9.16"), None);
+    }
+}

@@ -1,0 +1,31 @@
+use crate::compile::{Evaluation, Training};
+use crate::rl::UpdateLog;
+
+/// Hears what a running campaign does; called from many threads.
+pub trait Observer: Sync {
+    /// A training has finished an update. The number is its place in the campaign.
+    fn trained(&self, training: usize, plan: &Training, log: &UpdateLog) {
+        let _ = (training, plan, log);
+    }
+
+    /// A training has ended, well or not.
+    fn training_ended(&self, training: usize, result: &super::TrainingResult) {
+        let _ = (training, result);
+    }
+
+    /// An evaluation has finished an episode. The number is its place in the campaign.
+    fn tried(&self, evaluation: usize, plan: &Evaluation) {
+        let _ = (evaluation, plan);
+    }
+
+    /// Whether to stop after the work in hand.
+    fn stop(&self) -> bool {
+        false
+    }
+}
+
+/// Hears nothing and never stops.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Silent;
+
+impl Observer for Silent {}

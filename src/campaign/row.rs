@@ -1,0 +1,21 @@
+use crate::compile::TrainingKey;
+use crate::env::Outcome;
+
+/// One episode of an evaluation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EpisodeRow {
+    /// What the pedestrian was trained in; town and policy are empty for untrained ones.
+    pub trained: TrainingKey,
+    /// Who it is: `trained`, `random`, `intercept`.
+    pub pedestrian: &'static str,
+    /// The town it was tried in.
+    pub town: String,
+    /// The driving policy it was tried against.
+    pub policy: String,
+    /// Number of the `evaluate` block, from 0.
+    pub block: u32,
+    /// Number of the episode, from 0; equal numbers of a town and policy begin the same.
+    pub episode: u32,
+    /// What became of it.
+    pub outcome: Outcome,
+}

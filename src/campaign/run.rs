@@ -1,0 +1,136 @@
+use std::ops::ControlFlow;
+
+use rayon::prelude::*;
+
+use super::{EpisodeRow, Observer};
+use crate::compile::{Campaign, Evaluation, Pedestrian, Training, TrainingKey};
+use crate::falsifier::{Intercept, Random, TrainedWalker, Walker, train, try_walker};
+use crate::rl::{TrainError, Trained};
+use crate::seed::Seed;
+
+/// What became of a training.
+#[derive(Debug, Clone)]
+pub struct TrainingResult {
+    /// Which training.
+    pub key: TrainingKey,
+    /// What it brought forth.
+    pub result: Result<Trained, TrainError>,
+}
+
+/// What came of a campaign.
+#[derive(Debug, Clone)]
+pub struct Finished {
+    /// The trainings, in the plan's order. Those that were never begun are missing.
+    pub trainings: Vec<TrainingResult>,
+    /// All episodes, in the plan's order.
+    pub rows: Vec<EpisodeRow>,
+    /// Whether the observer stopped it.
+    pub interrupted: bool,
+}
+
+/// Runs a campaign on the present rayon pool.
+///
+/// Every training and every evaluation has a seed of its own that depends on the names of its town, policy, reward and
+/// run alone: nothing changes when others are added to the campaign.
+pub fn run(campaign: &Campaign, seed: &Seed, observer: &dyn Observer) -> Finished {
+    let trainings: Vec<Option<TrainingResult>> = campaign
+        .trainings
+        .par_iter()
+        .enumerate()
+        .with_max_len(1)
+        .map(|(index, training)| {
+            if observer.stop() {
+                return None;
+            }
+            let result = carry_out(index, training, seed, observer);
+            observer.training_ended(index, &result);
+            Some(result)
+        })
+        .collect();
+    let episodes: Vec<Vec<EpisodeRow>> = campaign
+        .evaluations
+        .par_iter()
+        .enumerate()
+        .with_max_len(1)
+        .map(|(index, evaluation)| evaluate(index, evaluation, &trainings, seed, observer))
+        .collect();
+    Finished {
+        trainings: trainings.into_iter().flatten().collect(),
+        rows: episodes.into_iter().flatten().collect(),
+        interrupted: observer.stop(),
+    }
+}
+
+fn carry_out(index: usize, training: &Training, seed: &Seed, observer: &dyn Observer) -> TrainingResult {
+    let key = &training.key;
+    let seed = seed.child("train").child(&key.town).child(&key.policy).child(&key.reward).index(key.run.into());
+    let result = train(&training.scenario, training.environments, &training.config, &seed, &mut |log| {
+        observer.trained(index, training, log);
+        flow(observer)
+    });
+    TrainingResult { key: key.clone(), result }
+}
+
+fn evaluate(
+    index: usize,
+    evaluation: &Evaluation,
+    trainings: &[Option<TrainingResult>],
+    seed: &Seed,
+    observer: &dyn Observer,
+) -> Vec<EpisodeRow> {
+    let mut walker: Box<dyn Walker> = match evaluation.pedestrian {
+        Pedestrian::Random => Box::new(Random::default()),
+        Pedestrian::Intercept => Box::new(Intercept),
+        Pedestrian::Trained(training) => match &trainings[training] {
+            Some(TrainingResult { result: Ok(trained), .. }) => Box::new(TrainedWalker::new(trained.actor_critic.clone())),
+            _ => return Vec::new(),
+        },
+    };
+    if observer.stop() {
+        return Vec::new();
+    }
+    let place = |branch: &str| seed.child(branch).child(&evaluation.town).child(&evaluation.policy);
+    let walker_seed = place("walker").child(evaluation.pedestrian.name()).index(evaluation.trained.run.into());
+    let outcomes = try_walker(
+        walker.as_mut(),
+        &evaluation.scenario,
+        evaluation.episodes,
+        &place("evaluate"),
+        &walker_seed,
+        &mut |_| {
+            observer.tried(index, evaluation);
+            flow(observer)
+        },
+    );
+    let row = |(episode, outcome)| EpisodeRow {
+        trained: evaluation.trained.clone(),
+        pedestrian: evaluation.pedestrian.name(),
+        town: evaluation.town.clone(),
+        policy: evaluation.policy.clone(),
+        block: evaluation.block,
+        episode: episode as u32,
+        outcome,
+    };
+    outcomes.into_iter().enumerate().map(row).collect()
+}
+
+fn flow(observer: &dyn Observer) -> ControlFlow<()> {
+    if observer.stop() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+}
+
+/// Shrinks a campaign to a trial of its machinery: one run, two updates, five episodes.
+pub fn smoke(campaign: &mut Campaign) {
+    let kept: Vec<usize> = (0..campaign.trainings.len()).filter(|index| campaign.trainings[*index].key.run == 0).collect();
+    campaign.trainings.retain(|training| training.key.run == 0);
+    for training in &mut campaign.trainings {
+        let update = (training.config.rollout_steps * training.environments) as u64;
+        training.config.total_steps = training.config.total_steps.min(2 * update);
+    }
+    campaign.evaluations.retain(|evaluation| evaluation.trained.run == 0);
+    for evaluation in &mut campaign.evaluations {
+        evaluation.episodes = evaluation.episodes.min(5);
+        if let Pedestrian::Trained(training) = &mut evaluation.pedestrian {
+            *training = kept.iter().position(|index| index == training).expect("run 0 is kept");
+        }
+    }
+}

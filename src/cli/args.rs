@@ -1,0 +1,95 @@
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+const EXAMPLES: &str = "\
+Examples:
+  falsify run scenarios/*.scn                run all campaigns, reports go to reports/
+  falsify run --smoke scenarios/*.scn        see in seconds whether everything works
+  falsify run --list scenarios/*.scn         see what would be run
+  falsify check my.scn                       find mistakes without running anything
+
+Exit codes:
+  0 done   1 internal error   2 wrong usage or missing file   3 errors in a scenario
+  4 nothing to run   5 a run failed   6 a report cannot be written   130 stopped by Ctrl-C";
+
+/// Finds the ways a self-driving car hits a pedestrian.
+#[derive(Debug, Parser)]
+#[command(version, after_help = EXAMPLES, max_term_width = 100)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// When to colour the output.
+    #[arg(long, global = true, value_enum, default_value_t = Colouring::Auto, value_name = "WHEN")]
+    pub color: Colouring,
+}
+
+/// What the program can do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Train pedestrians and try them, as the campaigns of the files say.
+    #[command(after_help = EXAMPLES)]
+    Run(RunOptions),
+    /// Find mistakes in scenario files without running anything.
+    Check(CheckOptions),
+    /// Print a completion script for a shell.
+    Completions {
+        /// The shell.
+        shell: clap_complete::Shell,
+    },
+}
+
+/// Options of `falsify run`.
+#[derive(Debug, Args)]
+pub struct RunOptions {
+    /// Scenario files; their campaigns are run in order.
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Folder for the reports, one folder in it for each campaign.
+    #[arg(long, short, default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
+    pub out: PathBuf,
+    /// Number from which everything random follows.
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub seed: u64,
+    /// Threads that work; results do not depend on it. 0: one for every core.
+    #[arg(long, short = 'j', default_value_t = 0, env = "FALSIFY_THREADS", value_name = "N")]
+    pub threads: usize,
+    /// Say what would be run, and stop.
+    #[arg(long)]
+    pub list: bool,
+    /// Run only enough to see that everything works: one run, two updates, five episodes.
+    #[arg(long)]
+    pub smoke: bool,
+}
+
+/// Options of `falsify check`.
+#[derive(Debug, Args)]
+pub struct CheckOptions {
+    /// Scenario files.
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+}
+
+/// When to colour the output.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum Colouring {
+    /// On a terminal, unless NO_COLOR is set.
+    Auto,
+    /// Always.
+    Always,
+    /// Never.
+    Never,
+}
+
+impl Colouring {
+    /// Makes it hold for everything that is printed.
+    pub fn apply(self) {
+        let choice = match self {
+            Self::Auto => anstream::ColorChoice::Auto,
+            Self::Always => anstream::ColorChoice::Always,
+            Self::Never => anstream::ColorChoice::Never,
+        };
+        choice.write_global();
+    }
+}

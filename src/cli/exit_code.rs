@@ -1,0 +1,26 @@
+/// What the program says to its caller.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ExitCode {
+    /// All went well.
+    Done = 0,
+    /// A bug.
+    Internal = 1,
+    /// Wrong arguments, or a named file is missing.
+    Usage = 2,
+    /// A scenario has errors.
+    Scenario = 3,
+    /// No campaign was found.
+    Nothing = 4,
+    /// A training failed.
+    RunFailed = 5,
+    /// A report cannot be written.
+    WriteFailed = 6,
+    /// The user stopped it.
+    Interrupted = 130,
+}
+
+impl From<ExitCode> for std::process::ExitCode {
+    fn from(code: ExitCode) -> Self {
+        Self::from(code as u8)
+    }
+}

@@ -1,0 +1,36 @@
+//! The command line: arguments, commands, progress, exit codes.
+
+mod args;
+mod exit_code;
+mod front;
+mod interrupt;
+mod progress;
+mod run;
+mod check;
+
+pub use args::Arguments;
+pub use exit_code::ExitCode;
+
+use clap::{CommandFactory, Parser};
+
+/// Runs the program with the arguments of the process.
+pub fn main() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            // Help and version are no mistakes.
+            let code = if error.use_stderr() { ExitCode::Usage } else { ExitCode::Done };
+            let _ = error.print();
+            return code;
+        }
+    };
+    arguments.color.apply();
+    match arguments.command {
+        args::Command::Run(options) => run::run(&options),
+        args::Command::Check(options) => check::check(&options),
+        args::Command::Completions { shell } => {
+            clap_complete::generate(shell, &mut Arguments::command(), "falsify", &mut std::io::stdout());
+            ExitCode::Done
+        }
+    }
+}

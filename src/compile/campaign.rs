@@ -1,0 +1,52 @@
+use crate::signature::{Form, Param, Signature, Type};
+
+/// Pedestrians that need no training.
+pub const PEDESTRIANS: &[&str] = &["trained", "random", "intercept"];
+
+/// The form `campaign`.
+pub fn form() -> Form {
+    let name = |form| Type::Reference(form);
+    let names = |form| Type::List(Box::new(Type::Reference(form)));
+    let count = |max| Type::Integer { min: 1, max };
+    let spawn = || Param::optional("spawn", name("spawn"), "Where these episodes begin, instead of the campaign's `spawn`.");
+    let train = Signature::new(
+        "train",
+        "Trains one pedestrian for every town, policy, reward and run.",
+        vec![
+            Param::required("towns", names("town"), "Towns to train in."),
+            Param::required("policies", names("policy"), "Drivers to train against."),
+            Param::required("rewards", names("reward"), "Rewards to train for."),
+            Param::with_default("runs", count(10_000), "3", "Trainings of each, with different seeds."),
+            spawn(),
+        ],
+    );
+    let evaluate = Signature::new(
+        "evaluate",
+        "Tries every pedestrian in every town against every policy.",
+        vec![
+            Param::required("towns", names("town"), "Towns to try them in."),
+            Param::required("policies", names("policy"), "Drivers to try them against."),
+            Param::with_default("episodes", count(10_000_000), "200", "Episodes of each; all pedestrians meet the same beginnings."),
+            Param::with_default(
+                "pedestrians",
+                Type::List(Box::new(Type::Choice(PEDESTRIANS))),
+                "[trained, random]",
+                "Who tries: the trained ones, one that chooses at random, one that walks to where it would meet the ego.",
+            ),
+            spawn(),
+        ],
+    );
+    let params = vec![
+        Param::required("vehicle", name("vehicle"), "The model of car under test."),
+        Param::required("adversary", name("adversary"), "The pedestrian."),
+        Param::required("spawn", name("spawn"), "Where episodes begin."),
+        Param::required("episode", name("episode"), "How long they last."),
+        Param::required("training", name("training"), "How pedestrians are trained."),
+    ];
+    Form {
+        name: "campaign",
+        doc: "What is run: which pedestrians are trained, and where they are tried.",
+        plain: Some(Signature { children: vec![train, evaluate], ..Signature::new("campaign", "", params) }),
+        kinds: Vec::new(),
+    }
+}

@@ -1,0 +1,47 @@
+use std::f64::consts::PI;
+
+use crate::env::EpisodeRule;
+use crate::signature::{Arguments, Form, Param, Signature, Type};
+use crate::units::Dimension;
+
+/// The form `episode`.
+pub fn form() -> Form {
+    let params = vec![
+        Param::with_default(
+            "tick",
+            Type::Quantity { dimension: Dimension::TIME, min: 0.001, max: 0.1 },
+            "0.05 s",
+            "Length of a tick. CARLA's driver assumes 0.05 s.",
+        ),
+        Param::with_default("hold", Type::Integer { min: 1, max: 10_000 }, "20", "Ticks for which the pedestrian holds a command."),
+        Param::with_default("ticks", Type::Integer { min: 1, max: 1_000_000 }, "600", "Most ticks of an episode."),
+        Param::optional("end_when", Type::Condition, "Ends the episode after a command without a hit when it holds; not in the paper."),
+        Param::with_default(
+            "front",
+            Type::Quantity { dimension: Dimension::ANGLE, min: 0.0, max: PI },
+            "60 deg",
+            "A hit is frontal when the pedestrian's bearing from the ego's middle is at most this.",
+        ),
+        Param::with_default("moving_above", Type::non_negative(Dimension::SPEED), "0.1 m/s", "The ego counts as moving above this speed."),
+        Param::with_default("traffic_lights", Type::Boolean, "true", "Whether the town's traffic lights work."),
+    ];
+    Form {
+        name: "episode",
+        doc: "How long an episode lasts and what ends it.",
+        plain: Some(Signature::new("episode", "", params)),
+        kinds: Vec::new(),
+    }
+}
+
+/// The rule.
+pub fn lower(arguments: &Arguments) -> EpisodeRule {
+    EpisodeRule {
+        tick: arguments.number("tick"),
+        hold: arguments.integer("hold") as u32,
+        ticks: arguments.integer("ticks") as u32,
+        end_when: arguments.condition("end_when").cloned(),
+        front_half_angle: arguments.number("front"),
+        moving_above: arguments.number("moving_above"),
+        traffic_lights: arguments.boolean("traffic_lights"),
+    }
+}

@@ -1,0 +1,22 @@
+//! Where language meets world: the forms and kinds that a scenario may use, and HIR → [`Plan`].
+//!
+//! Every form has a file with two functions: its [`Form`](crate::signature::Form), which the checker and the reference
+//! read, and a `lower` that turns checked values into something that runs. Kinds of driving policies own their
+//! signatures themselves; [`policy`](self) lists them.
+
+mod catalog;
+mod town;
+mod vehicle;
+mod policy;
+mod adversary;
+mod spawn;
+mod reward;
+mod episode;
+mod training;
+mod campaign;
+mod plan;
+mod lower;
+
+pub use catalog::Catalog;
+pub use lower::{Compiled, compile};
+pub use plan::{Campaign, Evaluation, NamedTown, Pedestrian, Plan, Training, TrainingKey};

@@ -1,0 +1,103 @@
+use std::sync::Arc;
+
+use crate::env::Scenario;
+use crate::rl::PpoConfig;
+use crate::road::Town;
+
+/// Everything that is to be run.
+#[derive(Debug, Clone, Default)]
+pub struct Plan {
+    /// The campaigns of the files the user named, in order.
+    pub campaigns: Vec<Campaign>,
+}
+
+/// A campaign: trainings, and evaluations of what they bring forth.
+#[derive(Debug, Clone)]
+pub struct Campaign {
+    /// Its name.
+    pub name: String,
+    /// Its documentation, one string a line.
+    pub docs: Vec<String>,
+    /// The towns that it uses, each once.
+    pub towns: Vec<NamedTown>,
+    /// The trainings, in order of town, policy, reward, run.
+    pub trainings: Vec<Training>,
+    /// The evaluations, in order.
+    pub evaluations: Vec<Evaluation>,
+}
+
+/// A town under the name that the files give it.
+#[derive(Debug, Clone)]
+pub struct NamedTown {
+    /// The name.
+    pub name: String,
+    /// The roads.
+    pub town: Arc<Town>,
+}
+
+/// What distinguishes a training from the others of its campaign.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct TrainingKey {
+    /// Name of the town.
+    pub town: String,
+    /// Name of the driving policy.
+    pub policy: String,
+    /// Name of the reward.
+    pub reward: String,
+    /// Number of the run, from 0.
+    pub run: u32,
+}
+
+/// One training.
+#[derive(Debug, Clone)]
+pub struct Training {
+    /// What it is.
+    pub key: TrainingKey,
+    /// What is trained in.
+    pub scenario: Arc<Scenario>,
+    /// How.
+    pub config: PpoConfig,
+    /// In how many environments.
+    pub environments: usize,
+}
+
+/// Who is tried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Pedestrian {
+    /// The one that a training brings forth: its place in [`Campaign::trainings`].
+    Trained(usize),
+    /// One that draws every command uniformly from all that it could do.
+    Random,
+    /// One that walks to where it would meet an ego that keeps its velocity.
+    Intercept,
+}
+
+impl Pedestrian {
+    /// Its name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Trained(_) => "trained",
+            Self::Random => "random",
+            Self::Intercept => "intercept",
+        }
+    }
+}
+
+/// One pedestrian tried in one town against one policy.
+#[derive(Debug, Clone)]
+pub struct Evaluation {
+    /// Who is tried.
+    pub pedestrian: Pedestrian,
+    /// What it was trained in; for the untrained ones, whose reward and run these rows are compared with.
+    pub trained: TrainingKey,
+    /// Name of the town.
+    pub town: String,
+    /// Name of the driving policy.
+    pub policy: String,
+    /// Number of the `evaluate` block in its campaign, from 0.
+    pub block: u32,
+    /// What is tried.
+    pub scenario: Arc<Scenario>,
+    /// How many episodes.
+    pub episodes: u32,
+}

@@ -1,0 +1,39 @@
+use std::sync::Arc;
+
+use crate::av::{Cruise, DrivingPolicy, Idm};
+use crate::env::PolicyMaker;
+use crate::signature::{Arguments, Form, Signature};
+
+/// A kind of driving policy: what it takes, and how it is made.
+pub struct PolicyKind {
+    /// What it takes.
+    pub signature: fn() -> Signature,
+    /// Makes one from checked arguments.
+    pub make: fn(&Arguments) -> Box<dyn DrivingPolicy>,
+}
+
+/// All kinds of driving policies; a new one is a line here.
+pub fn kinds() -> Vec<PolicyKind> {
+    vec![
+        PolicyKind { signature: Idm::signature, make: |arguments| Box::new(Idm::new(arguments)) },
+        PolicyKind { signature: Cruise::signature, make: |arguments| Box::new(Cruise::new(arguments)) },
+    ]
+}
+
+/// The form `policy`.
+pub fn form(kinds: &[PolicyKind]) -> Form {
+    Form {
+        name: "policy",
+        doc: "A driver under test.",
+        plain: None,
+        kinds: kinds.iter().map(|kind| (kind.signature)()).collect(),
+    }
+}
+
+/// A maker of fresh drivers of this kind.
+pub fn lower(kinds: &[PolicyKind], kind: &str, arguments: &Arguments) -> PolicyMaker {
+    let found = kinds.iter().find(|candidate| (candidate.signature)().name == kind);
+    let make = found.expect("checked: the kind is in the catalogue").make;
+    let arguments = arguments.clone();
+    Arc::new(move || make(&arguments))
+}

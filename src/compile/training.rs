@@ -1,0 +1,81 @@
+use crate::rl::PpoConfig;
+use crate::signature::{Arguments, Form, Param, Signature, Type};
+use crate::units::Dimension;
+
+/// The form `training`.
+pub fn form() -> Form {
+    Form {
+        name: "training",
+        doc: "How pedestrians are trained. The defaults are the paper's, and stable-baselines3's where it is silent.",
+        plain: None,
+        kinds: vec![Signature::new("ppo", "Proximal policy optimisation.", params())],
+    }
+}
+
+fn params() -> Vec<Param> {
+    let count = |max| Type::Integer { min: 1, max };
+    let ratio = |min, max| Type::Quantity { dimension: Dimension::RATIO, min, max };
+    vec![
+        Param::with_default("steps", count(10_000_000_000), "70_000", "Decisions after which no further update begins."),
+        Param::with_default("steps_per_update", Type::Integer { min: 2, max: 10_000_000 }, "150", "Decisions of every environment between two updates."),
+        Param::with_default("environments", count(4096), "1", "Environments that are stepped side by side."),
+        Param::with_default("epochs", count(10_000), "10", "Passes over the decisions of an update."),
+        Param::with_default("batch_size", Type::Integer { min: 2, max: 10_000_000 }, "64", "Decisions of a minibatch."),
+        Param::with_default("learning_rate", ratio(f64::MIN_POSITIVE, 1.0), "3e-4", "Adam's step size, for actor and critic."),
+        Param::with_default("gamma", Type::share(), "0.98", "Discount of the future, a decision."),
+        Param::with_default("gae_lambda", Type::share(), "0.95", "Decay of generalised advantage estimation."),
+        Param::with_default("clip", ratio(f64::MIN_POSITIVE, 100.0), "0.2", "Half width of the interval of the probability ratio."),
+        Param::with_default("value_coefficient", ratio(0.0, 1e6), "0.5", "Weight of the critic's error."),
+        Param::with_default("entropy_coefficient", ratio(0.0, 1e6), "0.01", "Weight of the entropy."),
+        Param::with_default("max_gradient_norm", ratio(f64::MIN_POSITIVE, 1e6), "0.5", "Greatest norm of a gradient."),
+        Param::with_default("normalize_advantages", Type::Boolean, "true", "Whether advantages are standardised within a minibatch."),
+        Param::with_default("initial_log_std", ratio(-20.0, 5.0), "0", "First logarithm of the action's standard deviation."),
+        Param::with_default("hidden", Type::List(Box::new(count(4096))), "[64, 64]", "Widths of the hidden layers."),
+    ]
+}
+
+/// The settings and the number of environments.
+pub fn lower(arguments: &Arguments) -> (PpoConfig, usize) {
+    let count = |key: &str| arguments.integer(key) as usize;
+    let width = |value: &crate::signature::Value| match value {
+        crate::signature::Value::Integer(width) => *width as usize,
+        other => panic!("checked: a whole number, not {other:?}"),
+    };
+    let config = PpoConfig {
+        total_steps: arguments.integer("steps") as u64,
+        rollout_steps: count("steps_per_update"),
+        epochs: count("epochs"),
+        batch_size: count("batch_size"),
+        learning_rate: arguments.number("learning_rate"),
+        gamma: arguments.number("gamma"),
+        gae_lambda: arguments.number("gae_lambda"),
+        clip_coef: arguments.number("clip"),
+        vf_coef: arguments.number("value_coefficient"),
+        ent_coef: arguments.number("entropy_coefficient"),
+        max_grad_norm: arguments.number("max_gradient_norm"),
+        norm_adv: arguments.boolean("normalize_advantages"),
+        initial_log_std: arguments.number("initial_log_std"),
+        hidden: arguments.list("hidden").iter().map(width).collect(),
+        ..PpoConfig::paper()
+    };
+    (config, count("environments"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Catalog;
+    use super::*;
+    use crate::diagnostic::Sources;
+    use crate::lang;
+
+    #[test]
+    fn the_defaults_are_the_papers() {
+        let mut sources = Sources::default();
+        let read = |_: &std::path::Path| Ok("edition 1 training paper = ppo()".to_string());
+        let loaded = lang::load(&["t.scn".into()], &read, &mut sources).unwrap();
+        let catalog = Catalog::builtin();
+        let (program, said) = lang::check(&loaded, &sources, &catalog.forms, &catalog.vocabulary);
+        assert_eq!(said, []);
+        assert_eq!(lower(&program.declarations[0].block.arguments), (PpoConfig::paper(), 1));
+    }
+}

@@ -1,0 +1,52 @@
+use crate::signature::{Arguments, Form, Param, Signature, Type};
+use crate::sim::VehicleBlueprint;
+use crate::units::Dimension;
+
+/// The form `vehicle`.
+pub fn form() -> Form {
+    let kind = |name, doc| Signature::new(name, doc, params());
+    Form {
+        name: "vehicle",
+        doc: "The model of car under test. Every key overrides a figure of the model.",
+        plain: None,
+        kinds: vec![
+            kind("model3", "CARLA's Tesla Model 3."),
+            kind("mkz_2017", "CARLA's Lincoln MKZ 2017, which LAV and InterFuser drive."),
+            kind("generic", "A middle-class car without CARLA's oddities."),
+        ],
+    }
+}
+
+fn params() -> Vec<Param> {
+    let positive = Type::positive;
+    vec![
+        Param::optional("length", positive(Dimension::LENGTH), "Its length."),
+        Param::optional("width", positive(Dimension::LENGTH), "Its width, mirrors included."),
+        Param::optional("wheelbase", positive(Dimension::LENGTH), "Distance between its axles."),
+        Param::optional("full_brake", positive(Dimension::ACCELERATION), "Deceleration at full brake."),
+        Param::optional("low_speed", Type::non_negative(Dimension::SPEED), "Below this speed CARLA's cars brake harder."),
+        Param::optional("low_speed_braking", positive(Dimension::RATIO), "By this factor; a report nobody has explained."),
+        Param::optional("start_up_pause", Type::non_negative(Dimension::TIME), "How long it stands after it has appeared at rest."),
+        Param::optional("steering_response", positive(Dimension::RATIO), "Share of the wheel angle that the tyres follow."),
+    ]
+}
+
+/// The model with its overrides.
+pub fn lower(kind: &str, arguments: &Arguments) -> VehicleBlueprint {
+    let mut blueprint = match kind {
+        "model3" => VehicleBlueprint::model3(),
+        "mkz_2017" => VehicleBlueprint::mkz_2017(),
+        _ => VehicleBlueprint::generic(),
+    };
+    let given = |key: &str| arguments.has(key).then(|| arguments.number(key));
+    let set = |field: &mut f64, value: Option<f64>| *field = value.unwrap_or(*field);
+    set(&mut blueprint.half_length, given("length").map(|length| length / 2.0));
+    set(&mut blueprint.half_width, given("width").map(|width| width / 2.0));
+    set(&mut blueprint.wheelbase, given("wheelbase"));
+    set(&mut blueprint.full_brake, given("full_brake"));
+    set(&mut blueprint.low_speed, given("low_speed"));
+    set(&mut blueprint.low_speed_braking, given("low_speed_braking"));
+    set(&mut blueprint.start_up_pause, given("start_up_pause"));
+    set(&mut blueprint.steering_response, given("steering_response"));
+    blueprint
+}

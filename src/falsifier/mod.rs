@@ -1,0 +1,13 @@
+//! Pedestrians that look for a collision, and trying them: one interface for trained and untrained ones.
+
+mod walker;
+mod trained;
+mod random;
+mod intercept;
+mod episodes;
+
+pub use episodes::try_walker;
+pub use intercept::Intercept;
+pub use random::Random;
+pub use trained::{TrainedWalker, train};
+pub use walker::Walker;

@@ -1,0 +1,12 @@
+use crate::env::PedestrianEnv;
+use crate::seed::Stream;
+use crate::sim::WalkCommand;
+
+/// A pedestrian that chooses its commands.
+pub trait Walker {
+    /// Gets ready for an episode that has just begun; `stream` is its own.
+    fn begin(&mut self, stream: Stream);
+
+    /// Chooses the next command; it sees the environment as it stands.
+    fn choose(&mut self, env: &PedestrianEnv) -> WalkCommand;
+}

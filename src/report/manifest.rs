@@ -1,0 +1,70 @@
+use serde::Serialize;
+
+/// Everything that another needs to repeat a campaign.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Manifest {
+    /// Version of this program.
+    pub version: String,
+    /// Name of the campaign.
+    pub campaign: String,
+    /// The user's seed.
+    pub seed: u64,
+    /// Whether it was a trial of the machinery.
+    pub smoke: bool,
+    /// Whether every training and every episode is there.
+    pub complete: bool,
+    /// How many threads worked; without influence on any number but the times.
+    pub threads: usize,
+    /// Simulator ticks of the evaluations.
+    pub evaluation_ticks: u64,
+    /// Wall time of the whole campaign [s].
+    pub wall_time_s: f64,
+    /// The scenario files, in the order they were read.
+    pub files: Vec<FileRecord>,
+    /// The trainings.
+    pub trainings: Vec<TrainingRecord>,
+}
+
+/// A scenario file.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FileRecord {
+    /// Its path as given.
+    pub path: String,
+    /// BLAKE3 of its text.
+    pub blake3: String,
+}
+
+/// A training.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TrainingRecord {
+    /// Name of the town.
+    pub town: String,
+    /// Name of the driving policy.
+    pub policy: String,
+    /// Name of the reward.
+    pub reward: String,
+    /// Number of the run.
+    pub run: u32,
+    /// Decisions that were taken.
+    pub decisions: u64,
+    /// Wall time [s].
+    pub wall_time_s: f64,
+    /// File of the trained pedestrian, relative to the manifest; empty when the training failed.
+    pub pedestrian: String,
+    /// Why it failed; empty when it did not.
+    pub error: String,
+}
+
+impl FileRecord {
+    /// Makes a record of a file.
+    pub fn new(path: String, text: &str) -> Self {
+        Self { path, blake3: blake3::hash(text.as_bytes()).to_hex().to_string() }
+    }
+}
+
+impl Manifest {
+    /// The manifest as TOML.
+    pub fn to_toml(&self) -> String {
+        toml::to_string(self).expect("strings and numbers have a form in TOML")
+    }
+}

@@ -1,0 +1,223 @@
+use polars::prelude::*;
+
+use super::wilson;
+
+/// What a run is told apart by, beside its number.
+const CELL: [&str; 7] = ["reward", "train_town", "train_policy", "pedestrian", "town", "policy", "block"];
+
+/// The tables of metrics.
+#[derive(Debug, Clone)]
+pub struct Metrics {
+    /// One row for each run: a pedestrian of one training in one town against one policy.
+    pub runs: DataFrame,
+    /// One row for each cell: all runs of the same reward, towns and policies.
+    pub cells: DataFrame,
+}
+
+/// A mean over runs, and the standard deviation between them when there is more than one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spread {
+    /// The mean; none when no run has a value.
+    pub mean: Option<f64>,
+    /// The sample standard deviation.
+    pub sd: Option<f64>,
+}
+
+/// A cell, for people.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cell {
+    /// Name of the reward.
+    pub reward: String,
+    /// Town and policy it was trained in and against; empty for untrained pedestrians.
+    pub trained: (String, String),
+    /// Who it is.
+    pub pedestrian: String,
+    /// Town it was tried in.
+    pub town: String,
+    /// Policy it was tried against.
+    pub policy: String,
+    /// How many runs.
+    pub runs: u32,
+    /// How many episodes in all runs.
+    pub episodes: u32,
+    /// Collisions of all episodes.
+    pub collision: Spread,
+    /// Wilson's interval of the collision rate over all episodes.
+    pub interval: (f64, f64),
+    /// Frontal collisions of all collisions.
+    pub front: Spread,
+    /// Collisions with a moving ego of all episodes.
+    pub moving: Spread,
+    /// Reward of an episode.
+    pub reward_sum: Spread,
+    /// Length of an episode [s].
+    pub length: Spread,
+    /// Speed of the ego at a collision [m/s].
+    pub impact_speed: Spread,
+}
+
+/// The metrics that get a mean and a spread in the table of cells.
+const AVERAGED: [&str; 6] =
+    ["collision_rate", "front_rate", "moving_rate", "episode_reward", "episode_length_s", "impact_speed_mps"];
+
+/// Aggregates episodes to runs and runs to cells, each in the order of first appearance.
+///
+/// # Errors
+/// Those of polars; none for a table made by [`episodes`](super::episodes).
+pub fn metrics(episodes: &DataFrame) -> PolarsResult<Metrics> {
+    let total = |name: &str| col(name).cast(DataType::UInt32).sum();
+    let mut by_run: Vec<Expr> = CELL.iter().map(|name| col(*name)).collect();
+    by_run.push(col("run"));
+    let runs = episodes
+        .clone()
+        .lazy()
+        .group_by_stable(by_run)
+        .agg([
+            len().cast(DataType::UInt32).alias("episodes"),
+            total("collision").alias("collisions"),
+            total("front").alias("front_collisions"),
+            total("moving").alias("moving_collisions"),
+            col("episode_reward").mean(),
+            col("episode_length_s").mean(),
+            col("impact_speed_mps").mean(),
+            col("least_gap_m").mean(),
+        ])
+        .with_columns([
+            ratio("collisions", "episodes").alias("collision_rate"),
+            ratio("front_collisions", "collisions").alias("front_rate"),
+            ratio("moving_collisions", "episodes").alias("moving_rate"),
+        ])
+        .collect()?;
+    let by_cell: Vec<Expr> = CELL.iter().map(|name| col(*name)).collect();
+    let mut sums = vec![len().cast(DataType::UInt32).alias("runs"), total("episodes"), total("collisions")];
+    for name in AVERAGED {
+        sums.push(col(name).mean().alias(format!("{name}_mean")));
+        sums.push(col(name).std(1).alias(format!("{name}_sd")));
+    }
+    let mut cells = runs.clone().lazy().group_by_stable(by_cell).agg(sums).collect()?;
+    let (low, high) = intervals(&cells)?;
+    cells.with_column(Column::new("collision_rate_wilson_low".into(), low))?;
+    cells.with_column(Column::new("collision_rate_wilson_high".into(), high))?;
+    Ok(Metrics { runs, cells })
+}
+
+/// A share, missing when the whole is zero.
+fn ratio(part: &str, whole: &str) -> Expr {
+    let share = col(part).cast(DataType::Float64) / col(whole).cast(DataType::Float64);
+    when(col(whole).gt(lit(0u32))).then(share).otherwise(lit(NULL).cast(DataType::Float64))
+}
+
+fn intervals(cells: &DataFrame) -> PolarsResult<(Vec<f64>, Vec<f64>)> {
+    let (hits, trials) = (cells.column("collisions")?.u32()?, cells.column("episodes")?.u32()?);
+    let pairs = hits.into_no_null_iter().zip(trials.into_no_null_iter());
+    Ok(pairs.map(|(hits, trials)| wilson(hits.into(), trials.into())).unzip())
+}
+
+impl Metrics {
+    /// The cells, for people.
+    ///
+    /// # Errors
+    /// Those of polars; none for tables made by [`metrics`].
+    pub fn cells(&self) -> PolarsResult<Vec<Cell>> {
+        let frame = &self.cells;
+        let text = |name: &str, row: usize| -> PolarsResult<String> {
+            Ok(frame.column(name)?.str()?.get(row).unwrap_or_default().to_string())
+        };
+        let count = |name: &str, row: usize| -> PolarsResult<u32> {
+            Ok(frame.column(name)?.u32()?.get(row).unwrap_or_default())
+        };
+        let number = |name: &str, row: usize| -> PolarsResult<Option<f64>> { Ok(frame.column(name)?.f64()?.get(row)) };
+        let spread = |name: &str, row: usize| -> PolarsResult<Spread> {
+            Ok(Spread { mean: number(&format!("{name}_mean"), row)?, sd: number(&format!("{name}_sd"), row)? })
+        };
+        let cell = |row: usize| {
+            Ok(Cell {
+                reward: text("reward", row)?,
+                trained: (text("train_town", row)?, text("train_policy", row)?),
+                pedestrian: text("pedestrian", row)?,
+                town: text("town", row)?,
+                policy: text("policy", row)?,
+                runs: count("runs", row)?,
+                episodes: count("episodes", row)?,
+                collision: spread("collision_rate", row)?,
+                interval: (
+                    number("collision_rate_wilson_low", row)?.unwrap_or(0.0),
+                    number("collision_rate_wilson_high", row)?.unwrap_or(1.0),
+                ),
+                front: spread("front_rate", row)?,
+                moving: spread("moving_rate", row)?,
+                reward_sum: spread("episode_reward", row)?,
+                length: spread("episode_length_s", row)?,
+                impact_speed: spread("impact_speed_mps", row)?,
+            })
+        };
+        (0..frame.height()).map(cell).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::episodes;
+    use super::*;
+    use crate::av::DrivingMode;
+    use crate::campaign::EpisodeRow;
+    use crate::compile::TrainingKey;
+    use crate::env::{Ending, Outcome, Spawn};
+    use crate::geometry::Pose;
+
+    fn row(run: u32, episode: u32, hit: Option<(bool, f64)>) -> EpisodeRow {
+        let ending = hit.map_or(Ending::Timeout, |(front, impact_speed)| Ending::Collision {
+            front,
+            moving: impact_speed > 0.1,
+            impact_speed,
+            bearing: 0.5,
+        });
+        let spawn = Spawn { ego: Pose::default(), ego_speed: 0.0, pedestrian: Pose::default() };
+        let reward = hit.map_or(0.0, |(_, speed)| 1.0 + speed);
+        let (least_gap, last_mode) = (1.0, DrivingMode::Cruise);
+        EpisodeRow {
+            trained: TrainingKey { town: "a".into(), policy: "p".into(), reward: "r1".into(), run },
+            pedestrian: "trained",
+            town: "b".into(),
+            policy: "p".into(),
+            block: 0,
+            episode,
+            outcome: Outcome { spawn, ending, reward, ticks: 10, duration: 0.5, least_gap, last_mode, digest: 7 },
+        }
+    }
+
+    #[test]
+    fn episodes_become_runs_and_runs_become_cells() {
+        let rows = [
+            row(0, 0, Some((true, 4.0))),
+            row(0, 1, Some((false, 0.0))),
+            row(0, 2, None),
+            row(0, 3, None),
+            row(1, 0, Some((true, 6.0))),
+            row(1, 1, None),
+            row(1, 2, None),
+            row(1, 3, None),
+        ];
+        let metrics = metrics(&episodes(&rows)).unwrap();
+        assert_eq!((metrics.runs.height(), metrics.cells.height()), (2, 1));
+        let cell = &metrics.cells().unwrap()[0];
+        assert_eq!((cell.runs, cell.episodes), (2, 8));
+        let near = |spread: Spread, mean: f64, sd: f64| {
+            assert!((spread.mean.unwrap() - mean).abs() < 1e-12, "{spread:?}");
+            assert!((spread.sd.unwrap() - sd).abs() < 1e-12, "{spread:?}");
+        };
+        near(cell.collision, 0.375, 0.125 * 2.0_f64.sqrt());
+        near(cell.front, 0.75, 0.25 * 2.0_f64.sqrt());
+        near(cell.moving, 0.25, 0.0);
+        near(cell.impact_speed, 4.0, 2.0 * 2.0_f64.sqrt());
+        assert_eq!(cell.interval, wilson(3, 8));
+    }
+
+    #[test]
+    fn a_run_without_collisions_has_no_front_rate() {
+        let metrics = metrics(&episodes(&[row(0, 0, None)])).unwrap();
+        let cell = &metrics.cells().unwrap()[0];
+        assert_eq!(cell.front, Spread { mean: None, sd: None });
+        assert_eq!(cell.collision, Spread { mean: Some(0.0), sd: None });
+    }
+}

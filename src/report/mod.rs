@@ -1,0 +1,25 @@
+//! Rows in, files out: tables, metrics, figures, summary, manifest. The only code that knows polars.
+//!
+//! Metrics are aggregated in two steps, as in the paper: episodes → run → cell. A "±" is the standard deviation over
+//! runs, that is over trainings; an interval is Wilson's over the episodes of all runs together and says nothing about
+//! further trainings.
+
+mod tables;
+mod wilson;
+mod metrics;
+mod learning_curve;
+mod figure;
+mod town_map;
+mod summary;
+mod manifest;
+mod folder;
+
+pub use folder::{ReportFolder, WriteError};
+pub use learning_curve::learning_curve;
+pub use manifest::{FileRecord, Manifest, TrainingRecord};
+pub use metrics::{Cell, Metrics, Spread, metrics};
+pub use summary::{summary, table};
+pub use town_map::town_map;
+pub use figure::learning_figures;
+pub use tables::episodes;
+pub use wilson::wilson;

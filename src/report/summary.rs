@@ -1,0 +1,104 @@
+use std::fmt::Write;
+
+use super::{Cell, Manifest, Spread};
+
+/// What the simulator leaves out, for every summary.
+const LEFT_OUT: &str = "\
+The simulator is flat and has one car and one pedestrian: no other traffic, no parked cars, no kerbs, no weather. \
+The car is a kinematic bicycle whose pedals are fitted to figures that others printed from CARLA, and its driver sees \
+everything near it exactly. The pedestrian is a disc. Maps from OpenDRIVE hold no buildings unless the scenario adds them.";
+
+/// The page to read first: one table of cells, how it was made, and what it does not say.
+pub fn summary(name: &str, docs: &[String], cells: &[Cell], manifest: &Manifest) -> String {
+    let mut page = format!("# {name}\n\n");
+    for line in docs {
+        let _ = writeln!(page, "{line}");
+    }
+    if !docs.is_empty() {
+        page.push('\n');
+    }
+    if manifest.smoke {
+        page.push_str("**A smoke run: it shows that everything works, and its numbers mean nothing.**\n\n");
+    }
+    if !manifest.complete {
+        page.push_str("**Incomplete: it was stopped, or a training failed. The manifest says which.**\n\n");
+    }
+    page.push_str(
+        "| pedestrian | reward | trained in, against | town | policy | runs × episodes | collision rate | 95 % of episodes \
+         | front of collisions | moving | reward | length | impact speed |\n",
+    );
+    page.push_str("|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+    for cell in cells {
+        let trained = match &cell.trained {
+            (town, _) if town.is_empty() => "–".to_string(),
+            (town, policy) => format!("{town}, {policy}"),
+        };
+        let _ = writeln!(
+            page,
+            "| {} | {} | {trained} | {} | {} | {} × {} | {} | {:.2}..{:.2} | {} | {} | {} | {} s | {} m/s |",
+            cell.pedestrian,
+            cell.reward,
+            cell.town,
+            cell.policy,
+            cell.runs,
+            cell.episodes / cell.runs.max(1),
+            spread(cell.collision),
+            cell.interval.0,
+            cell.interval.1,
+            spread(cell.front),
+            spread(cell.moving),
+            spread(cell.reward_sum),
+            spread(cell.length),
+            spread(cell.impact_speed),
+        );
+    }
+    let _ = write!(
+        page,
+        "\n\"±\" is the standard deviation over runs, each a training of its own (untrained pedestrians: the same episodes \
+         with other draws). The interval is Wilson's over all episodes and says nothing about further trainings. Front: share \
+         of collisions within the front sector. Moving: share of episodes that end in a collision with a moving car. All \
+         pedestrians of a town and policy meet the same beginnings.\n\n\
+         Seed {}, falsify {}.\n\n## What the simulator leaves out\n\n{LEFT_OUT}\n",
+        manifest.seed, manifest.version
+    );
+    page
+}
+
+/// A mean with its spread, to two digits.
+pub(crate) fn spread(value: Spread) -> String {
+    match (value.mean, value.sd) {
+        (None, _) => "–".into(),
+        (Some(mean), None) => format!("{mean:.2}"),
+        (Some(mean), Some(sd)) => format!("{mean:.2} ± {sd:.2}"),
+    }
+}
+
+/// The cells as text for a terminal.
+pub fn table(name: &str, cells: &[Cell]) -> String {
+    let head = ["pedestrian", "town", "policy", "collision", "front", "moving", "reward", "n"];
+    let mut rows: Vec<[String; 8]> = vec![head.map(String::from)];
+    for cell in cells {
+        let who = match cell.trained.0.as_str() {
+            "" => format!("{} ({})", cell.pedestrian, cell.reward),
+            town => format!("{} {} ({town}, {})", cell.pedestrian, cell.reward, cell.trained.1),
+        };
+        rows.push([
+            who,
+            cell.town.clone(),
+            cell.policy.clone(),
+            spread(cell.collision),
+            spread(cell.front),
+            spread(cell.moving),
+            spread(cell.reward_sum),
+            format!("{} × {}", cell.runs, cell.episodes / cell.runs.max(1)),
+        ]);
+    }
+    let widths: Vec<usize> =
+        (0..head.len()).map(|i| rows.iter().map(|row| row[i].chars().count()).max().unwrap_or(0)).collect();
+    let mut text = format!("campaign {name}\n");
+    for row in &rows {
+        let line: Vec<String> = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:<width$}")).collect();
+        let _ = writeln!(text, "  {}", line.join("  ").trim_end());
+    }
+    text
+}

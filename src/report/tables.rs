@@ -1,0 +1,66 @@
+use polars::prelude::{Column, DataFrame, NamedFrom, Series};
+
+use crate::campaign::EpisodeRow;
+use crate::env::Ending;
+
+/// Episodes as a table, one row each, in the order given. The columns are explained in `reports/README.md`.
+pub fn episodes(rows: &[EpisodeRow]) -> DataFrame {
+    let text = |name: &str, value: &dyn Fn(&EpisodeRow) -> String| {
+        Column::from(Series::new(name.into(), rows.iter().map(value).collect::<Vec<String>>()))
+    };
+    let count = |name: &str, value: &dyn Fn(&EpisodeRow) -> u32| {
+        Column::from(Series::new(name.into(), rows.iter().map(value).collect::<Vec<u32>>()))
+    };
+    let truth = |name: &str, value: &dyn Fn(&EpisodeRow) -> bool| {
+        Column::from(Series::new(name.into(), rows.iter().map(value).collect::<Vec<bool>>()))
+    };
+    let number = |name: &str, value: &dyn Fn(&EpisodeRow) -> f64| {
+        Column::from(Series::new(name.into(), rows.iter().map(value).collect::<Vec<f64>>()))
+    };
+    let maybe = |name: &str, value: &dyn Fn(&EpisodeRow) -> Option<f64>| {
+        Column::from(Series::new(name.into(), rows.iter().map(value).collect::<Vec<Option<f64>>>()))
+    };
+    let hit = |row: &EpisodeRow| match row.outcome.ending {
+        Ending::Collision { front, moving, impact_speed, bearing } => Some((front, moving, impact_speed, bearing)),
+        _ => None,
+    };
+    let columns = vec![
+        text("reward", &|row| row.trained.reward.clone()),
+        text("train_town", &|row| row.trained.town.clone()),
+        text("train_policy", &|row| row.trained.policy.clone()),
+        count("run", &|row| row.trained.run),
+        text("pedestrian", &|row| row.pedestrian.into()),
+        text("town", &|row| row.town.clone()),
+        text("policy", &|row| row.policy.clone()),
+        count("block", &|row| row.block),
+        count("episode", &|row| row.episode),
+        text("outcome", &|row| ending(&row.outcome.ending).into()),
+        truth("collision", &|row| hit(row).is_some()),
+        truth("front", &|row| hit(row).is_some_and(|(front, ..)| front)),
+        truth("moving", &|row| hit(row).is_some_and(|(_, moving, ..)| moving)),
+        maybe("impact_speed_mps", &|row| hit(row).map(|(_, _, speed, _)| speed)),
+        maybe("impact_bearing_deg", &|row| hit(row).map(|(.., bearing)| bearing.to_degrees())),
+        number("episode_reward", &|row| row.outcome.reward),
+        number("episode_length_s", &|row| row.outcome.duration),
+        count("ticks", &|row| row.outcome.ticks),
+        number("least_gap_m", &|row| row.outcome.least_gap),
+        text("driving_mode", &|row| row.outcome.last_mode.name().into()),
+        number("ego_x_m", &|row| row.outcome.spawn.ego.x),
+        number("ego_y_m", &|row| row.outcome.spawn.ego.y),
+        number("ego_yaw_deg", &|row| row.outcome.spawn.ego.yaw.to_degrees()),
+        number("ego_speed_mps", &|row| row.outcome.spawn.ego_speed),
+        number("pedestrian_x_m", &|row| row.outcome.spawn.pedestrian.x),
+        number("pedestrian_y_m", &|row| row.outcome.spawn.pedestrian.y),
+        number("pedestrian_yaw_deg", &|row| row.outcome.spawn.pedestrian.yaw.to_degrees()),
+        text("digest", &|row| format!("{:016x}", row.outcome.digest)),
+    ];
+    DataFrame::new(rows.len(), columns).expect("all columns have a value for every row")
+}
+
+fn ending(ending: &Ending) -> &'static str {
+    match ending {
+        Ending::Collision { .. } => "collision",
+        Ending::Lost => "lost",
+        Ending::Timeout => "timeout",
+    }
+}

@@ -1,0 +1,50 @@
+//! What training reports.
+
+use serde::Serialize;
+
+/// An episode that ended during training.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct FinishedEpisode {
+    /// The undiscounted sum of the rewards, as the environment gave them.
+    pub reward: f64,
+    /// The number of decisions.
+    pub length: u64,
+}
+
+/// The report of one update: a rollout and the gradient steps on it.
+///
+/// # Source
+/// The quantities that stable-baselines3's `PPO` logs under `rollout/` and `train/`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct UpdateLog {
+    /// The number of this update, from 1.
+    pub update: u64,
+    /// Environment steps so far, over all environments.
+    pub steps: u64,
+    /// The number of episodes that ended in this rollout.
+    pub episodes: usize,
+    /// These episodes, in the order in which they ended.
+    pub finished: Vec<FinishedEpisode>,
+    /// The mean reward of the last up to 100 episodes that have ended so far.
+    pub mean_reward: Option<f64>,
+    /// The mean length of the same episodes, in decisions.
+    pub mean_length: Option<f64>,
+    /// The estimate of the divergence between old and new policy in nats, over the minibatches of the last epoch.
+    pub approx_kl: f64,
+    /// The share of samples whose probability ratio lay outside the clip interval, over all minibatches.
+    pub clip_fraction: f64,
+    /// The share of the returns' variance that the critic's values explained before the update; at most 1.
+    ///
+    /// Absent when the returns do not vary.
+    pub explained_variance: Option<f64>,
+    /// The entropy of the policy in nats, over all minibatches.
+    pub entropy: f64,
+    /// The clipped surrogate loss, over all minibatches.
+    pub policy_loss: f64,
+    /// The critic's mean squared error without its weight, over all minibatches.
+    pub value_loss: f64,
+    /// The Euclidean norm of the gradient before clipping, over all minibatches.
+    pub grad_norm: f64,
+    /// The mean over the action's components of the standard deviation after the update, in the units of the action.
+    pub std: f64,
+}

@@ -1,0 +1,186 @@
+use rand::Rng;
+
+use super::*;
+use crate::rl::env::Step;
+
+/// Asks for the action that equals the observation, a number in [−1, 1]; an episode is one decision.
+struct Identity {
+    stream: Stream,
+    target: f64,
+}
+
+impl Identity {
+    fn new(number: u64) -> Self {
+        Self { stream: Seed::root(40).index(number).stream(), target: 0.0 }
+    }
+}
+
+impl Env for Identity {
+    fn obs_dim(&self) -> usize {
+        1
+    }
+
+    fn action_bounds(&self) -> Vec<(f64, f64)> {
+        vec![(-1.0, 1.0)]
+    }
+
+    fn reset(&mut self, obs: &mut [f64]) {
+        self.target = self.stream.next_u64() as f64 / u64::MAX as f64 * 2.0 - 1.0;
+        obs[0] = self.target;
+    }
+
+    fn step(&mut self, action: &[f64], obs: &mut [f64]) -> Step {
+        assert!((-1.0..=1.0).contains(&action[0]));
+        obs[0] = self.target;
+        Step { reward: -(action[0] - self.target) * (action[0] - self.target), terminated: true, truncated: false }
+    }
+}
+
+fn keep_going(_: &UpdateLog) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+fn config(total_steps: u64) -> PpoConfig {
+    PpoConfig { total_steps, ..PpoConfig::paper() }
+}
+
+/// The mean squared error of the deterministic policy.
+fn error(policy: &ActorCritic) -> f64 {
+    let (mut action, mut scratch) = ([0.0], policy.scratch(1));
+    let mut squares = 0.0;
+    for i in 0..=200 {
+        let obs = f64::from(i) / 100.0 - 1.0;
+        policy.act(&[obs], &mut action, &mut scratch);
+        squares += (action[0].clamp(-1.0, 1.0) - obs) * (action[0].clamp(-1.0, 1.0) - obs);
+    }
+    squares / 201.0
+}
+
+#[test]
+fn the_identity_is_learnt() {
+    let config = config(60_000);
+    let trained = train(&mut [Identity::new(0)], &config, &Seed::root(1), &mut keep_going).unwrap();
+    let untrained = ActorCritic::new(1, 1, &config.hidden, 0.0, &mut Seed::root(1).child("init").stream());
+    // Doing nothing costs 1/3.
+    assert!(error(&untrained) > 0.3, "{}", error(&untrained));
+    assert!(error(&trained.actor_critic) < 0.01, "{}", error(&trained.actor_critic));
+    let (first, last) = (&trained.learning_curve[0], trained.learning_curve.last().unwrap());
+    assert!(first.mean_reward.unwrap() < -0.4);
+    assert!(last.mean_reward.unwrap() > 0.5 * first.mean_reward.unwrap());
+    assert!(last.std < first.std);
+}
+
+#[test]
+fn the_paper_takes_467_updates() {
+    let config = PpoConfig { epochs: 1, hidden: vec![2], ..PpoConfig::paper() };
+    let mut seen = 0;
+    let mut count = |log: &UpdateLog| {
+        seen += 1;
+        assert_eq!((log.update, log.steps), (seen, 150 * seen));
+        assert_eq!((log.episodes, log.finished.len(), log.mean_length), (150, 150, Some(1.0)));
+        ControlFlow::Continue(())
+    };
+    let trained = train(&mut [Identity::new(0)], &config, &Seed::root(1), &mut count).unwrap();
+    assert_eq!(trained.learning_curve.len(), 467);
+    assert_eq!(trained.learning_curve[466].steps, 70_050);
+    assert_eq!(seen, 467);
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bits_and_another_one_does_not() {
+    let run = |seed| {
+        let mut envs = [Identity::new(0), Identity::new(1), Identity::new(2)];
+        train(&mut envs, &config(2_000), &Seed::root(seed), &mut keep_going).unwrap()
+    };
+    let bits = |trained: &Trained| -> Vec<u32> {
+        trained.actor_critic.parameters().iter().map(|parameter| parameter.to_bits()).collect()
+    };
+    let (a, b, c) = (run(1), run(1), run(2));
+    assert_eq!(bits(&a), bits(&b));
+    assert_eq!(a.learning_curve, b.learning_curve);
+    assert_ne!(bits(&a), bits(&c));
+    assert_eq!(a.learning_curve.len(), 5);
+    assert_eq!(a.learning_curve[4].steps, 5 * 450);
+}
+
+#[test]
+fn the_first_update_starts_from_the_collected_policy() {
+    // With one minibatch and one epoch every ratio is 1, up to the rounding of f32.
+    let config = PpoConfig { epochs: 1, batch_size: 150, ..config(150) };
+    let trained = train(&mut [Identity::new(0)], &config, &Seed::root(1), &mut keep_going).unwrap();
+    let log = &trained.learning_curve[0];
+    assert!(log.approx_kl.abs() < 1e-9, "{}", log.approx_kl);
+    assert_eq!(log.clip_fraction, 0.0);
+    assert!(log.policy_loss.abs() < 1e-5, "{}", log.policy_loss);
+    assert!((log.entropy - 1.418_938_5).abs() < 1e-6);
+}
+
+#[test]
+fn the_norm_of_the_gradient_is_bounded() {
+    // One step of Adam moves by the sign of the gradient; only with an ε far above it does the length matter.
+    let move_of = |max_grad_norm: f64| {
+        let config =
+            PpoConfig { epochs: 1, batch_size: 150, adam_eps: 1e6, learning_rate: 1e6, max_grad_norm, ..config(150) };
+        let trained = train(&mut [Identity::new(0)], &config, &Seed::root(1), &mut keep_going).unwrap();
+        let before = ActorCritic::<f32>::new(1, 1, &[64, 64], 0.0, &mut Seed::root(1).child("init").stream());
+        let pairs = trained.actor_critic.parameters().iter().zip(before.parameters());
+        let length = pairs.map(|(a, b)| f64::from(a - b) * f64::from(a - b)).sum::<f64>().sqrt();
+        (length, trained.learning_curve[0].grad_norm)
+    };
+    let (length, norm) = move_of(0.01);
+    assert!(norm > 0.02);
+    assert!((length - 0.01).abs() < 1e-4, "{length}");
+    let (length, norm) = move_of(1e3);
+    assert!((length - norm).abs() < 1e-3 * norm, "{length} against {norm}");
+}
+
+#[test]
+fn the_observer_can_stop() {
+    let mut stop = |log: &UpdateLog| if log.update == 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    let result = train(&mut [Identity::new(0)], &config(10_000), &Seed::root(1), &mut stop);
+    assert_eq!(result, Err(TrainError::Stopped { update: 3 }));
+}
+
+/// Gives one observation or reward that is not finite.
+struct Broken {
+    steps: u64,
+    at: u64,
+    reward: f64,
+    obs: f64,
+}
+
+impl Env for Broken {
+    fn obs_dim(&self) -> usize {
+        2
+    }
+
+    fn action_bounds(&self) -> Vec<(f64, f64)> {
+        vec![(-1.0, 1.0)]
+    }
+
+    fn reset(&mut self, obs: &mut [f64]) {
+        obs.fill(0.0);
+    }
+
+    fn step(&mut self, _: &[f64], obs: &mut [f64]) -> Step {
+        self.steps += 1;
+        let broken = self.steps == self.at;
+        obs[1] = if broken { self.obs } else { 0.0 };
+        Step { reward: if broken { self.reward } else { 0.0 }, terminated: false, truncated: false }
+    }
+}
+
+#[test]
+fn numbers_that_are_not_finite_are_reported() {
+    for (reward, obs, quantity) in [
+        (f64::NAN, 0.0, Quantity::Reward),
+        (f64::INFINITY, 0.0, Quantity::Reward),
+        (0.0, f64::NAN, Quantity::Observation),
+        (1e200, 0.0, Quantity::Loss),
+        (1e30, 0.0, Quantity::Gradient),
+    ] {
+        let mut envs = [Broken { steps: 0, at: 301, reward, obs }];
+        let result = train(&mut envs, &config(10_000), &Seed::root(1), &mut keep_going);
+        assert_eq!(result, Err(TrainError::NonFinite { update: 3, quantity }), "{reward}, {obs}");
+    }
+}

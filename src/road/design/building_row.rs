@@ -1,0 +1,55 @@
+use super::TownDesign;
+use super::network::Network;
+use super::surface::{Surfaces, Tile};
+use crate::geometry::{OrientedBox, Pose, Vector};
+use crate::road::Road;
+
+/// Equal houses along both sides of the straight parts of all streets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BuildingRow {
+    /// Distance of the fronts from the outer edge of the sidewalk [m].
+    pub setback: f64,
+    /// Extent of a house away from the street [m].
+    pub depth: f64,
+    /// Extent of a house along the street [m].
+    pub length: f64,
+    /// Distance between two houses [m].
+    pub gap: f64,
+}
+
+/// Adds the houses that stand on no road and in no building.
+pub(super) fn add(
+    row: &BuildingRow,
+    design: &TownDesign,
+    network: &Network,
+    surfaces: &Surfaces,
+    obstacles: &mut Vec<OrientedBox>,
+) {
+    let mut taken: Vec<Tile> = obstacles.iter().map(Tile::new).collect();
+    for road in network.along.iter().flatten() {
+        for house in houses(row, design, &network.roads[road.0 as usize]) {
+            let tile = Tile::new(&house);
+            if !surfaces.lie_under(&tile) && !taken.iter().any(|other| other.overlaps(&tile)) {
+                taken.push(tile);
+                obstacles.push(house);
+            }
+        }
+    }
+}
+
+/// As many houses as fit along a straight road, in its middle, on either side.
+fn houses(row: &BuildingRow, design: &TownDesign, road: &Road) -> impl Iterator<Item = OrientedBox> {
+    let pitch = row.length + row.gap;
+    let count = ((road.length + row.gap) / pitch).floor().max(0.0);
+    let first = (road.length - (count * pitch - row.gap)) / 2.0 + row.length / 2.0;
+    let across = design.profile.half_width() + row.setback + row.depth / 2.0;
+    let start = road.plan_view.pose(0.0);
+    let half = Vector::new(row.length / 2.0, row.depth / 2.0);
+    let places = [1.0, -1.0].into_iter().flat_map(move |side| {
+        (0..count as usize).map(move |index| Vector::new(first + index as f64 * pitch, side * across))
+    });
+    places.map(move |place| {
+        let centre = start.to_world(place);
+        OrientedBox { pose: Pose::new(centre.x, centre.y, start.yaw), half }
+    })
+}

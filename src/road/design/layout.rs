@@ -1,0 +1,259 @@
+use std::f64::consts::{FRAC_PI_6, PI, TAU};
+
+use super::{DesignError, Street, TownDesign};
+use crate::geometry::{Point, wrap_angle};
+use crate::road::RoadEnd;
+
+/// The least angle between two streets [rad].
+const LEAST_ANGLE: f64 = FRAC_PI_6;
+/// Nodes nearer than this lie on one place [m].
+const SAME_PLACE: f64 = 0.01;
+/// What must be left of a road between bends and junctions [m]: room for a speed sign and a traffic light.
+const LEAST_ROAD: f64 = 5.0;
+/// Streets in line to within this angle need no bend [rad].
+const IN_LINE: f64 = 1e-9;
+/// The least length of the straight part that a bend replaces [m]; a road of a few millimetres would help nobody.
+const LEAST_TANGENT: f64 = 1.0;
+
+/// The straight piece of a street between two of its nodes.
+#[derive(Debug)]
+pub(super) struct Edge {
+    pub street: usize,
+    /// Node at the beginning, node at the end.
+    pub nodes: [usize; 2],
+    /// Distance of the nodes [m].
+    pub length: f64,
+    /// Direction from the first node to the second [rad].
+    pub heading: f64,
+    /// How much of it the bends and junctions at both nodes take [m].
+    pub cuts: [f64; 2],
+    /// Whether anything is left.
+    pub fits: bool,
+}
+
+/// One end of an edge, seen from the node there.
+#[derive(Debug)]
+pub(super) struct Leg {
+    pub edge: usize,
+    /// The end of the edge that lies at the node.
+    pub end: RoadEnd,
+    /// Direction away from the node [rad].
+    pub heading: f64,
+}
+
+/// What happens at a node.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Joint {
+    /// A fault, or no street at all.
+    Nothing,
+    /// A street ends.
+    DeadEnd,
+    /// A street goes straight on.
+    Straight,
+    /// A street bends.
+    Bend,
+    /// Three or four legs meet.
+    Junction,
+}
+
+/// The design as a graph: edges between nodes, and how much of each the nodes take.
+#[derive(Debug)]
+pub(super) struct Layout {
+    pub edges: Vec<Edge>,
+    /// The legs of every node, counter-clockwise.
+    pub legs: Vec<Vec<Leg>>,
+    pub joints: Vec<Joint>,
+}
+
+impl Layout {
+    pub fn new(design: &TownDesign, faults: &mut Vec<DesignError>) -> Self {
+        let edges = edges(design, faults);
+        find_same_places(design, faults);
+        find_unused_nodes(design, faults);
+        find_crossings(design, &edges, faults);
+        let legs = legs(design, &edges);
+        let mut layout = Self { edges, legs, joints: Vec::new() };
+        for node in 0..design.nodes.len() {
+            let joint = layout.joint(design, node, faults);
+            if design.nodes[node].lights && layout.legs[node].len() < 3 {
+                faults.push(DesignError::LightsWithoutJunction { node: design.nodes[node].name.clone() });
+            }
+            layout.joints.push(joint);
+        }
+        layout.cut(design, faults);
+        layout
+    }
+
+    /// The angle from a leg to the next one counter-clockwise [rad], from 0 to 2π.
+    pub fn gap(&self, node: usize, leg: usize) -> f64 {
+        let legs = &self.legs[node];
+        let next = &legs[(leg + 1) % legs.len()];
+        let gap = next.heading - legs[leg].heading;
+        if leg + 1 == legs.len() { gap + TAU } else { gap }
+    }
+
+    fn joint(&self, design: &TownDesign, node: usize, faults: &mut Vec<DesignError>) -> Joint {
+        let legs = &self.legs[node];
+        let mut sound = true;
+        if legs.len() > 4 {
+            faults.push(DesignError::ManyLegs { node: design.nodes[node].name.clone(), legs: legs.len() });
+            sound = false;
+        }
+        for (index, leg) in legs.iter().enumerate().filter(|_| legs.len() > 1) {
+            let gap = self.gap(node, index);
+            if gap < LEAST_ANGLE - 1e-9 {
+                let street = |leg: &Leg| design.streets[self.edges[leg.edge].street].name.clone();
+                faults.push(DesignError::SharpAngle {
+                    node: design.nodes[node].name.clone(),
+                    first: street(leg),
+                    second: street(&legs[(index + 1) % legs.len()]),
+                    degrees: gap.to_degrees(),
+                    least: LEAST_ANGLE.to_degrees(),
+                });
+                sound = false;
+            }
+        }
+        match legs.len() {
+            _ if !sound => Joint::Nothing,
+            0 => Joint::Nothing,
+            1 => Joint::DeadEnd,
+            2 if (self.gap(node, 0) - PI).abs() <= IN_LINE => Joint::Straight,
+            2 => Joint::Bend,
+            _ => Joint::Junction,
+        }
+    }
+
+    /// Cuts the edges back from bends and junctions.
+    fn cut(&mut self, design: &TownDesign, faults: &mut Vec<DesignError>) {
+        for node in 0..self.legs.len() {
+            for leg in 0..self.legs[node].len() {
+                let cut = self.leg_cut(design, node, leg);
+                let Leg { edge, end, .. } = self.legs[node][leg];
+                self.edges[edge].cuts[usize::from(end == RoadEnd::End)] = cut;
+            }
+        }
+        for edge in &mut self.edges {
+            let needed = edge.cuts[0] + edge.cuts[1] + LEAST_ROAD;
+            edge.fits = edge.length >= needed;
+            if !edge.fits {
+                faults.push(DesignError::ShortLeg {
+                    street: design.streets[edge.street].name.clone(),
+                    from: design.nodes[edge.nodes[0]].name.clone(),
+                    to: design.nodes[edge.nodes[1]].name.clone(),
+                    length: edge.length,
+                    needed,
+                });
+            }
+        }
+    }
+
+    /// How far from its node a leg begins [m].
+    fn leg_cut(&self, design: &TownDesign, node: usize, leg: usize) -> f64 {
+        match self.joints[node] {
+            Joint::Nothing | Joint::DeadEnd | Joint::Straight => 0.0,
+            Joint::Bend => {
+                let turn = wrap_angle(self.gap(node, 0) - PI).abs();
+                (design.bend_radius * libm::tan(turn / 2.0)).max(LEAST_TANGENT)
+            }
+            Joint::Junction => {
+                // The outer edges of two neighbouring streets are joined by an arc of the corner's radius, and so the
+                // middles by an arc about the same centre.
+                let radius = design.profile.half_width() + design.corner_radius;
+                let count = self.legs[node].len();
+                [leg, (leg + count - 1) % count]
+                    .map(|side| self.gap(node, side))
+                    .into_iter()
+                    .filter(|&gap| gap < PI)
+                    .map(|gap| radius / libm::tan(gap / 2.0))
+                    .fold(design.junction_radius, f64::max)
+            }
+        }
+    }
+}
+
+fn edges(design: &TownDesign, faults: &mut Vec<DesignError>) -> Vec<Edge> {
+    let mut edges = Vec::new();
+    for (street, Street { name, nodes, .. }) in design.streets.iter().enumerate() {
+        if nodes.len() < 2 {
+            faults.push(DesignError::ShortStreet { street: name.clone(), nodes: nodes.len() });
+        }
+        for &node in nodes.iter().filter(|&&node| node >= design.nodes.len()) {
+            faults.push(DesignError::UnknownNode { street: name.clone(), node });
+        }
+        for pair in nodes.windows(2) {
+            let (Some(from), Some(to)) = (design.nodes.get(pair[0]), design.nodes.get(pair[1])) else { continue };
+            if pair[0] == pair[1] {
+                faults.push(DesignError::RepeatedNode { street: name.clone(), node: from.name.clone() });
+                continue;
+            }
+            let way = to.position - from.position;
+            // Nodes on one place are a fault of their own; between them there is no direction.
+            if way.norm() >= SAME_PLACE {
+                let heading = libm::atan2(way.y, way.x);
+                let nodes = [pair[0], pair[1]];
+                edges.push(Edge { street, nodes, length: way.norm(), heading, cuts: [0.0; 2], fits: true });
+            }
+        }
+    }
+    edges
+}
+
+fn legs(design: &TownDesign, edges: &[Edge]) -> Vec<Vec<Leg>> {
+    let mut legs: Vec<Vec<Leg>> = design.nodes.iter().map(|_| Vec::new()).collect();
+    for (index, edge) in edges.iter().enumerate() {
+        let back = wrap_angle(edge.heading + PI);
+        legs[edge.nodes[0]].push(Leg { edge: index, end: RoadEnd::Start, heading: edge.heading });
+        legs[edge.nodes[1]].push(Leg { edge: index, end: RoadEnd::End, heading: back });
+    }
+    for around in &mut legs {
+        around.sort_by(|a, b| a.heading.total_cmp(&b.heading));
+    }
+    legs
+}
+
+fn find_same_places(design: &TownDesign, faults: &mut Vec<DesignError>) {
+    for (index, first) in design.nodes.iter().enumerate() {
+        for second in &design.nodes[index + 1..] {
+            if (first.position - second.position).norm() < SAME_PLACE {
+                faults.push(DesignError::SamePlace { first: first.name.clone(), second: second.name.clone() });
+            }
+        }
+    }
+}
+
+fn find_unused_nodes(design: &TownDesign, faults: &mut Vec<DesignError>) {
+    let mut used = vec![false; design.nodes.len()];
+    for &node in design.streets.iter().flat_map(|street| &street.nodes) {
+        if let Some(used) = used.get_mut(node) {
+            *used = true;
+        }
+    }
+    let unused = design.nodes.iter().zip(used).filter(|(_, used)| !used);
+    faults.extend(unused.map(|(node, _)| DesignError::UnusedNode { node: node.name.clone() }));
+}
+
+fn find_crossings(design: &TownDesign, edges: &[Edge], faults: &mut Vec<DesignError>) {
+    let ends = |edge: &Edge| edge.nodes.map(|node| design.nodes[node].position);
+    let name = |edge: &Edge| design.streets[edge.street].name.clone();
+    for (index, first) in edges.iter().enumerate() {
+        for second in &edges[index + 1..] {
+            if first.nodes.iter().any(|node| second.nodes.contains(node)) {
+                continue;
+            }
+            if let Some(place) = crossing(ends(first), ends(second)) {
+                faults.push(DesignError::Crossing { first: name(first), second: name(second), x: place.x, y: place.y });
+            }
+        }
+    }
+}
+
+/// The point that two line segments have in common; none for parallel ones.
+fn crossing([a, b]: [Point; 2], [c, d]: [Point; 2]) -> Option<Point> {
+    let (along, across, between) = (b - a, d - c, c - a);
+    let area = along.perp(&across);
+    if area == 0.0 {
+        return None;
+    }
+    let (t, u) = (between.perp(&across) / area, between.perp(&along) / area);
+    ((0.0..=1.0).contains(&t) && (0.0..=1.0).contains(&u)).then(|| a + along * t)
+}

@@ -1,0 +1,241 @@
+//! The lanes of a town in one flat table, with their centres as cubics and their links resolved.
+
+use std::ops::Range;
+
+use super::plan_view::CurvePoint;
+use super::{Junction, Lane, LaneId, LaneKind, Profile, Road, RoadIndex, RoadLink, Waypoint};
+use crate::geometry::{Point, Pose, Vector, wrap_angle};
+
+/// The place of a lane in the table.
+pub(super) type LaneSlot = u32;
+
+/// A lane of one section, ready for questions.
+#[derive(Debug)]
+pub(super) struct NetworkLane {
+    pub road: RoadIndex,
+    pub section: u32,
+    pub id: LaneId,
+    pub kind: LaneKind,
+    /// Where its section begins and ends along the road [m].
+    pub start: f64,
+    pub end: f64,
+    /// Whether its road lies in a junction.
+    pub in_junction: bool,
+    /// Whether its centre line is one straight line.
+    pub straight: bool,
+    centre: Profile,
+    width: Profile,
+    next: Range<u32>,
+    previous: Range<u32>,
+}
+
+impl NetworkLane {
+    /// Whether one drives towards growing `s`.
+    pub fn forward(&self) -> bool {
+        self.id < 0
+    }
+
+    /// Where driving along it begins, and where it ends, along the road [m].
+    pub fn driving_ends(&self) -> (f64, f64) {
+        if self.forward() { (self.start, self.end) } else { (self.end, self.start) }
+    }
+
+    /// The waypoint at a distance along the road [m], held within the lane.
+    pub fn waypoint(&self, s: f64) -> Waypoint {
+        Waypoint { road: self.road, section: self.section, lane: self.id, s: s.max(self.start).min(self.end.max(self.start)) }
+    }
+}
+
+/// All lanes of a town but those numbered 0.
+#[derive(Debug)]
+pub(super) struct LaneNetwork {
+    lanes: Vec<NetworkLane>,
+    /// The numbers of the lanes once more, side by side for a quick search.
+    ids: Vec<LaneId>,
+    /// For each road the place of its first section in `sections`.
+    roads: Vec<u32>,
+    /// For each section the place of its first lane in `lanes`, and one more entry at the end.
+    sections: Vec<u32>,
+    links: Vec<LaneSlot>,
+}
+
+impl LaneNetwork {
+    /// Lays out the lanes and resolves their links.
+    ///
+    /// # Source
+    /// CARLA `road/MapBuilder.cpp`: which end of the next road one enters is told by the sign of the lane's number there,
+    /// not by the file's contact points; what lies before a lane is what leads to it.
+    pub fn new(roads: &[Road], junctions: &[Junction]) -> Self {
+        let mut network = Self { lanes: Vec::new(), ids: Vec::new(), roads: Vec::new(), sections: Vec::new(), links: Vec::new() };
+        for (road, index) in roads.iter().zip(0..) {
+            network.roads.push(network.sections.len() as u32);
+            for (section, number) in road.sections.iter().zip(0..) {
+                network.sections.push(network.lanes.len() as u32);
+                for lane in section.lanes.iter().filter(|lane| lane.id != 0) {
+                    network.lanes.push(NetworkLane {
+                        road: RoadIndex(index),
+                        section: number,
+                        id: lane.id,
+                        kind: lane.kind,
+                        start: section.start,
+                        end: section.end,
+                        in_junction: road.junction.is_some(),
+                        straight: is_straight(road, section.start, section.end),
+                        centre: centre(road, &section.lanes, lane.id, section.start, section.end),
+                        width: lane.width.clone(),
+                        next: 0..0,
+                        previous: 0..0,
+                    });
+                }
+            }
+        }
+        network.roads.push(network.sections.len() as u32);
+        network.sections.push(network.lanes.len() as u32);
+        network.ids = network.lanes.iter().map(|lane| lane.id).collect();
+        network.link(roads, junctions);
+        network
+    }
+
+    fn link(&mut self, roads: &[Road], junctions: &[Junction]) {
+        let ways: Vec<Vec<LaneSlot>> = self.lanes.iter().map(|lane| self.ways_on(lane, roads, junctions)).collect();
+        let mut back = vec![Vec::new(); ways.len()];
+        for (from, to) in ways.iter().zip(0..).flat_map(|(ways, from)| ways.iter().map(move |to| (from, *to))) {
+            back[to as usize].push(from);
+        }
+        let mut links = Vec::new();
+        let mut append = |slots: &[LaneSlot]| {
+            let start = links.len() as u32;
+            links.extend_from_slice(slots);
+            start..links.len() as u32
+        };
+        for (lane, (next, previous)) in self.lanes.iter_mut().zip(ways.iter().zip(&back)) {
+            lane.next = append(next);
+            lane.previous = append(previous);
+        }
+        self.links = links;
+    }
+
+    fn ways_on(&self, lane: &NetworkLane, roads: &[Road], junctions: &[Junction]) -> Vec<LaneSlot> {
+        let road = &roads[lane.road.0 as usize];
+        let Some(own) = road.sections[lane.section as usize].lane(lane.id) else { return Vec::new() };
+        let (linked, beyond, section) = if lane.forward() {
+            (own.successor, road.successor, (lane.section as usize + 1 < road.sections.len()).then(|| lane.section + 1))
+        } else {
+            (own.predecessor, road.predecessor, lane.section.checked_sub(1))
+        };
+        if let Some(section) = section {
+            return linked.and_then(|id| self.slot_of(lane.road, section, id)).into_iter().collect();
+        }
+        match beyond {
+            Some(RoadLink::Road(next, _)) => linked.and_then(|id| self.edge(roads, next, id)).into_iter().collect(),
+            Some(RoadLink::Junction(junction)) => {
+                let connections = junctions.get(junction.0 as usize).map_or(&[][..], |found| &found.connections);
+                let mut ways: Vec<LaneSlot> = Vec::new();
+                for connection in connections.iter().filter(|each| each.incoming == lane.road) {
+                    for (_, to) in connection.lane_links.iter().filter(|(from, _)| *from == lane.id) {
+                        ways.extend(self.edge(roads, connection.connecting, *to).filter(|slot| !ways.contains(slot)));
+                    }
+                }
+                ways
+            }
+            None => Vec::new(),
+        }
+    }
+
+    /// The lane at which one enters a road: a right lane at the road's beginning, a left one at its end.
+    fn edge(&self, roads: &[Road], road: RoadIndex, id: LaneId) -> Option<LaneSlot> {
+        let sections = roads.get(road.0 as usize)?.sections.len();
+        self.slot_of(road, if id < 0 { 0 } else { (sections as u32).checked_sub(1)? }, id)
+    }
+
+    /// All lanes.
+    pub fn lanes(&self) -> &[NetworkLane] {
+        &self.lanes
+    }
+
+    /// The lane in a slot.
+    pub fn lane(&self, slot: LaneSlot) -> &NetworkLane {
+        &self.lanes[slot as usize]
+    }
+
+    /// Where a lane is in the table.
+    pub fn slot_of(&self, road: RoadIndex, section: u32, id: LaneId) -> Option<LaneSlot> {
+        let first = *self.roads.get(road.0 as usize)?;
+        let last = *self.roads.get(road.0 as usize + 1)?;
+        let place = first.checked_add(section).filter(|place| *place < last)? as usize;
+        let range = self.sections[place]..self.sections[place + 1];
+        let ids = &self.ids[range.start as usize..range.end as usize];
+        ids.iter().zip(range).find(|(other, _)| **other == id).map(|(_, slot)| slot)
+    }
+
+    /// Where the lane of a waypoint is in the table.
+    pub fn slot(&self, waypoint: Waypoint) -> Option<LaneSlot> {
+        self.slot_of(waypoint.road, waypoint.section, waypoint.lane)
+    }
+
+    /// The lanes one comes to at the end of a lane, in driving direction.
+    pub fn next(&self, lane: &NetworkLane) -> &[LaneSlot] {
+        &self.links[lane.next.start as usize..lane.next.end as usize]
+    }
+
+    /// The lanes that lead to a lane.
+    pub fn previous(&self, lane: &NetworkLane) -> &[LaneSlot] {
+        &self.links[lane.previous.start as usize..lane.previous.end as usize]
+    }
+
+    /// The width of a lane [m].
+    pub fn width(&self, lane: &NetworkLane, s: f64) -> f64 {
+        lane.width.value(s)
+    }
+
+    /// The centre of a lane, heading along its driving direction.
+    pub fn pose(&self, roads: &[Road], lane: &NetworkLane, s: f64) -> Pose {
+        let line = roads[lane.road.0 as usize].plan_view.point(s);
+        let (t, slope) = lane.centre.at(s).map_or((0.0, 0.0), |cubic| (cubic.value(s), cubic.slope(s)));
+        let place = line.beside(t);
+        Pose { x: place.x, y: place.y, yaw: heading(&line, lane.id, slope) }
+    }
+
+    /// The edges of a lane: left and right of its centre along the reference line.
+    pub fn edges(&self, roads: &[Road], lane: &NetworkLane, s: f64) -> [Point; 2] {
+        let line = roads[lane.road.0 as usize].plan_view.point(s);
+        let (t, half) = (lane.centre.value(s), lane.width.value(s) / 2.0);
+        [line.beside(t + half), line.beside(t - half)]
+    }
+}
+
+/// The heading of a lane whose centre moves sideways with a slope.
+///
+/// # Source
+/// CARLA `road/Lane.cpp`, `ComputeTransform`: the slope is added as if it were the angle, and on left lanes twice.
+pub(super) fn heading(line: &CurvePoint, id: LaneId, slope: f64) -> f64 {
+    wrap_angle(if id > 0 { line.yaw + std::f64::consts::PI + 2.0 * slope } else { line.yaw + slope })
+}
+
+/// The lateral position of a lane's centre as one profile: the offset of lane 0, the lanes between, and half of its own width.
+fn centre(road: &Road, lanes: &[Lane], id: LaneId, start: f64, end: f64) -> Profile {
+    let side = f64::from(id.signum());
+    let inner = |lane: &&Lane| lane.id.signum() == id.signum() && lane.id.abs() <= id.abs();
+    let share = |lane: &Lane| if lane.id == id { 0.5 * side } else { side };
+    let terms: Vec<(&Profile, f64)> = std::iter::once((&road.lane_offset, 1.0))
+        .chain(lanes.iter().filter(inner).map(|lane| (&lane.width, share(lane))))
+        .collect();
+    Profile::sum(&terms, start, end)
+}
+
+/// Whether CARLA takes the lanes of a section for straight: one straight piece under it, and no curved offset anywhere.
+///
+/// # Source
+/// CARLA `road/Lane.cpp`, `IsStraight`; changing widths do not count there.
+fn is_straight(road: &Road, start: f64, end: f64) -> bool {
+    let on_line = road.plan_view.piece_at(start).is_some_and(|piece| {
+        matches!(piece.shape, super::Shape::Line) && start >= piece.s && end <= piece.s + piece.length
+    });
+    on_line && road.lane_offset.cubics().iter().all(|cubic| cubic.c == 0.0 && cubic.d == 0.0)
+}
+
+/// The unit vector along a heading.
+pub(super) fn direction(yaw: f64) -> Vector {
+    let (sin, cos) = libm::sincos(yaw);
+    Vector::new(cos, sin)
+}

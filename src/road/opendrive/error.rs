@@ -1,0 +1,116 @@
+/// Why a file cannot be used as a town at all.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum OpenDriveError {
+    /// The text is not well-formed XML.
+    #[error("not XML: {message} (line {line}, column {column})")]
+    NotXml {
+        /// Where the XML breaks, from 1.
+        line: u32,
+        /// The column there, from 1.
+        column: u32,
+        /// What the XML parser says.
+        message: String,
+    },
+    /// The outermost element is another one.
+    #[error("not OpenDRIVE: the outermost element is `{found}`, not `OpenDRIVE`")]
+    NotOpenDrive {
+        /// The outermost element.
+        found: String,
+    },
+    /// There is no road, or none with a reference line and lanes.
+    #[error("no usable road among {found}")]
+    NoRoads {
+        /// How many roads the file has.
+        found: usize,
+    },
+}
+
+/// Something in a file that was skipped or guessed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct OpenDriveWarning {
+    /// The `id` of the road it concerns.
+    pub road: Option<String>,
+    /// The line of the element, from 1.
+    pub line: u32,
+    /// What it is.
+    pub problem: OpenDriveProblem,
+}
+
+impl std::fmt::Display for OpenDriveWarning {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "line {}", self.line)?;
+        if let Some(road) = &self.road {
+            write!(f, ", road {road}")?;
+        }
+        write!(f, ": {}", self.problem)
+    }
+}
+
+/// What can be wrong within a file.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum OpenDriveProblem {
+    /// An attribute is not a usable number.
+    #[error("`{attribute}` of `{element}` is `{text}`, not a usable number; skipped")]
+    BadNumber {
+        /// The element.
+        element: String,
+        /// The attribute.
+        attribute: &'static str,
+        /// Its text.
+        text: String,
+    },
+    /// An attribute is missing.
+    #[error("`{element}` has no `{attribute}`")]
+    MissingAttribute {
+        /// The element.
+        element: String,
+        /// The attribute.
+        attribute: &'static str,
+    },
+    /// A piece of a reference line has no known form.
+    #[error("a geometry of no known form; taken as a line")]
+    UnknownShape,
+    /// A road has no usable reference line.
+    #[error("no usable reference line; the road is left out")]
+    NoReferenceLine,
+    /// A road has no lanes.
+    #[error("no lane section; the road is left out")]
+    NoLaneSection,
+    /// A lane has neither widths nor borders.
+    #[error("lane {lane} has no width; taken as 0 m wide")]
+    NoWidth {
+        /// The lane's number.
+        lane: i32,
+    },
+    /// Lane sections are not in order, or begin beyond the road's end.
+    #[error("lane sections out of order or beyond the road's end; put in order")]
+    SectionOrder,
+    /// A number stands for two things.
+    #[error("`{element}` {id} is there twice; the first one counts")]
+    Duplicate {
+        /// The element.
+        element: &'static str,
+        /// Its number.
+        id: String,
+    },
+    /// A link leads to something that is not there.
+    #[error("`{element}` refers to {id}, which is not there; ignored")]
+    UnknownReference {
+        /// The element.
+        element: String,
+        /// The missing number.
+        id: String,
+    },
+    /// A connection has no lane links; they were taken from the links of the connecting road's lanes.
+    #[error("a connection without lane links; those of the connecting road's lanes are taken")]
+    GuessedLaneLinks,
+    /// The number of a road or junction is not one.
+    #[error("the id `{id}` is not a whole number; {given} stands for it")]
+    IdNotNumber {
+        /// As written.
+        id: String,
+        /// What stands for it.
+        given: u32,
+    },
+}

@@ -1,0 +1,48 @@
+use roxmltree::Document;
+
+use super::attributes::{Context, children};
+use super::{OpenDriveError, junctions, roads, signals, traffic_lights};
+use crate::road::TownParts;
+use crate::road::lane_network::LaneNetwork;
+
+/// Reads the text of an OpenDRIVE file; `name` becomes the town's name.
+///
+/// # Errors
+/// The text is not XML, not OpenDRIVE, or has no usable road. Everything else becomes a warning in
+/// [`TownParts::warnings`].
+///
+/// # Example
+/// ```
+/// use falsify::road::{OpenDriveError, opendrive};
+/// let error = opendrive::read("<map/>", "nowhere").unwrap_err();
+/// assert_eq!(error, OpenDriveError::NotOpenDrive { found: "map".to_owned() });
+/// ```
+pub fn read(xml: &str, name: &str) -> Result<TownParts, OpenDriveError> {
+    let document = Document::parse(xml).map_err(|error| {
+        let at = error.pos();
+        OpenDriveError::NotXml { line: at.row, column: at.col, message: error.to_string() }
+    })?;
+    let root = document.root_element();
+    if root.tag_name().name() != "OpenDRIVE" {
+        return Err(OpenDriveError::NotOpenDrive { found: root.tag_name().name().to_owned() });
+    }
+    let mut context = Context::new(xml);
+    let mut roads = roads::read(&mut context, root);
+    if roads.roads.is_empty() {
+        return Err(OpenDriveError::NoRoads { found: children(root, "road").count() });
+    }
+    let junctions = junctions::read(&mut context, root, &roads);
+    roads.link(&mut context, &junctions.by_id);
+    let network = LaneNetwork::new(&roads.roads, &junctions.junctions);
+    let speed_signs = signals::speed_signs(&mut context, &roads, &network);
+    let traffic_lights = traffic_lights::read(&mut context, root, &roads, &junctions, &network);
+    Ok(TownParts {
+        name: name.to_owned(),
+        roads: roads.roads,
+        junctions: junctions.junctions,
+        speed_signs,
+        traffic_lights,
+        obstacles: Vec::new(),
+        warnings: context.warnings,
+    })
+}

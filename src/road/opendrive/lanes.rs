@@ -1,0 +1,88 @@
+use roxmltree::Node;
+
+use super::OpenDriveProblem;
+use super::attributes::{Context, child, children};
+use crate::road::{Cubic, Lane, LaneId, LaneKind, LaneSection, Profile};
+
+/// Lane numbers beyond that are taken for errors.
+const LARGEST_ID: LaneId = 1000;
+
+/// Reads the offset of lane 0; 0 before its first entry.
+pub(super) fn offset(context: &mut Context, lanes: Node) -> Profile {
+    let mut cubics: Vec<Cubic> = children(lanes, "laneOffset").map(|node| cubic(context, node, "s", 0.0)).collect();
+    if cubics.iter().all(|cubic| cubic.start > 0.0) {
+        cubics.push(Cubic::default());
+    }
+    Profile::new(cubics)
+}
+
+/// Reads the lane sections of a road of a given length [m], in order.
+pub(super) fn sections(context: &mut Context, lanes: Node, length: f64) -> Vec<LaneSection> {
+    let mut starts: Vec<(f64, Node)> =
+        children(lanes, "laneSection").map(|node| (context.number_or_zero(node, "s"), node)).collect();
+    if starts.iter().any(|(s, _)| *s < 0.0 || *s >= length) || !starts.is_sorted_by(|a, b| a.0 <= b.0) {
+        context.warn(lanes, OpenDriveProblem::SectionOrder);
+        starts.iter_mut().for_each(|(s, _)| *s = s.max(0.0));
+        starts.retain(|(s, _)| *s < length);
+        starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    }
+    let ends: Vec<f64> = starts.iter().skip(1).map(|(s, _)| *s).chain([length]).collect();
+    starts.into_iter().zip(ends).map(|((start, node), end)| section(context, node, start, end)).collect()
+}
+
+fn section(context: &mut Context, node: Node, start: f64, end: f64) -> LaneSection {
+    let mut found: Vec<(LaneId, Node)> = Vec::new();
+    let sides = node.children().filter(|side| matches!(side.tag_name().name(), "left" | "center" | "right"));
+    for lane in sides.flat_map(|side| children(side, "lane")) {
+        match context.whole(lane, "id").filter(|id| id.abs() <= LARGEST_ID) {
+            None => context.warn(lane, OpenDriveProblem::MissingAttribute { element: "lane".to_owned(), attribute: "id" }),
+            Some(id) if found.iter().any(|(other, _)| *other == id) => {
+                context.warn(lane, OpenDriveProblem::Duplicate { element: "lane", id: id.to_string() });
+            }
+            Some(id) => found.push((id, lane)),
+        }
+    }
+    // Borders need the lanes further in, so each side is read from the middle outwards.
+    found.sort_by_key(|(id, _)| id.abs());
+    let mut edges = [Profile::constant(0.0), Profile::constant(0.0)];
+    let mut lanes: Vec<Lane> = Vec::with_capacity(found.len());
+    for (id, node) in found {
+        let edge = &mut edges[usize::from(id > 0)];
+        let width = if id == 0 { Profile::constant(0.0) } else { width(context, node, id, edge, start, end) };
+        *edge = Profile::sum(&[(edge, 1.0), (&width, 1.0)], start, end);
+        let linked = |context: &mut Context, name| {
+            child(node, "link").and_then(|link| child(link, name)).and_then(|lane| context.whole(lane, "id"))
+        };
+        lanes.push(Lane {
+            id,
+            kind: LaneKind::from_opendrive(node.attribute("type").unwrap_or_default()),
+            width,
+            predecessor: linked(context, "predecessor"),
+            successor: linked(context, "successor"),
+        });
+    }
+    lanes.sort_by_key(|lane| std::cmp::Reverse(lane.id));
+    LaneSection { start, end, lanes }
+}
+
+/// The width of a lane, from its widths or, without any, from its borders and the edge of the lanes further in.
+fn width(context: &mut Context, lane: Node, id: LaneId, inner: &Profile, start: f64, end: f64) -> Profile {
+    let widths: Vec<Cubic> = children(lane, "width").map(|node| cubic(context, node, "sOffset", start)).collect();
+    if !widths.is_empty() {
+        return Profile::new(widths);
+    }
+    let borders: Vec<Cubic> = children(lane, "border").map(|node| cubic(context, node, "sOffset", start)).collect();
+    if borders.is_empty() {
+        context.warn(lane, OpenDriveProblem::NoWidth { lane: id });
+        return Profile::constant(0.0);
+    }
+    // Some writers count the borders of right lanes as positive distances.
+    let outward = if borders[0].a < 0.0 { -1.0 } else { 1.0 };
+    Profile::sum(&[(&Profile::new(borders), outward), (inner, -1.0)], start, end)
+}
+
+fn cubic(context: &mut Context, node: Node, place: &'static str, origin: f64) -> Cubic {
+    let start = origin + context.number_or_zero(node, place);
+    let [a, b, c, d] = context.coefficients(node, ["a", "b", "c", "d"]);
+    Cubic { start, a, b, c, d }
+}

@@ -1,0 +1,118 @@
+use std::collections::HashMap;
+
+use roxmltree::Node;
+
+use super::attributes::{Context, children};
+use super::junctions::Junctions;
+use super::roads::Roads;
+use super::signals::placed;
+use crate::geometry::OrientedBox;
+use crate::road::lane_network::{LaneNetwork, LaneSlot};
+use crate::road::{JunctionIndex, TrafficLight};
+
+/// The signal type of a traffic light with three lamps.
+const LIGHT: &str = "1000001";
+/// How far before the end of the approach lane the trigger box's centre is [m].
+const BEFORE_END: f64 = 3.0;
+/// Half the length of the trigger box [m].
+const HALF_LENGTH: f64 = 1.5;
+/// Half the width of the trigger box, as a share of the lane's width.
+const HALF_WIDTH: f64 = 0.25;
+/// How many lanes of a junction may lie between a signal and the approach lane.
+const MAX_LANES: usize = 64;
+
+/// A signal that holds for an approach lane.
+struct Approach<'a> {
+    signal: &'a str,
+    slot: LaneSlot,
+    junction: Option<JunctionIndex>,
+}
+
+/// Reads traffic lights: for each signal one on each lane from which one comes to the lanes it holds for.
+pub(super) fn read<'a, 'x: 'a>(
+    context: &mut Context,
+    root: Node<'a, 'x>,
+    roads: &Roads<'a, 'x>,
+    junctions: &Junctions<'a>,
+    network: &LaneNetwork,
+) -> Vec<TrafficLight> {
+    let is_light = |node: Node| node.attribute("type") == Some(LIGHT) && node.attribute("dynamic") != Some("no");
+    let signals = placed(context, roads, network, ["signals", "signal"], is_light);
+    let ids: Vec<&str> = signals.iter().filter_map(|signal| signal.node.attribute("id")).collect();
+    let refers = |node: Node| node.attribute("id").is_some_and(|id| ids.contains(&id));
+    let references = placed(context, roads, network, ["signals", "signalReference"], refers);
+
+    let mut approaches: Vec<Approach> = Vec::new();
+    for each in signals.iter().chain(&references) {
+        let Some(signal) = each.node.attribute("id") else { continue };
+        for slot in each.lanes.iter().flat_map(|slot| before_junction(network, *slot)) {
+            if !approaches.iter().any(|known| known.signal == signal && known.slot == slot) {
+                let junction = roads.roads[each.road.0 as usize].junction;
+                approaches.push(Approach { signal, slot, junction });
+            }
+        }
+    }
+    group(root, &approaches, junctions).into_iter().zip(&approaches).map(|(place, approach)| light(roads, network, place, approach.slot)).collect()
+}
+
+/// Group, turn and turns of a light.
+type Place = (u32, u32, u32);
+
+/// The controllers of a junction take turns; signals without a controller, or without a junction, take theirs after them.
+fn group(root: Node, approaches: &[Approach], junctions: &Junctions) -> Vec<Place> {
+    let mut controller_of: HashMap<&str, &str> = HashMap::new();
+    for controller in children(root, "controller") {
+        for control in children(controller, "control") {
+            if let (Some(signal), Some(id)) = (control.attribute("signalId"), controller.attribute("id")) {
+                controller_of.entry(signal).or_insert(id);
+            }
+        }
+    }
+    let home = |controller: &str| junctions.controllers.iter().position(|listed| listed.contains(&controller));
+    let mut turns: Vec<Vec<&str>> = junctions.controllers.clone();
+    let loose = turns.len();
+    turns.push(Vec::new());
+    let mut places = Vec::new();
+    for approach in approaches {
+        let name = controller_of.get(approach.signal).copied().unwrap_or(approach.signal);
+        let junction = home(name).or(approach.junction.map(|index| index.0 as usize));
+        let group = junction.unwrap_or(loose);
+        let turn = turns[group].iter().position(|known| *known == name).unwrap_or_else(|| {
+            turns[group].push(name);
+            turns[group].len() - 1
+        });
+        places.push((group, turn));
+    }
+    places.into_iter().map(|(group, turn)| (group as u32, turn as u32, turns[group].len() as u32)).collect()
+}
+
+fn light(roads: &Roads, network: &LaneNetwork, (group, turn, turns): Place, slot: LaneSlot) -> TrafficLight {
+    let lane = network.lane(slot);
+    let (_, end) = lane.driving_ends();
+    let s = if lane.forward() { end - BEFORE_END } else { end + BEFORE_END };
+    let s = s.max(lane.start).min(lane.end);
+    let stop = network.pose(&roads.roads, lane, s);
+    let trigger = OrientedBox::new(stop, HALF_LENGTH, HALF_WIDTH * network.width(lane, s));
+    TrafficLight { group, turn, turns, road: lane.road, stop, trigger }
+}
+
+/// The lanes outside junctions from which one comes to a lane; the lane itself if it is outside.
+fn before_junction(network: &LaneNetwork, slot: LaneSlot) -> Vec<LaneSlot> {
+    let mut seen = vec![slot];
+    let mut outside = Vec::new();
+    let mut place = 0;
+    while place < seen.len() && seen.len() < MAX_LANES {
+        let lane = network.lane(seen[place]);
+        if lane.in_junction {
+            for before in network.previous(lane) {
+                if !seen.contains(before) {
+                    seen.push(*before);
+                }
+            }
+        } else {
+            outside.push(seen[place]);
+        }
+        place += 1;
+    }
+    outside
+}

@@ -1,0 +1,144 @@
+//! Moving along lanes: what comes next, what came before, and how lanes hang together.
+
+use super::lane_network::{LaneSlot, NetworkLane};
+use super::{LaneKind, Town, Waypoint};
+
+/// What CARLA keeps off the ends of lanes [m].
+const EPSILON: f64 = 10.0 * f64::EPSILON;
+
+/// How many lanes one step may pass through, for a file whose lanes lead in circles without length.
+const MAX_LANES: u32 = 4096;
+
+/// How many lanes in a row one step may pass through.
+const MAX_DEPTH: u32 = 256;
+
+/// A way along lanes.
+#[derive(Clone, Copy)]
+enum Way {
+    Ahead,
+    Back,
+}
+
+impl Town {
+    /// Appends the waypoints `distance` [m] further on in driving direction, one for each branch.
+    ///
+    /// The distance is counted along reference lines. Where the lanes end before, there is nothing to append. Distances
+    /// that are not positive append nothing.
+    ///
+    /// # Source
+    /// CARLA `road/Map.cpp`, `GetNext`.
+    pub fn next(&self, waypoint: Waypoint, distance: f64, out: &mut Vec<Waypoint>) {
+        self.step(waypoint, distance, Way::Ahead, out);
+    }
+
+    /// Appends the waypoints `distance` [m] back against the driving direction, one for each branch.
+    ///
+    /// # Source
+    /// CARLA `road/Map.cpp`, `GetPrevious`.
+    pub fn previous(&self, waypoint: Waypoint, distance: f64, out: &mut Vec<Waypoint>) {
+        self.step(waypoint, distance, Way::Back, out);
+    }
+
+    /// The beginnings of the lanes one comes to at the end of a waypoint's lane.
+    pub fn successors(&self, waypoint: Waypoint) -> impl Iterator<Item = Waypoint> + '_ {
+        let lane = self.network.slot(waypoint).map(|slot| self.network.lane(slot));
+        lane.map_or(&[][..], |lane| self.network.next(lane)).iter().map(|slot| {
+            let lane = self.network.lane(*slot);
+            lane.waypoint(entry(lane, Way::Ahead))
+        })
+    }
+
+    /// The ends of the lanes that lead to a waypoint's lane.
+    pub fn predecessors(&self, waypoint: Waypoint) -> impl Iterator<Item = Waypoint> + '_ {
+        let lane = self.network.slot(waypoint).map(|slot| self.network.lane(slot));
+        lane.map_or(&[][..], |lane| self.network.previous(lane)).iter().map(|slot| {
+            let lane = self.network.lane(*slot);
+            lane.waypoint(entry(lane, Way::Back))
+        })
+    }
+
+    /// Pairs of waypoints: the beginning of each driving lane of each section with each of its successors, or with its own
+    /// end where there is none.
+    ///
+    /// # Source
+    /// CARLA `road/Map.cpp`, `GenerateTopology`.
+    pub fn topology(&self) -> Vec<(Waypoint, Waypoint)> {
+        let mut pairs = Vec::new();
+        for lane in self.network.lanes().iter().filter(|lane| lane.kind == LaneKind::Driving) {
+            let start = lane.waypoint(entry(lane, Way::Ahead));
+            let before = pairs.len();
+            pairs.extend(self.successors(start).map(|next| (start, next)));
+            if pairs.len() == before {
+                pairs.push((start, lane.waypoint(entry(lane, Way::Back))));
+            }
+        }
+        pairs
+    }
+
+    /// Waypoints on all driving lanes, every `step` [m] along each road from its beginning.
+    ///
+    /// # Source
+    /// CARLA `road/Map.cpp`, `GenerateWaypoints`.
+    pub fn generate_waypoints(&self, step: f64) -> Vec<Waypoint> {
+        let mut waypoints = Vec::new();
+        if !(step > 0.0) {
+            return waypoints;
+        }
+        for lane in self.network.lanes().iter().filter(|lane| lane.kind == LaneKind::Driving) {
+            let road = &self.roads[lane.road.0 as usize];
+            let is_last = lane.section as usize + 1 == road.sections.len();
+            let mut index = ((lane.start - EPSILON) / step).ceil().max(0.0);
+            loop {
+                let s = EPSILON + index * step;
+                if s >= road.length - EPSILON || (!is_last && s >= lane.end) || s > lane.end {
+                    break;
+                }
+                waypoints.push(lane.waypoint(s));
+                index += 1.0;
+            }
+        }
+        waypoints
+    }
+
+    fn step(&self, waypoint: Waypoint, distance: f64, way: Way, out: &mut Vec<Waypoint>) {
+        if let Some(slot) = self.network.slot(waypoint).filter(|_| distance > 0.0 && waypoint.s.is_finite()) {
+            let mut left = MAX_LANES;
+            self.walk(slot, waypoint.s, distance, way, MAX_DEPTH, &mut left, out);
+        }
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "the state of one recursion")]
+    fn walk(&self, slot: LaneSlot, s: f64, distance: f64, way: Way, depth: u32, left: &mut u32, out: &mut Vec<Waypoint>) {
+        let lane = self.network.lane(slot);
+        let ahead = matches!(way, Way::Ahead);
+        let grows = lane.forward() == ahead;
+        let passed = s - lane.start + EPSILON;
+        let remaining = if grows { lane.end - lane.start - passed } else { passed };
+        if distance <= remaining {
+            let moved = if grows { s + distance - EPSILON } else { s - distance + EPSILON };
+            out.push(lane.waypoint(moved));
+            return;
+        }
+        if depth == 0 {
+            return;
+        }
+        let first = out.len();
+        let ways = if ahead { self.network.next(lane) } else { self.network.previous(lane) };
+        for slot in ways {
+            let Some(fewer) = left.checked_sub(1) else { return };
+            *left = fewer;
+            let middle = out.len();
+            self.walk(*slot, entry(self.network.lane(*slot), way), distance - remaining, way, depth - 1, left, out);
+            // CARLA puts the longer of two lists first.
+            if out.len() - middle > middle - first {
+                out[first..].rotate_left(middle - first);
+            }
+        }
+    }
+}
+
+/// Where one enters a lane.
+fn entry(lane: &NetworkLane, way: Way) -> f64 {
+    let at_start = lane.forward() == matches!(way, Way::Ahead);
+    if at_start { lane.start + 10.0 * EPSILON } else { lane.end - 10.0 * EPSILON }
+}
