@@ -9,6 +9,7 @@ mod path;
 mod lane_keeping;
 mod cruise;
 mod idm;
+pub mod behavior_agent;
 
 pub use cruise::Cruise;
 pub use driving_policy::{DrivingMode, DrivingPolicy};

@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use crate::av::behavior_agent::BehaviorAgent;
 use crate::av::{Cruise, DrivingPolicy, Idm};
 use crate::env::PolicyMaker;
 use crate::signature::{Arguments, Form, Signature};
@@ -15,6 +16,10 @@ pub struct PolicyKind {
 /// All kinds of driving policies; a new one is a line here.
 pub fn kinds() -> Vec<PolicyKind> {
     vec![
+        PolicyKind {
+            signature: BehaviorAgent::signature,
+            make: |arguments| Box::new(BehaviorAgent::from_arguments(arguments)),
+        },
         PolicyKind { signature: Idm::signature, make: |arguments| Box::new(Idm::new(arguments)) },
         PolicyKind { signature: Cruise::signature, make: |arguments| Box::new(Cruise::new(arguments)) },
     ]

@@ -332,11 +332,11 @@ fn describe(rule: Rule) -> Option<&'static str> {
         Rule::kind => "`=`",
         Rule::arguments | Rule::group => "`(`",
         Rule::list => "`[`",
-        Rule::edition => "`edition`",
-        Rule::import => "`import`",
+        Rule::edition | Rule::edition_word => "`edition`",
+        Rule::import | Rule::import_word => "`import`",
         Rule::declaration => "a declaration",
         Rule::property => "`key: value`",
-        Rule::clause => "`on event => formula`",
+        Rule::clause | Rule::on_word => "`on event => formula`",
         Rule::event => "an event",
         Rule::value | Rule::expression | Rule::term | Rule::primary => "a value",
         Rule::call => "a call",
@@ -352,7 +352,7 @@ fn describe(rule: Rule) -> Option<&'static str> {
         | Rule::subtract
         | Rule::multiply
         | Rule::divide => "an operator",
-        Rule::conversion => "`in`",
+        Rule::conversion | Rule::in_word => "`in`",
         Rule::EOI | Rule::whole_item | Rule::whole_entry | Rule::whole_value => "the end of the statement",
         Rule::WHITESPACE
         | Rule::COMMENT

@@ -1,5 +1,7 @@
 //! The nearest lane, by its centre line.
 
+use std::sync::OnceLock;
+
 use rstar::{PointDistance, RTree};
 use rstar::primitives::{GeomWithData, Line};
 
@@ -70,9 +72,9 @@ type Leaf = GeomWithData<Line<[f64; 2]>, u32>;
 /// CARLA `road/Map.cpp`, `CreateRtree` and `GetClosestWaypointOnRoad`.
 pub(super) struct LaneIndex {
     chords: Vec<Chord>,
-    driving: ChordGrid,
-    sidewalk: ChordGrid,
-    any: ChordGrid,
+    driving: OnceLock<ChordGrid>,
+    sidewalk: OnceLock<ChordGrid>,
+    any: OnceLock<ChordGrid>,
 }
 
 impl LaneIndex {
@@ -89,12 +91,20 @@ impl LaneIndex {
                 }
             });
         }
-        let grid = |filter: LaneFilter| {
-            let admitted = chords.iter().zip(0..).filter(|(chord, _)| filter.admits(network.lane(chord.slot).kind));
-            ChordGrid::new(&chords, admitted.map(|(_, index)| index))
+        Self { chords, driving: OnceLock::new(), sidewalk: OnceLock::new(), any: OnceLock::new() }
+    }
+
+    /// The grid of a filter, made when it is asked for first.
+    fn grid(&self, network: &LaneNetwork, filter: LaneFilter) -> &ChordGrid {
+        let grid = match filter {
+            LaneFilter::Driving => &self.driving,
+            LaneFilter::Sidewalk => &self.sidewalk,
+            LaneFilter::Any => &self.any,
         };
-        let [driving, sidewalk, any] = [LaneFilter::Driving, LaneFilter::Sidewalk, LaneFilter::Any].map(grid);
-        Self { driving, sidewalk, any, chords }
+        grid.get_or_init(|| {
+            let admitted = self.chords.iter().zip(0..).filter(|(chord, _)| filter.admits(network.lane(chord.slot).kind));
+            ChordGrid::new(&self.chords, admitted.map(|(_, index)| index))
+        })
     }
 
     /// The place on the nearest chord; none without lanes of that sort, or for a point that is not finite.
@@ -102,11 +112,7 @@ impl LaneIndex {
         if !point.x.is_finite() || !point.y.is_finite() {
             return None;
         }
-        let grid = match filter {
-            LaneFilter::Driving => &self.driving,
-            LaneFilter::Sidewalk => &self.sidewalk,
-            LaneFilter::Any => &self.any,
-        };
+        let grid = self.grid(network, filter);
         let chord = &self.chords[grid.nearest(&self.chords, point)? as usize];
         // Metres along the chord count as metres along the reference line, as CARLA does it.
         let moved = chord.project(point);

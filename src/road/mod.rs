@@ -5,6 +5,7 @@
 
 mod cubic;
 mod spiral;
+mod curve_table;
 mod plan_view;
 mod lane;
 mod road;

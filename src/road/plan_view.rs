@@ -1,3 +1,4 @@
+use super::curve_table::CurveTable;
 use super::spiral::{integral, spiral};
 use crate::geometry::{Point, Pose, Vector, wrap_angle};
 
@@ -94,17 +95,12 @@ impl Geometry {
             }
             Shape::Poly3(cubic) => {
                 let u = parameter(ds, 1.0, self.length, |u| Vector::new(1.0, slope(cubic, u)).norm());
-                let slope = slope(cubic, u);
-                let forward = Vector::new(1.0, slope) / (1.0 + slope * slope).sqrt();
-                self.placed(Vector::new(u, value(cubic, u)), forward, libm::atan(slope))
+                self.along(Vector::new(u, value(cubic, u)), Vector::new(1.0, slope(cubic, u)))
             }
             Shape::ParamPoly3 { u, v, normalized } => {
                 let range = if normalized { 1.0 } else { self.length };
                 let p = parameter(ds, range / self.length, range, |p| Vector::new(slope(u, p), slope(v, p)).norm());
-                let tangent = Vector::new(slope(u, p), slope(v, p));
-                let speed = tangent.norm();
-                let forward = if speed > 1e-12 { tangent / speed } else { Vector::new(1.0, 0.0) };
-                self.placed(Vector::new(value(u, p), value(v, p)), forward, libm::atan2(forward.y, forward.x))
+                self.along(Vector::new(value(u, p), value(v, p)), Vector::new(slope(u, p), slope(v, p)))
             }
         }
     }
@@ -112,6 +108,18 @@ impl Geometry {
     fn straight(&self, ds: f64) -> CurvePoint {
         let position = Point::new(self.start.x + self.direction.x * ds, self.start.y + self.direction.y * ds);
         CurvePoint { position, forward: self.direction, yaw: self.start.yaw }
+    }
+
+    fn along(&self, local: Vector, tangent: Vector) -> CurvePoint {
+        let speed = tangent.norm();
+        let forward = if speed > 1e-12 { tangent / speed } else { Vector::new(1.0, 0.0) };
+        self.placed(local, forward, libm::atan2(forward.y, forward.x))
+    }
+
+    fn table(&self) -> Option<CurveTable> {
+        let Shape::ParamPoly3 { u, v, normalized } = self.shape else { return None };
+        let curve = |p| (Vector::new(value(u, p), value(v, p)), Vector::new(slope(u, p), slope(v, p)));
+        Some(CurveTable::new(self.length, if normalized { 1.0 } else { self.length }, curve))
     }
 
     fn placed(&self, local: Vector, forward: Vector, turn: f64) -> CurvePoint {
@@ -152,16 +160,21 @@ fn parameter(ds: f64, share: f64, range: f64, speed: impl Fn(f64) -> f64) -> f64
 }
 
 /// The reference line of a road in the plane.
+///
+/// Pieces of form [`Shape::ParamPoly3`] are drawn as CARLA draws them, with straight lines between places half a metre
+/// apart: a few millimetres off the exact curve that [`Geometry::pose`] knows.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PlanView {
     pieces: Vec<Geometry>,
+    tables: Vec<Option<CurveTable>>,
 }
 
 impl PlanView {
     /// Puts pieces in order.
     pub fn new(mut pieces: Vec<Geometry>) -> Self {
         pieces.sort_by(|a, b| a.s.total_cmp(&b.s));
-        Self { pieces }
+        let tables = pieces.iter().map(Geometry::table).collect();
+        Self { pieces, tables }
     }
 
     /// The pieces.
@@ -175,23 +188,34 @@ impl PlanView {
         Pose { x: point.position.x, y: point.position.y, yaw: wrap_angle(point.yaw) }
     }
 
+    fn index_at(&self, s: f64) -> usize {
+        self.pieces.partition_point(|piece| piece.s <= s).saturating_sub(1)
+    }
+
     /// The piece that holds at `s` [m].
     pub fn piece_at(&self, s: f64) -> Option<&Geometry> {
-        let after = self.pieces.partition_point(|piece| piece.s <= s);
-        self.pieces.get(after.saturating_sub(1))
+        self.pieces.get(self.index_at(s))
     }
 
     /// The point at `s` [m], held at both ends.
     pub(super) fn point(&self, s: f64) -> CurvePoint {
-        let Some(piece) = self.piece_at(s) else {
+        let index = self.index_at(s);
+        let Some(piece) = self.pieces.get(index) else {
             return CurvePoint { position: Point::origin(), forward: Vector::new(1.0, 0.0), yaw: 0.0 };
         };
-        piece.point((s - piece.s).clamp(0.0, piece.length.max(0.0)))
+        let ds = (s - piece.s).clamp(0.0, piece.length.max(0.0));
+        match &self.tables[index] {
+            None => piece.point(ds),
+            Some(table) => {
+                let (local, tangent) = table.at(ds);
+                piece.along(local, tangent)
+            }
+        }
     }
 
     /// The place at the end of the line.
     pub fn end(&self) -> Point {
-        self.pieces.last().map_or_else(Point::origin, |piece| piece.pose(piece.length).position())
+        self.pieces.last().map_or_else(Point::origin, |piece| self.point(piece.s + piece.length).position)
     }
 }
 

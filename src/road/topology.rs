@@ -1,7 +1,7 @@
 //! Moving along lanes: what comes next, what came before, and how lanes hang together.
 
 use super::lane_network::{LaneSlot, NetworkLane};
-use super::{LaneKind, Town, Waypoint};
+use super::{LaneKind, RoadIndex, Town, Waypoint};
 
 /// What CARLA keeps off the ends of lanes [m].
 const EPSILON: f64 = 10.0 * f64::EPSILON;
@@ -11,6 +11,9 @@ const MAX_LANES: u32 = 4096;
 
 /// How many lanes in a row one step may pass through.
 const MAX_DEPTH: u32 = 256;
+
+/// Waypoints are not generated closer than that [m].
+const SHORTEST_STEP: f64 = 1e-3;
 
 /// A way along lanes.
 #[derive(Clone, Copy)]
@@ -75,26 +78,24 @@ impl Town {
         pairs
     }
 
-    /// Waypoints on all driving lanes, every `step` [m] along each road from its beginning.
+    /// Waypoints on all driving lanes, every `step` [m] along each road from its beginning; none for steps below a millimetre.
     ///
     /// # Source
     /// CARLA `road/Map.cpp`, `GenerateWaypoints`.
     pub fn generate_waypoints(&self, step: f64) -> Vec<Waypoint> {
         let mut waypoints = Vec::new();
-        if !(step > 0.0) {
+        if !(step >= SHORTEST_STEP) {
             return waypoints;
         }
-        for lane in self.network.lanes().iter().filter(|lane| lane.kind == LaneKind::Driving) {
-            let road = &self.roads[lane.road.0 as usize];
-            let is_last = lane.section as usize + 1 == road.sections.len();
-            let mut index = ((lane.start - EPSILON) / step).ceil().max(0.0);
-            loop {
-                let s = EPSILON + index * step;
-                if s >= road.length - EPSILON || (!is_last && s >= lane.end) || s > lane.end {
-                    break;
-                }
-                waypoints.push(lane.waypoint(s));
-                index += 1.0;
+        for (road, index) in self.roads.iter().zip(0..) {
+            let mut s = EPSILON;
+            // The sum is rounded as CARLA's is, which decides about a last waypoint where the length is a multiple of the step.
+            while s < road.length - EPSILON {
+                let section = road.section_at(s);
+                let lanes = road.sections.get(section).map_or(&[][..], |section| &section.lanes);
+                let driving = lanes.iter().filter(|lane| lane.kind == LaneKind::Driving && lane.id != 0);
+                waypoints.extend(driving.map(|lane| Waypoint { road: RoadIndex(index), section: section as u32, lane: lane.id, s }));
+                s += step;
             }
         }
         waypoints

@@ -21,6 +21,7 @@ mod polygon;
 mod obstacle;
 mod decision;
 mod agent;
+mod kind;
 
 pub use agent::{AgentConfig, BehaviorAgent};
 pub use decision::Decision;

@@ -256,8 +256,8 @@ impl ObstacleTest<'_> {
             };
             let front = self.ego.front;
             let within = self.planner.points().take_while(|point| front.distance(point.location) <= self.reach);
-            let stations =
-                std::iter::once((front, self.ego.forward.right())).chain(within.map(|point| (point.location, point.right)));
+            let stations = std::iter::once((front, self.ego.forward.right()))
+                .chain(within.map(|point| (point.location, point.right)));
             for (location, right) in stations {
                 self.route.push(beside(location, right, 1.0));
                 self.route.push(beside(location, right, -1.0));
@@ -304,10 +304,8 @@ mod tests {
     fn a_straightened_zigzag_is_a_corridor() {
         let mut corners: Vec<Corner> = (0..4).flat_map(|i| [[f64::from(i), 1.0], [f64::from(i), -1.0]]).collect();
         straighten(&mut corners);
-        let expected: Vec<Corner> = (0..4)
-            .map(|i| [f64::from(i), 1.0])
-            .chain((0..4).rev().map(|i| [f64::from(i), -1.0]))
-            .collect();
+        let expected: Vec<Corner> =
+            (0..4).map(|i| [f64::from(i), 1.0]).chain((0..4).rev().map(|i| [f64::from(i), -1.0])).collect();
         assert_eq!(corners, expected);
     }
 

@@ -26,11 +26,7 @@ pub(super) struct PlannedPoint {
 
 impl PlannedPoint {
     fn new(point: RoutePoint) -> Self {
-        Self {
-            point,
-            location: Location::new(point.pose.position(), 0.0),
-            right: Direction::new(&point.pose).right(),
-        }
+        Self { point, location: Location::new(point.pose.position(), 0.0), right: Direction::new(&point.pose).right() }
     }
 }
 

@@ -35,9 +35,8 @@ fn segments_touch(a: Corner, b: Corner, c: Corner, d: Corner) -> bool {
     let (a_side, b_side) = (turn(c, d, a), turn(c, d, b));
     if c_side == 0.0 && d_side == 0.0 && a_side == 0.0 && b_side == 0.0 {
         // On one line: they touch where their spans overlap.
-        return (0..2).all(|axis| {
-            a[axis].min(b[axis]) <= c[axis].max(d[axis]) && c[axis].min(d[axis]) <= a[axis].max(b[axis])
-        });
+        return (0..2)
+            .all(|axis| a[axis].min(b[axis]) <= c[axis].max(d[axis]) && c[axis].min(d[axis]) <= a[axis].max(b[axis]));
     }
     let apart = |one: f64, other: f64| (one > 0.0 && other > 0.0) || (one < 0.0 && other < 0.0);
     !apart(c_side, d_side) && !apart(a_side, b_side)
@@ -46,8 +45,7 @@ fn segments_touch(a: Corner, b: Corner, c: Corner, d: Corner) -> bool {
 /// Whether a ring holds a point, by the even-odd rule.
 fn holds(ring: &[Corner], point: Corner) -> bool {
     let crossings = edges(ring).filter(|(a, b)| {
-        (a[1] > point[1]) != (b[1] > point[1])
-            && point[0] < a[0] + (point[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+        (a[1] > point[1]) != (b[1] > point[1]) && point[0] < a[0] + (point[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
     });
     crossings.count() % 2 == 1
 }

@@ -56,7 +56,8 @@ impl RedLights {
     /// A light that was red when the ego was already in the junction is passed and ignored until it lets go.
     fn affected(&mut self, perception: &Perception<'_>, here: impl FnOnce() -> Option<Here>) -> bool {
         let light = perception.affecting_light;
-        let red = light.and_then(|index| perception.lights.get(index)).is_some_and(|light| light.colour == LightColour::Red);
+        let red =
+            light.and_then(|index| perception.lights.get(index)).is_some_and(|light| light.colour == LightColour::Red);
         if red {
             if !here().is_some_and(|here| here.in_junction) {
                 if self.passed != light {

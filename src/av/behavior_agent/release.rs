@@ -1,4 +1,4 @@
-use super::controller::{CITY_GAINS_0_9_11, GAINS, HIGHWAY_GAINS_0_9_11, Gains};
+use super::controller::{CITY_GAINS_0_9_11, GAINS, Gains, HIGHWAY_GAINS_0_9_11};
 use crate::road::LaneFilter;
 
 /// A release of CARLA whose agent is meant. 0.9.10 behaves as 0.9.11, 0.9.14 as 0.9.15.

@@ -64,7 +64,7 @@ pub struct StreetProfile {
 }
 
 impl Default for StreetProfile {
-    /// The cross-section of the streets in CARLA's Town01 and Town02, with a narrow shoulder.
+    /// The cross-section of the streets in CARLA's Town01 and Town02.
     fn default() -> Self {
         Self { lane_width: 4.0, shoulder: 0.3, sidewalk: 4.0 }
     }

@@ -1,0 +1,58 @@
+use super::{AgentConfig, BehaviorAgent, Profile, Quirks, Release};
+use crate::signature::{Arguments, Param, Signature, Type};
+
+const RELEASES: &[&str] = &["0.9.11", "0.9.12", "0.9.13", "0.9.15"];
+const PROFILES: &[&str] = &["cautious", "normal", "aggressive"];
+
+impl BehaviorAgent {
+    /// What it takes in a scenario.
+    pub fn signature() -> Signature {
+        let quirk = |name, doc| Param::with_default(name, Type::Boolean, "true", doc);
+        Signature::new(
+            "behavior_agent",
+            "CARLA's BehaviorAgent, with its accidents; each can be switched off.",
+            vec![
+                Param::with_default("release", Type::Choice(RELEASES), "\"0.9.15\"", "The release of CARLA; 0.9.11 is also 0.9.10.1, 0.9.15 also 0.9.14."),
+                Param::with_default("profile", Type::Choice(PROFILES), "normal", "How boldly it drives."),
+                quirk("half_length_twice", "Half the ego's length is subtracted from distances that begin at the bumper (Q1)."),
+                quirk("lane_blind", "Whoever is outside the ego's lane is invisible (Q2)."),
+                quirk("zigzag", "In junctions the route is compared as a zig-zag with holes (Q3)."),
+                quirk("vehicles_for_walkers", "Without a walker near by, the walker step looks at vehicles (Q4)."),
+                quirk("first_hit", "The first obstacle found counts, not the nearest (Q5)."),
+                quirk("frozen_stop", "An emergency stop straightens the wheels and freezes the planner (Q6)."),
+                quirk("blind_dead_ahead", "Whoever is exactly dead ahead is not seen (Q7)."),
+                quirk("weak_brake", "An emergency stop uses half of the brake (Q8)."),
+                quirk("rear_point", "An obstacle is measured at its back (Q10)."),
+            ],
+        )
+    }
+
+    /// Makes one from checked arguments.
+    pub fn from_arguments(arguments: &Arguments) -> Self {
+        let on = |key: &str| arguments.boolean(key);
+        Self::new(AgentConfig {
+            release: match arguments.choice("release") {
+                "0.9.11" => Release::V0_9_11,
+                "0.9.12" => Release::V0_9_12,
+                "0.9.13" => Release::V0_9_13,
+                _ => Release::V0_9_15,
+            },
+            profile: match arguments.choice("profile") {
+                "cautious" => Profile::Cautious,
+                "aggressive" => Profile::Aggressive,
+                _ => Profile::Normal,
+            },
+            quirks: Quirks {
+                half_length_twice: on("half_length_twice"),
+                lane_blind: on("lane_blind"),
+                zigzag: on("zigzag"),
+                vehicles_for_walkers: on("vehicles_for_walkers"),
+                first_hit: on("first_hit"),
+                frozen_stop: on("frozen_stop"),
+                blind_dead_ahead: on("blind_dead_ahead"),
+                weak_brake: on("weak_brake"),
+                rear_point: on("rear_point"),
+            },
+        })
+    }
+}
