@@ -5,6 +5,7 @@
 //! signatures themselves; [`policy`](self) lists them.
 
 mod catalog;
+mod reference;
 mod town;
 mod vehicle;
 mod policy;

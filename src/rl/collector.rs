@@ -49,7 +49,7 @@ impl<'e, E: Env> Collector<'e, E> {
         for (env, obs) in envs.iter_mut().zip(obs.chunks_exact_mut(obs_dim)) {
             env.reset(obs);
         }
-        finite(&obs, Quantity::Observation)?;
+        representable(&obs)?;
         let chunk = chunk.max(n_envs);
         Ok(Self {
             bounds: envs.iter().map(Env::action_bounds).collect(),
@@ -137,7 +137,7 @@ impl<'e, E: Env> Collector<'e, E> {
             let obs = &mut self.obs[env * obs_dim..(env + 1) * obs_dim];
             let outcome = self.envs[env].step(&self.clipped, obs);
             finite(&[outcome.reward], Quantity::Reward)?;
-            finite(obs, Quantity::Observation)?;
+            representable(obs)?;
             let mut reward = outcome.reward;
             if outcome.truncated && !outcome.terminated {
                 reward += self.gamma * policy.value(obs, &mut self.scratch);
@@ -155,7 +155,7 @@ impl<'e, E: Env> Collector<'e, E> {
                     self.recent.pop_front();
                 }
                 self.envs[env].reset(obs);
-                finite(obs, Quantity::Observation)?;
+                representable(obs)?;
             }
         }
         Ok(())
@@ -175,13 +175,18 @@ fn finite(values: &[f64], quantity: Quantity) -> Result<(), Quantity> {
     if values.iter().all(|value| value.is_finite()) { Ok(()) } else { Err(quantity) }
 }
 
+/// Refuses observations that the networks would see as infinite.
+fn representable(obs: &[f64]) -> Result<(), Quantity> {
+    if obs.iter().all(|&value| (value as f32).is_finite()) { Ok(()) } else { Err(Quantity::Observation) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::rl::env::Step;
     use crate::seed::Seed;
 
-    /// Ends every third step, either way; the observation counts the steps.
+    /// Ends every third step, either way; the observation counts from 1.
     struct Ending {
         terminated: bool,
         truncated: bool,
@@ -199,23 +204,27 @@ mod tests {
         }
 
         fn reset(&mut self, obs: &mut [f64]) {
-            self.steps = 0.0;
-            obs[0] = 0.0;
+            self.steps = 1.0;
+            obs[0] = 1.0;
         }
 
         fn step(&mut self, action: &[f64], obs: &mut [f64]) -> Step {
             self.actions.push(action[0]);
             self.steps += 1.0;
             obs[0] = self.steps;
-            let end = self.steps == 3.0;
+            let end = self.steps == 4.0;
             Step { reward: 1.0, terminated: end && self.terminated, truncated: end && self.truncated }
         }
     }
 
-    fn rollout(terminated: bool, truncated: bool) -> (RolloutBuffer, Vec<FinishedEpisode>, ActorCritic, Vec<f64>) {
+    fn rollout(
+        terminated: bool,
+        truncated: bool,
+        steps: usize,
+    ) -> (RolloutBuffer, Vec<FinishedEpisode>, ActorCritic, Vec<f64>) {
         let policy = ActorCritic::new(1, 1, &[8], 0.0, &mut Seed::root(2).stream());
         let mut envs = [Ending { terminated, truncated, steps: 0.0, actions: Vec::new() }];
-        let mut buffer = RolloutBuffer::new(7, 1, 1, 1);
+        let mut buffer = RolloutBuffer::new(steps, 1, 1, 1);
         let mut collector = Collector::new(&mut envs, &policy, 0.9, 4, Seed::root(3).stream()).unwrap();
         let finished = collector.collect(&policy, &mut buffer, 0.95).unwrap();
         let [env] = envs;
@@ -224,8 +233,8 @@ mod tests {
 
     #[test]
     fn truncation_bootstraps_and_termination_does_not() {
-        let (buffer, finished, policy, _) = rollout(false, true);
-        let bootstrap = 0.9 * policy.value(&[3.0], &mut policy.scratch(1));
+        let (buffer, finished, policy, _) = rollout(false, true, 7);
+        let bootstrap = 0.9 * policy.value(&[4.0], &mut policy.scratch(1));
         assert!(bootstrap.abs() > 1e-3);
         let cut = 1.0 + bootstrap;
         assert_eq!(buffer.rewards, [1.0, 1.0, cut, 1.0, 1.0, cut, 1.0]);
@@ -233,16 +242,21 @@ mod tests {
         // The report has the environment's own rewards.
         assert_eq!(finished, [FinishedEpisode { reward: 3.0, length: 3 }; 2]);
         for both in [false, true] {
-            assert_eq!(rollout(true, both).0.rewards, [1.0; 7]);
+            assert_eq!(rollout(true, both, 7).0.rewards, [1.0; 7]);
         }
         // The advantage of a last step takes nothing from the next episode.
         assert_eq!(buffer.advantages[2], cut - buffer.values[2]);
+        // Not even when the next episode begins after the rollout.
+        let (whole, ..) = rollout(false, true, 6);
+        assert_eq!(whole.advantages[5], cut - whole.values[5]);
+        let (open, ..) = rollout(false, true, 5);
+        assert_ne!(open.advantages[4], 1.0 - open.values[4]);
     }
 
     #[test]
     fn values_are_those_of_the_recorded_observations() {
-        let (buffer, _, policy, _) = rollout(true, false);
-        assert_eq!(buffer.obs, [0.0, 1.0, 2.0, 0.0, 1.0, 2.0, 0.0]);
+        let (buffer, _, policy, _) = rollout(true, false, 7);
+        assert_eq!(buffer.obs, [1.0, 2.0, 3.0, 1.0, 2.0, 3.0, 1.0]);
         for (obs, value) in buffer.obs.iter().zip(&buffer.values) {
             let expected = policy.value(&[f64::from(*obs)], &mut policy.scratch(1));
             assert!((value - expected).abs() < 1e-6);
@@ -251,7 +265,7 @@ mod tests {
 
     #[test]
     fn the_environment_gets_clipped_actions_and_the_learner_keeps_the_sampled_ones() {
-        let (buffer, _, policy, taken) = rollout(true, false);
+        let (buffer, _, policy, taken) = rollout(true, false, 7);
         assert!(buffer.actions.iter().any(|action| !(-0.25..=0.5).contains(action)));
         for (i, (sampled, taken)) in buffer.actions.iter().zip(taken).enumerate() {
             assert_eq!(sampled.clamp(-0.25, 0.5), taken);

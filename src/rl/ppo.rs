@@ -45,7 +45,7 @@ pub enum TrainError {
 /// A number that training requires to be finite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
-    /// An observation of an environment.
+    /// An observation of an environment, in `f32`.
     Observation,
     /// A reward of an environment.
     Reward,

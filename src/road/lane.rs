@@ -44,8 +44,8 @@ impl LaneKind {
             "median" => Self::Median,
             "stop" => Self::Stop,
             "bidirectional" => Self::Bidirectional,
-            "special1" | "special2" | "special3" | "roadWorks" | "tram" | "rail" | "entry" | "exit" | "offRamp" | "onRamp"
-            | "restricted" | "bus" | "taxi" | "HOV" => Self::Special,
+            "special1" | "special2" | "special3" | "roadWorks" | "tram" | "rail" | "entry" | "exit" | "offRamp"
+            | "onRamp" | "restricted" | "bus" | "taxi" | "HOV" => Self::Special,
             _ => Self::None,
         }
     }

@@ -2,10 +2,10 @@
 
 use std::sync::OnceLock;
 
-use rstar::{PointDistance, RTree};
 use rstar::primitives::{GeomWithData, Line};
+use rstar::{PointDistance, RTree};
 
-use super::lane_network::{LaneNetwork, LaneSlot, NetworkLane, direction};
+use super::lane_network::{LaneNetwork, LaneSlot, NetworkLane};
 use super::{LaneKind, Road, Waypoint};
 use crate::geometry::{Point, Pose, Vector};
 
@@ -102,7 +102,8 @@ impl LaneIndex {
             LaneFilter::Any => &self.any,
         };
         grid.get_or_init(|| {
-            let admitted = self.chords.iter().zip(0..).filter(|(chord, _)| filter.admits(network.lane(chord.slot).kind));
+            let admitted =
+                self.chords.iter().zip(0..).filter(|(chord, _)| filter.admits(network.lane(chord.slot).kind));
             ChordGrid::new(&self.chords, admitted.map(|(_, index)| index))
         })
     }
@@ -116,7 +117,11 @@ impl LaneIndex {
         let chord = &self.chords[grid.nearest(&self.chords, point)? as usize];
         // Metres along the chord count as metres along the reference line, as CARLA does it.
         let moved = chord.project(point);
-        let s = if chord.to_s >= chord.from_s { (chord.from_s + moved).min(chord.to_s) } else { (chord.from_s - moved).max(chord.to_s) };
+        let s = if chord.to_s >= chord.from_s {
+            (chord.from_s + moved).min(chord.to_s)
+        } else {
+            (chord.from_s - moved).max(chord.to_s)
+        };
         Some(network.lane(chord.slot).waypoint(s))
     }
 }
@@ -125,6 +130,8 @@ impl LaneIndex {
 const CELL: f64 = 4.0;
 /// How many cells a grid has at most; larger towns get wider cells.
 const MOST_CELLS: f64 = 65_536.0;
+/// How many chords all cells of a grid have together at most.
+const MOST_CANDIDATES: usize = 4_000_000;
 /// How far beyond the lanes a grid reaches [m].
 const BEYOND: f64 = 12.0;
 
@@ -155,8 +162,15 @@ impl ChordGrid {
             Some(so_far.map_or((end, end), |(low, high)| (low.inf(&end), high.sup(&end))))
         });
         let tree = RTree::bulk_load(leaves);
-        let mut grid =
-            Self { origin: Point::origin(), cell: CELL, columns: 0, rows: 0, starts: vec![0], candidates: Vec::new(), tree };
+        let mut grid = Self {
+            origin: Point::origin(),
+            cell: CELL,
+            columns: 0,
+            rows: 0,
+            starts: vec![0],
+            candidates: Vec::new(),
+            tree,
+        };
         if let Some((low, high)) = around {
             grid.fill(low, high - low + Vector::new(2.0 * BEYOND, 2.0 * BEYOND));
         }
@@ -171,7 +185,8 @@ impl ChordGrid {
         let half_diagonal = self.cell * std::f64::consts::FRAC_1_SQRT_2;
         for index in 0..self.columns * self.rows {
             let (row, column) = (index / self.columns, index % self.columns);
-            let middle = [(column, self.origin.x), (row, self.origin.y)].map(|(n, start)| start + (n as f64 + 0.5) * self.cell);
+            let middle =
+                [(column, self.origin.x), (row, self.origin.y)].map(|(n, start)| start + (n as f64 + 0.5) * self.cell);
             // From anywhere in the cell the nearest chord is at most half a diagonal farther than from its middle.
             let nearest = self.tree.nearest_neighbor(middle).map_or(0.0, |leaf| leaf.distance_2(&middle).sqrt());
             let reach = nearest + 2.0 * half_diagonal + 1e-6;
@@ -180,6 +195,11 @@ impl ChordGrid {
             // In order, so that of two chords equally near the first one wins.
             self.candidates[begin..].sort_unstable();
             self.starts.push(self.candidates.len() as u32);
+            if self.candidates.len() > MOST_CANDIDATES {
+                // Some lane is lost far away from the others; the tree alone answers then.
+                (self.columns, self.rows, self.starts, self.candidates) = (0, 0, vec![0], Vec::new());
+                return;
+            }
         }
     }
 
@@ -210,7 +230,7 @@ impl std::fmt::Debug for LaneIndex {
 fn chords_of(roads: &[Road], network: &LaneNetwork, lane: &NetworkLane, mut tell: impl FnMut(f64, f64, Pose, Pose)) {
     let (first, last) = lane.driving_ends();
     let length = (last - first).abs() - MARGIN;
-    if !(length > MARGIN) {
+    if length <= MARGIN || length.is_nan() {
         return;
     }
     let sign = if lane.forward() { 1.0 } else { -1.0 };
@@ -221,11 +241,11 @@ fn chords_of(roads: &[Road], network: &LaneNetwork, lane: &NetworkLane, mut tell
     }
     let step = STEP.max(length / MAX_STEPS);
     let (mut from, mut from_pose, mut along) = (0.0, pose(0.0), 0.0);
-    let mut from_direction = direction(from_pose.yaw);
+    let mut from_direction = from_pose.forward();
     while along < length {
         let next = (along + step).min(length);
         let next_pose = pose(next);
-        let next_direction = direction(next_pose.yaw);
+        let next_direction = next_pose.forward();
         let turned = libm::atan2(from_direction.perp(&next_direction), from_direction.dot(&next_direction)).abs();
         if turned > TURN || next - from > LONGEST || next >= length {
             tell(first + sign * from, first + sign * next, from_pose, next_pose);

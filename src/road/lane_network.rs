@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::plan_view::CurvePoint;
 use super::{Junction, Lane, LaneId, LaneKind, Profile, Road, RoadIndex, RoadLink, Waypoint};
-use crate::geometry::{Point, Pose, Vector, wrap_angle};
+use crate::geometry::{Point, Pose, wrap_angle};
 
 /// The place of a lane in the table.
 pub(super) type LaneSlot = u32;
@@ -42,7 +42,12 @@ impl NetworkLane {
 
     /// The waypoint at a distance along the road [m], held within the lane.
     pub fn waypoint(&self, s: f64) -> Waypoint {
-        Waypoint { road: self.road, section: self.section, lane: self.id, s: s.max(self.start).min(self.end.max(self.start)) }
+        Waypoint {
+            road: self.road,
+            section: self.section,
+            lane: self.id,
+            s: s.max(self.start).min(self.end.max(self.start)),
+        }
     }
 }
 
@@ -66,7 +71,8 @@ impl LaneNetwork {
     /// CARLA `road/MapBuilder.cpp`: which end of the next road one enters is told by the sign of the lane's number there,
     /// not by the file's contact points; what lies before a lane is what leads to it.
     pub fn new(roads: &[Road], junctions: &[Junction]) -> Self {
-        let mut network = Self { lanes: Vec::new(), ids: Vec::new(), roads: Vec::new(), sections: Vec::new(), links: Vec::new() };
+        let mut network =
+            Self { lanes: Vec::new(), ids: Vec::new(), roads: Vec::new(), sections: Vec::new(), links: Vec::new() };
         for (road, index) in roads.iter().zip(0..) {
             network.roads.push(network.sections.len() as u32);
             for (section, number) in road.sections.iter().zip(0..) {
@@ -232,10 +238,4 @@ fn is_straight(road: &Road, start: f64, end: f64) -> bool {
         matches!(piece.shape, super::Shape::Line) && start >= piece.s && end <= piece.s + piece.length
     });
     on_line && road.lane_offset.cubics().iter().all(|cubic| cubic.c == 0.0 && cubic.d == 0.0)
-}
-
-/// The unit vector along a heading.
-pub(super) fn direction(yaw: f64) -> Vector {
-    let (sin, cos) = libm::sincos(yaw);
-    Vector::new(cos, sin)
 }

@@ -8,6 +8,7 @@ mod spiral;
 mod curve_table;
 mod plan_view;
 mod lane;
+#[expect(clippy::module_inception, reason = "a road is the noun of its file")]
 mod road;
 mod junction;
 mod furniture;

@@ -125,7 +125,11 @@ impl Geometry {
     fn placed(&self, local: Vector, forward: Vector, turn: f64) -> CurvePoint {
         let (cos, sin) = (self.direction.x, self.direction.y);
         let turned = |v: Vector| Vector::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y);
-        CurvePoint { position: self.start.position() + turned(local), forward: turned(forward), yaw: self.start.yaw + turn }
+        CurvePoint {
+            position: self.start.position() + turned(local),
+            forward: turned(forward),
+            yaw: self.start.yaw + turn,
+        }
     }
 }
 
@@ -146,12 +150,12 @@ fn parameter(ds: f64, share: f64, range: f64, speed: impl Fn(f64) -> f64) -> f64
     let mut p = ds * share;
     for _ in 0..12 {
         let rate = speed(p);
-        if !(rate > 1e-9) {
+        if rate <= 1e-9 || rate.is_nan() {
             break;
         }
         let step = (integral(p, &speed) - ds) / rate;
         // A curve may be a little shorter than the file says; then it goes on beyond its end.
-        p = (p - step).clamp(0.0, 1.1 * range);
+        p = (p - step).max(0.0).min(1.1 * range);
         if step.abs() * rate < 1e-9 {
             break;
         }
@@ -266,7 +270,8 @@ mod tests {
         let (u, v) = ([0.0, 1.0, 0.0, -0.001], [0.0, 0.0, 0.05, 0.002]);
         let scaled = |[a, b, c, d]: [f64; 4]| [a, b * length, c * length * length, d * length * length * length];
         let by_length = Geometry::new(0.0, pose, length, Shape::ParamPoly3 { u, v, normalized: false });
-        let by_share = Geometry::new(0.0, pose, length, Shape::ParamPoly3 { u: scaled(u), v: scaled(v), normalized: true });
+        let by_share =
+            Geometry::new(0.0, pose, length, Shape::ParamPoly3 { u: scaled(u), v: scaled(v), normalized: true });
         for ds in [0.0, 2.5, 8.0] {
             let expected = by_length.pose(ds);
             near(by_share.pose(ds), expected.x, expected.y, expected.yaw);

@@ -43,7 +43,10 @@ pub(super) fn spiral(curvature: f64, rate: f64, distance: f64) -> (Vector, f64) 
 pub(super) fn integral(end: f64, function: impl Fn(f64) -> f64) -> f64 {
     let half = 0.25 * end;
     let part = |middle: f64| {
-        GAUSS.iter().map(|(node, weight)| weight * half * (function(middle - node * half) + function(middle + node * half))).sum::<f64>()
+        GAUSS
+            .iter()
+            .map(|(node, weight)| weight * half * (function(middle - node * half) + function(middle + node * half)))
+            .sum::<f64>()
     };
     part(half) + part(3.0 * half)
 }

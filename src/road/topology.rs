@@ -84,7 +84,7 @@ impl Town {
     /// CARLA `road/Map.cpp`, `GenerateWaypoints`.
     pub fn generate_waypoints(&self, step: f64) -> Vec<Waypoint> {
         let mut waypoints = Vec::new();
-        if !(step >= SHORTEST_STEP) {
+        if step < SHORTEST_STEP || step.is_nan() {
             return waypoints;
         }
         for (road, index) in self.roads.iter().zip(0..) {
@@ -94,7 +94,12 @@ impl Town {
                 let section = road.section_at(s);
                 let lanes = road.sections.get(section).map_or(&[][..], |section| &section.lanes);
                 let driving = lanes.iter().filter(|lane| lane.kind == LaneKind::Driving && lane.id != 0);
-                waypoints.extend(driving.map(|lane| Waypoint { road: RoadIndex(index), section: section as u32, lane: lane.id, s }));
+                waypoints.extend(driving.map(|lane| Waypoint {
+                    road: RoadIndex(index),
+                    section: section as u32,
+                    lane: lane.id,
+                    s,
+                }));
                 s += step;
             }
         }
@@ -109,7 +114,16 @@ impl Town {
     }
 
     #[expect(clippy::too_many_arguments, reason = "the state of one recursion")]
-    fn walk(&self, slot: LaneSlot, s: f64, distance: f64, way: Way, depth: u32, left: &mut u32, out: &mut Vec<Waypoint>) {
+    fn walk(
+        &self,
+        slot: LaneSlot,
+        s: f64,
+        distance: f64,
+        way: Way,
+        depth: u32,
+        left: &mut u32,
+        out: &mut Vec<Waypoint>,
+    ) {
         let lane = self.network.lane(slot);
         let ahead = matches!(way, Way::Ahead);
         let grows = lane.forward() == ahead;

@@ -1,7 +1,9 @@
 use super::lane_index::{LaneFilter, LaneIndex};
 use super::lane_network::LaneNetwork;
 use super::opendrive::OpenDriveWarning;
-use super::{Junction, JunctionIndex, LaneId, LaneKind, LaneStretch, PosedWaypoint, Road, SpeedSign, TrafficLight, Waypoint};
+use super::{
+    Junction, JunctionIndex, LaneId, LaneKind, LaneStretch, PosedWaypoint, Road, SpeedSign, TrafficLight, Waypoint,
+};
 use crate::geometry::{OrientedBox, Point, Pose};
 
 /// What a town is made of, before it is indexed.
@@ -61,7 +63,19 @@ impl Town {
         let driving_lanes = driving.map(stretch).collect();
         let bounds = bounds(&parts, &network);
         let TownParts { name, roads, junctions, speed_signs, traffic_lights, obstacles, warnings } = parts;
-        Self { name, roads, junctions, speed_signs, traffic_lights, obstacles, warnings, network, index, driving_lanes, bounds }
+        Self {
+            name,
+            roads,
+            junctions,
+            speed_signs,
+            traffic_lights,
+            obstacles,
+            warnings,
+            network,
+            index,
+            driving_lanes,
+            bounds,
+        }
     }
 
     /// The centre of the lane at a waypoint, heading along its driving direction.

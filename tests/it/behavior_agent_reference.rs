@@ -5,7 +5,8 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use falsify::av::{Actor, AgentConfig, BehaviorAgent, DrivingPolicy, Light, Perception, Profile, Quirks, Release};
+use falsify::av::behavior_agent::{AgentConfig, BehaviorAgent, Profile, Quirks, Release};
+use falsify::av::{Actor, DrivingPolicy, Light, Perception};
 use falsify::geometry::{Pose, Vector};
 use falsify::road::{RoadIndex, RoadOption, RoutePoint, Town, Waypoint, opendrive};
 use falsify::seed::Seed;

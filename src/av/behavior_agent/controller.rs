@@ -1,6 +1,6 @@
 use std::collections::VecDeque;
 
-use super::carla_frame::{Direction, Location, exact_heading};
+use super::carla_frame::{Direction, Location};
 use super::release::ReleaseTraits;
 use crate::geometry::Pose;
 
@@ -115,7 +115,7 @@ impl Controller {
         }
         let gains = if target_speed > 50.0 { &traits.fast_gains } else { &traits.gains };
         let pedals = self.longitudinal.run(&gains.longitudinal, target_speed - speed);
-        let angle = angle_to(traits, pose, target);
+        let angle = angle_to(pose, target);
         let wheel = self.lateral.run(&gains.lateral, angle);
         self.steer = wheel.clamp(self.steer - STEER_RATE, self.steer + STEER_RATE).clamp(-MAX_STEER, MAX_STEER);
         let (throttle, brake) =
@@ -124,17 +124,10 @@ impl Controller {
     }
 }
 
-/// The angle from the heading to a target [rad], positive to the right.
-fn angle_to(traits: &ReleaseTraits, pose: &Pose, target: Location) -> f64 {
-    let centre = Location::new(pose.position(), 0.0);
-    let ahead = if traits.exact_heading {
-        // The old agent took its heading from two locations 1 m apart, which 32 bits resolve to some 1e-5 rad.
-        let (x, y) = exact_heading(pose);
-        centre.offset(Location { x: centre.x + x as f32, y: centre.y + y as f32, z: centre.z })
-    } else {
-        Direction::new(pose).widened()
-    };
-    let to_target = centre.offset(target);
+/// The angle from the heading to a target [rad], positive to the right; 1 for a target at the ego's very centre.
+fn angle_to(pose: &Pose, target: Location) -> f64 {
+    let ahead = Direction::new(pose).widened();
+    let to_target = Location::new(pose.position(), 0.0).offset(target);
     if to_target == (0.0, 0.0) {
         return 1.0;
     }

@@ -54,7 +54,7 @@ pub(super) struct ReleaseTraits {
     pub obstacle_lane: LaneFilter,
     /// How obstacles are measured.
     pub measure: Measure,
-    /// Headings are computed with 64 bits from the yaw, not taken as CARLA's 32-bit vector.
+    /// Bearings of obstacles are taken from a heading computed in 64 bits, not from CARLA's 32-bit vector.
     pub exact_heading: bool,
     /// The queue's point whose lane counts like the ego's own.
     pub accepted_point: usize,

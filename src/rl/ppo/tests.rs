@@ -101,6 +101,11 @@ fn the_same_seed_gives_the_same_bits_and_another_one_does_not() {
     assert_ne!(bits(&a), bits(&c));
     assert_eq!(a.learning_curve.len(), 5);
     assert_eq!(a.learning_curve[4].steps, 5 * 450);
+
+    let rewards: Vec<f64> =
+        a.learning_curve.iter().flat_map(|log| &log.finished).map(|episode| episode.reward).collect();
+    let recent = rewards[rewards.len() - 100..].iter().sum::<f64>() / 100.0;
+    assert!((a.learning_curve[4].mean_reward.unwrap() - recent).abs() < 1e-12);
 }
 
 #[test]
@@ -176,6 +181,7 @@ fn numbers_that_are_not_finite_are_reported() {
         (f64::NAN, 0.0, Quantity::Reward),
         (f64::INFINITY, 0.0, Quantity::Reward),
         (0.0, f64::NAN, Quantity::Observation),
+        (0.0, 1e300, Quantity::Observation),
         (1e200, 0.0, Quantity::Loss),
         (1e30, 0.0, Quantity::Gradient),
     ] {
@@ -183,4 +189,48 @@ fn numbers_that_are_not_finite_are_reported() {
         let result = train(&mut envs, &config(10_000), &Seed::root(1), &mut keep_going);
         assert_eq!(result, Err(TrainError::NonFinite { update: 3, quantity }), "{reward}, {obs}");
     }
+    let config = PpoConfig { initial_log_std: 800.0, ..config(10_000) };
+    let mut envs = [Broken { steps: 0, at: 0, reward: 0.0, obs: 0.0 }];
+    let result = train(&mut envs, &config, &Seed::root(1), &mut keep_going);
+    assert_eq!(result, Err(TrainError::NonFinite { update: 1, quantity: Quantity::Action }));
+}
+
+/// A rollout of the identity task and a learner that has not seen it yet.
+fn learner_and_rollout(config: &PpoConfig) -> (Learner<'_>, RolloutBuffer) {
+    let policy = ActorCritic::new(1, 1, &config.hidden, 0.0, &mut Seed::root(1).stream());
+    let mut buffer = RolloutBuffer::new(150, 1, 1, 1);
+    let mut envs = [Identity::new(0)];
+    let noise = Seed::root(2).stream();
+    Collector::new(&mut envs, &policy, 0.98, 64, noise).unwrap().collect(&policy, &mut buffer, 0.95).unwrap();
+    (Learner::new(policy, config, 150, Seed::root(3).stream()), buffer)
+}
+
+#[test]
+fn every_epoch_has_an_order_of_its_own() {
+    let after = |epochs| {
+        let config = PpoConfig { epochs, ..PpoConfig::paper() };
+        let (mut learner, buffer) = learner_and_rollout(&config);
+        learner.learn(&buffer).unwrap();
+        learner.order
+    };
+    let (first, second) = (after(1), after(2));
+    let identity: Vec<usize> = (0..150).collect();
+    assert!(first != identity && second != identity && first != second);
+    let mut sorted = second;
+    sorted.sort_unstable();
+    assert_eq!(sorted, identity);
+}
+
+#[test]
+fn the_reported_divergence_is_that_of_the_last_epoch() {
+    let run = |epochs| {
+        let config = PpoConfig { epochs, batch_size: 150, learning_rate: 3e-3, ..PpoConfig::paper() };
+        let (mut learner, buffer) = learner_and_rollout(&config);
+        let means = learner.learn(&buffer).unwrap();
+        (means.approx_kl, learner.loss.compute(&learner.policy, &learner.batch, &config).approx_kl)
+    };
+    let (_, after_two) = run(2);
+    let (reported, _) = run(3);
+    assert!(after_two > 1e-5, "{after_two}");
+    assert!((reported - after_two).abs() < 1e-3 * after_two, "{reported} against {after_two}");
 }

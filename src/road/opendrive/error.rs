@@ -86,6 +86,9 @@ pub enum OpenDriveProblem {
     /// Lane sections are not in order, or begin beyond the road's end.
     #[error("lane sections out of order or beyond the road's end; put in order")]
     SectionOrder,
+    /// Roads rise or fall.
+    #[error("roads rise or fall here; taken as flat")]
+    Elevation,
     /// A number stands for two things.
     #[error("`{element}` {id} is there twice; the first one counts")]
     Duplicate {

@@ -57,7 +57,8 @@ fn connection(context: &mut Context, node: Node, roads: &Roads) -> Option<Connec
         let id = names.iter().find_map(|name| node.attribute(*name)).unwrap_or_default();
         let found = roads.by_id.get(id).copied();
         if found.is_none() {
-            context.warn(node, OpenDriveProblem::UnknownReference { element: "connection".to_owned(), id: id.to_owned() });
+            context
+                .warn(node, OpenDriveProblem::UnknownReference { element: "connection".to_owned(), id: id.to_owned() });
         }
         found
     };

@@ -35,7 +35,9 @@ fn section(context: &mut Context, node: Node, start: f64, end: f64) -> LaneSecti
     let sides = node.children().filter(|side| matches!(side.tag_name().name(), "left" | "center" | "right"));
     for lane in sides.flat_map(|side| children(side, "lane")) {
         match context.whole(lane, "id").filter(|id| id.abs() <= LARGEST_ID) {
-            None => context.warn(lane, OpenDriveProblem::MissingAttribute { element: "lane".to_owned(), attribute: "id" }),
+            None => {
+                context.warn(lane, OpenDriveProblem::MissingAttribute { element: "lane".to_owned(), attribute: "id" })
+            }
             Some(id) if found.iter().any(|(other, _)| *other == id) => {
                 context.warn(lane, OpenDriveProblem::Duplicate { element: "lane", id: id.to_string() });
             }

@@ -15,3 +15,6 @@ mod file;
 
 pub use error::{OpenDriveError, OpenDriveProblem, OpenDriveWarning};
 pub use file::read;
+
+#[cfg(test)]
+mod tests;

@@ -92,7 +92,8 @@ impl Roads<'_, '_> {
                     _ => self.by_id.get(id).map(|road| RoadLink::Road(*road, end)),
                 };
                 if found.is_none() {
-                    context.warn(node, OpenDriveProblem::UnknownReference { element: name.to_owned(), id: id.to_owned() });
+                    context
+                        .warn(node, OpenDriveProblem::UnknownReference { element: name.to_owned(), id: id.to_owned() });
                 }
                 found
             };

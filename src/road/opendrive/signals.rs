@@ -4,7 +4,7 @@ use roxmltree::Node;
 
 use super::attributes::{Context, child, children};
 use super::roads::Roads;
-use crate::geometry::{OrientedBox, Pose};
+use crate::geometry::OrientedBox;
 use crate::road::lane_network::{LaneNetwork, LaneSlot};
 use crate::road::{LaneId, LaneKind, Road, RoadIndex, SpeedSign};
 
@@ -46,7 +46,14 @@ pub(super) fn placed<'a, 'x: 'a>(
 ///
 /// # Source
 /// CARLA `road/MapBuilder.cpp`: orientation `+` stands for left lanes, `-` for right ones, anything else for both.
-fn lanes(context: &mut Context, node: Node, network: &LaneNetwork, road: &Road, index: RoadIndex, s: f64) -> Vec<LaneSlot> {
+fn lanes(
+    context: &mut Context,
+    node: Node,
+    network: &LaneNetwork,
+    road: &Road,
+    index: RoadIndex,
+    s: f64,
+) -> Vec<LaneSlot> {
     let ranges: Vec<(LaneId, LaneId)> = children(node, "validity")
         .filter_map(|node| Some((context.whole(node, "fromLane")?, context.whole(node, "toLane")?)))
         .collect();
@@ -72,9 +79,9 @@ pub(super) fn speed_signs(context: &mut Context, roads: &Roads, network: &LaneNe
         let Some(limit) = limit(sign.node) else { continue };
         for slot in sign.lanes {
             let lane = network.lane(slot);
-            let half = HALF_SIZE * network.width(lane, sign.s);
+            let half = HALF_SIZE * network.width(lane, sign.s).max(0.0);
             let upstream = if lane.forward() { sign.s - half } else { sign.s + half };
-            let pose: Pose = network.pose(&roads.roads, lane, upstream.max(lane.start).min(lane.end));
+            let pose = network.pose(&roads.roads, lane, upstream.max(lane.start).min(lane.end));
             found.push(SpeedSign { limit: limit / 3.6, trigger: OrientedBox::new(pose, half, half) });
         }
     }
@@ -84,7 +91,10 @@ pub(super) fn speed_signs(context: &mut Context, roads: &Roads, network: &LaneNe
 /// The limit of a sign [km/h].
 fn limit(node: Node) -> Option<f64> {
     let text = match node.attribute("type") {
-        Some("274") => node.attribute("subtype").filter(|text| text.parse::<f64>().is_ok_and(|n| n > 0.0)).or(node.attribute("value"))?,
+        Some("274") => node
+            .attribute("subtype")
+            .filter(|text| text.parse::<f64>().is_ok_and(|n| n > 0.0))
+            .or(node.attribute("value"))?,
         _ => node.attribute("name")?.strip_prefix("Speed_")?,
     };
     text.trim().parse().ok().filter(|limit: &f64| *limit > 0.0 && *limit < 1000.0)

@@ -52,7 +52,11 @@ pub(super) fn read<'a, 'x: 'a>(
             }
         }
     }
-    group(root, &approaches, junctions).into_iter().zip(&approaches).map(|(place, approach)| light(roads, network, place, approach.slot)).collect()
+    group(root, &approaches, junctions)
+        .into_iter()
+        .zip(&approaches)
+        .map(|(place, approach)| light(roads, network, place, approach.slot))
+        .collect()
 }
 
 /// Group, turn and turns of a light.
@@ -92,7 +96,7 @@ fn light(roads: &Roads, network: &LaneNetwork, (group, turn, turns): Place, slot
     let s = if lane.forward() { end - BEFORE_END } else { end + BEFORE_END };
     let s = s.max(lane.start).min(lane.end);
     let stop = network.pose(&roads.roads, lane, s);
-    let trigger = OrientedBox::new(stop, HALF_LENGTH, HALF_WIDTH * network.width(lane, s));
+    let trigger = OrientedBox::new(stop, HALF_LENGTH, HALF_WIDTH * network.width(lane, s).max(0.0));
     TrafficLight { group, turn, turns, road: lane.road, stop, trigger }
 }
 

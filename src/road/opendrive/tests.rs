@@ -1,0 +1,232 @@
+use super::*;
+use crate::geometry::{Point, wrap_angle};
+use crate::road::{LaneFilter, LaneKind, RoadIndex, Town, Waypoint};
+use proptest::prelude::*;
+
+/// A road to the east, a bend to the left through a junction, and a road to the north; a sign and a light.
+const BEND: &str = r#"<?xml version="1.0"?>
+<OpenDRIVE xmlns="http://code.asam.net/simulation/standard/opendrive_schema">
+<road name="east" length="100" id="1" junction="-1">
+<link><successor elementType="junction" elementId="9"/></link>
+<planView><geometry s="0" x="0" y="0" hdg="0" length="100"><line/></geometry></planView>
+<lanes><laneSection s="0">
+<left><lane id="1" type="driving"><link/><width sOffset="0" a="3.5" b="0" c="0" d="0"/></lane>
+<lane id="2" type="sidewalk"><width sOffset="0" a="2"/></lane></left>
+<center><lane id="0" type="none"/></center>
+<right><lane id="-1" type="driving"><width sOffset="0" a="3.5" b="0" c="0" d="0"/></lane></right>
+</laneSection></lanes>
+<objects><object id="3" name="Speed_30" s="50" t="-5" orientation="-"/></objects>
+</road>
+<road name="" length="31.41592653589793" id="2" junction="9">
+<link><predecessor elementType="road" elementId="1" contactPoint="end"/><successor elementType="road" elementId="3" contactPoint="start"/></link>
+<planView><geometry s="0" x="100" y="0" hdg="0" length="31.41592653589793"><arc curvature="0.05"/></geometry></planView>
+<lanes><laneSection s="0">
+<left><lane id="1" type="driving"><link><predecessor id="1"/><successor id="1"/></link><width sOffset="0" a="3.5"/></lane></left>
+<right><lane id="-1" type="driving"><link><predecessor id="-1"/><successor id="-1"/></link><width sOffset="0" a="3.5"/></lane></right>
+</laneSection></lanes>
+<signals><signalReference id="7" s="0" t="0" orientation="-"><validity fromLane="-1" toLane="-1"/></signalReference></signals>
+</road>
+<road name="north" length="50" id="3" junction="-1">
+<link><predecessor elementType="junction" elementId="9"/></link>
+<planView><geometry s="0" x="120" y="20" hdg="1.5707963267948966" length="50"><line/></geometry></planView>
+<lanes><laneSection s="0">
+<left><lane id="1" type="driving"><width sOffset="0" a="3.5"/></lane></left>
+<right><lane id="-1" type="driving"><width sOffset="0" a="3.5"/></lane></right>
+</laneSection></lanes>
+<signals><signal id="7" type="1000001" dynamic="yes" s="5" t="-4" orientation="-"><validity fromLane="0" toLane="0"/></signal></signals>
+</road>
+<controller id="5" sequence="0"><control signalId="7"/></controller>
+<junction id="9" name="bend">
+<connection id="0" incomingRoad="1" connectingRoad="2" contactPoint="start"><laneLink from="-1" to="-1"/></connection>
+<connection id="1" incomingRoad="3" connectingRoad="2" contactPoint="end"><laneLink from="1" to="1"/></connection>
+<controller id="5" type="0" sequence="0"/>
+</junction>
+</OpenDRIVE>"#;
+
+fn town(xml: &str) -> Town {
+    Town::new(read(xml, "bend").unwrap())
+}
+
+fn eastbound(s: f64) -> Waypoint {
+    Waypoint { road: RoadIndex(0), section: 0, lane: -1, s }
+}
+
+fn ahead(town: &Town, from: Waypoint, distance: f64) -> Vec<Waypoint> {
+    let mut ways = Vec::new();
+    town.next(from, distance, &mut ways);
+    ways
+}
+
+#[test]
+fn lanes_lead_through_the_bend() {
+    let town = town(BEND);
+    assert!(town.warnings.is_empty(), "{:?}", town.warnings);
+    let [inside] = ahead(&town, eastbound(99.0), 1.0 + 31.41592653589793 / 2.0)[..] else { panic!() };
+    assert!(town.is_junction(inside));
+    let pose = town.pose(inside);
+    let radius = 20.0 + 1.75;
+    assert!(
+        (pose.position() - Point::new(100.0 + radius * 0.5_f64.sqrt(), 20.0 - radius * 0.5_f64.sqrt())).norm() < 1e-9
+    );
+    assert!(wrap_angle(pose.yaw - std::f64::consts::FRAC_PI_4).abs() < 1e-12);
+    let [north] = ahead(&town, inside, 20.0)[..] else { panic!() };
+    assert_eq!((north.road, north.lane), (RoadIndex(2), -1));
+    let mut back = Vec::new();
+    town.previous(north, 20.0, &mut back);
+    assert!((town.pose(back[0]).position() - pose.position()).norm() < 1e-9);
+    assert!(ahead(&town, north, 60.0).is_empty());
+}
+
+#[test]
+fn questions_about_a_place_are_answered_by_its_lane() {
+    let town = town(BEND);
+    let at = |lane| Waypoint { lane, ..eastbound(30.0) };
+    assert_eq!((town.lane_width(at(2)), town.lane_kind(at(2))), (2.0, LaneKind::Sidewalk));
+    assert_eq!(
+        (town.left_lane(at(-1)), town.right_lane(at(1)), town.right_lane(at(2))),
+        (Some(at(1)), Some(at(2)), None)
+    );
+    // The middle between the centres of lane 1 (1.75 m) and of the sidewalk (4.5 m) is 3.125 m.
+    let nearest = |y, filter| town.nearest_lane(Point::new(30.0, y), filter).unwrap().lane;
+    assert_eq!(
+        (nearest(3.1, LaneFilter::Any), nearest(3.2, LaneFilter::Any), nearest(9.0, LaneFilter::Driving)),
+        (1, 2, 1)
+    );
+    assert_eq!(town.nearest_lane(Point::new(f64::NAN, 0.0), LaneFilter::Any), None);
+    assert_eq!(town.driving_lanes().len(), 4);
+    let stretch = town.driving_lanes().iter().find(|stretch| stretch.start.lane == 1).unwrap();
+    assert_eq!(town.along(stretch, 10.0).s, 90.0);
+    let (low, high) = town.bounds();
+    assert!(
+        (low - Point::new(0.0, -3.5)).norm() < 1e-9 && (high - Point::new(123.5, 70.0)).norm() < 1e-9,
+        "{low} {high}"
+    );
+}
+
+#[test]
+fn signs_and_lights_stand_before_what_they_hold_for() {
+    let parts = read(BEND, "bend").unwrap();
+    let [sign] = &parts.speed_signs[..] else { panic!() };
+    assert!((sign.limit - 30.0 / 3.6).abs() < 1e-12);
+    assert!((sign.trigger.pose.position() - Point::new(50.0 - 0.35 * 3.5, -1.75)).norm() < 1e-9);
+    let [light] = &parts.traffic_lights[..] else { panic!() };
+    assert_eq!((light.group, light.turn, light.turns, light.road), (0, 0, 1, RoadIndex(0)));
+    assert!((light.stop.position() - Point::new(97.0, -1.75)).norm() < 1e-9);
+    assert!((light.trigger.half.x, light.trigger.half.y) == (1.5, 0.875));
+}
+
+#[test]
+fn without_lane_links_those_of_the_connecting_road_are_taken() {
+    let xml = BEND.replace(r#"<laneLink from="-1" to="-1"/>"#, "");
+    let town = town(&xml);
+    assert_eq!(town.warnings.len(), 1);
+    assert_eq!(town.warnings[0].problem, OpenDriveProblem::GuessedLaneLinks);
+    assert_eq!(ahead(&town, eastbound(99.0), 2.0)[0].road, RoadIndex(1));
+}
+
+#[test]
+fn borders_stand_in_for_widths() {
+    let borders = BEND.replace(r#"<width sOffset="0" a="2"/>"#, r#"<border sOffset="0" a="5.5"/>"#);
+    let right = borders.replace(
+        r#"<lane id="-1" type="driving"><width sOffset="0" a="3.5" b="0""#,
+        r#"<lane id="-1" type="driving"><border sOffset="0" a="-3.5" b="0""#,
+    );
+    assert_ne!(borders, right);
+    let (ours, original) = (read(&right, "bend").unwrap(), read(BEND, "bend").unwrap());
+    for lane in 0..4 {
+        let width = |parts: &crate::road::TownParts| parts.roads[0].sections[0].lanes[lane].width.value(20.0);
+        assert_eq!(width(&ours), width(&original));
+    }
+}
+
+#[test]
+fn what_is_wrong_is_said_with_road_and_line() {
+    let parts = read(&BEND.replace(r#"a="2""#, r#"a="two""#), "bend").unwrap();
+    assert_eq!(parts.warnings[0].to_string(), "line 8, road 1: `a` of `width` is `two`, not a usable number; skipped");
+    let parts = read(&BEND.replace(r#"elementId="3""#, r#"elementId="30""#), "bend").unwrap();
+    assert_eq!(parts.warnings[0].to_string(), "line 15, road 2: `successor` refers to 30, which is not there; ignored");
+}
+
+#[test]
+fn hills_are_said_to_be_taken_as_flat() {
+    let hill = r#"<elevationProfile><elevation s="0" a="1" b="0.02"/></elevationProfile><planView>"#;
+    let parts = read(&BEND.replace("<planView>", hill), "bend").unwrap();
+    assert_eq!(parts.warnings.len(), 1);
+    assert_eq!(parts.warnings[0].to_string(), "line 5: roads rise or fall here; taken as flat");
+}
+
+#[test]
+fn what_cannot_be_used_is_an_error() {
+    let broken = read("<OpenDRIVE>\n  <road></lane></OpenDRIVE>", "x").unwrap_err();
+    assert_eq!(broken.to_string(), "not XML: expected 'road' tag, not 'lane' (line 2, column 9)");
+    let deep = format!("<OpenDRIVE>{}", "<a>".repeat(200_000));
+    assert!(matches!(read(&deep, "x"), Err(OpenDriveError::NotXml { .. })));
+    assert_eq!(read("<OpenDRIVE><road id='1'/></OpenDRIVE>", "x").unwrap_err(), OpenDriveError::NoRoads { found: 1 });
+}
+
+#[test]
+fn a_lost_road_far_away_does_not_hurt() {
+    let town = town(&BEND.replace(r#"x="120""#, r#"x="900000000""#));
+    let near = town.nearest_lane(Point::new(30.0, 2.0), LaneFilter::Any).unwrap();
+    assert_eq!((near.road, near.lane), (RoadIndex(0), 1));
+}
+
+/// Asks everything; what comes out does not matter.
+fn exercise(xml: &str) {
+    let Ok(parts) = read(xml, "mutant") else { return };
+    let town = Town::new(parts);
+    let mut ways = Vec::new();
+    for (entry, exit) in town.topology() {
+        town.next(entry, 150.0, &mut ways);
+        town.previous(exit, 150.0, &mut ways);
+        ways.truncate(100);
+    }
+    ways.iter().for_each(|way| assert!(town.lane_width(*way) > -1e300 && town.pose(*way).yaw.abs() <= 4.0));
+    town.generate_waypoints(25.0);
+    for filter in [LaneFilter::Any, LaneFilter::Driving, LaneFilter::Sidewalk] {
+        town.nearest_lane(Point::new(40.0, 3.0), filter);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn other_values_never_panic(
+        edits in prop::collection::vec((0usize..400, prop::sample::select(vec![
+            "", "nan", "inf", "1e308", "-1", "0", "1", "2", "3", "9", "0.5", "-1e9", "999999999", "1e6", "start", "end", "driving", "road", "junction", "é",
+        ])), 1..6),
+    ) {
+        let mut parts: Vec<&str> = BEND.split('"').collect();
+        let values = parts.len() / 2;
+        for (place, value) in edits {
+            parts[2 * (place % values) + 1] = value;
+        }
+        exercise(&parts.join("\""));
+    }
+
+    #[test]
+    fn missing_and_doubled_lines_never_panic(edits in prop::collection::vec((0usize..100, 0usize..100, any::<bool>()), 1..6)) {
+        let mut lines: Vec<&str> = BEND.lines().collect();
+        for (from, to, keep) in edits {
+            let (from, to) = (from % lines.len(), to % lines.len());
+            let line = lines[from];
+            if keep {
+                lines.insert(to, line);
+            } else {
+                lines.remove(from);
+            }
+        }
+        exercise(&lines.join("\n"));
+    }
+
+    #[test]
+    fn other_bytes_never_panic(edits in prop::collection::vec((0usize..10_000, any::<char>()), 1..4)) {
+        let mut text: Vec<char> = BEND.chars().collect();
+        for (place, letter) in edits {
+            let place = place % text.len();
+            text[place] = letter;
+        }
+        exercise(&text.into_iter().collect::<String>());
+    }
+}

@@ -1,0 +1,148 @@
+//! Exit codes and messages: bad input gets one clear answer and loses nothing.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn falsify(arguments: &[&str], folder: &Path) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_falsify"))
+        .args(arguments)
+        .current_dir(folder)
+        .env_remove("FALSIFY_OUT")
+        .env_remove("FALSIFY_THREADS")
+        .output()
+        .unwrap()
+}
+
+fn error(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+/// A campaign that runs in a moment.
+fn campaign() -> String {
+    let lib = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/lib");
+    format!(
+        "edition 1\nimport \"{0}/paper.scn\"\nimport \"{0}/drivers.scn\"\nimport \"{0}/towns.scn\"\n\
+         campaign tiny {{ vehicle: model3 adversary: suicidal spawn: ahead episode: thirty_seconds training: ppo_paper\n\
+         train {{ towns: [harbour] policies: [behavior] rewards: [r1] runs: 2 }}\n\
+         evaluate {{ towns: [village] policies: [blind] episodes: 10 }} }}\n",
+        lib.display()
+    )
+}
+
+#[test]
+fn no_arguments_show_the_usage() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = falsify(&[], folder.path());
+    assert_eq!(output.status.code(), Some(2));
+    assert!(error(&output).contains("Usage"));
+}
+
+#[test]
+fn a_missing_file_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    for command in ["run", "check"] {
+        let output = falsify(&[command, "nowhere.scn"], folder.path());
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
+        assert_eq!(error(&output), "error: cannot read `nowhere.scn`: there is no such file\n");
+    }
+}
+
+#[test]
+fn errors_in_a_scenario_are_all_shown_and_nothing_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = campaign().replace("runs: 2", "rnus: 2").replace("episodes: 10", "episodes: 10 s");
+    std::fs::write(folder.path().join("bad.scn"), text).unwrap();
+    let output = falsify(&["run", "bad.scn"], folder.path());
+    assert_eq!(output.status.code(), Some(3));
+    let said = error(&output);
+    assert!(said.contains("error[unknown-key]") && said.contains("did you mean `runs`?"), "{said}");
+    assert!(said.contains("error[wrong-unit]") && said.contains("2 errors found"), "{said}");
+    assert!(!folder.path().join("reports").exists(), "nothing is written");
+}
+
+#[test]
+fn a_map_that_is_no_map_is_an_error_of_the_scenario() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("broken.xodr"), "<OpenDRIVE><road").unwrap();
+    let text = "edition 1\ntown a = opendrive(file: \"broken.xodr\")\ntown b = opendrive(file: \"none.xodr\")\n";
+    std::fs::write(folder.path().join("maps.scn"), text).unwrap();
+    let output = falsify(&["check", "maps.scn"], folder.path());
+    assert_eq!(output.status.code(), Some(3));
+    assert_eq!(error(&output).matches("error[unusable-map]").count(), 2, "{}", error(&output));
+}
+
+#[test]
+fn a_file_without_a_campaign_runs_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("empty.scn"), "edition 1\n").unwrap();
+    assert_eq!(falsify(&["run", "empty.scn"], folder.path()).status.code(), Some(4));
+    assert_eq!(falsify(&["check", "empty.scn"], folder.path()).status.code(), Some(0));
+}
+
+#[test]
+fn a_list_names_every_training_and_evaluation_and_writes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("tiny.scn"), campaign()).unwrap();
+    let output = falsify(&["run", "--list", "tiny.scn"], folder.path());
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert_eq!((text.matches("  train ").count(), text.matches("  try ").count()), (2, 4), "{text}");
+    assert!(!folder.path().join("reports").exists());
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_to_is_found_before_any_work() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("tiny.scn"), campaign()).unwrap();
+    std::fs::write(folder.path().join("file"), "").unwrap();
+    let output = falsify(&["run", "tiny.scn", "--out", "file/reports"], folder.path());
+    assert_eq!(output.status.code(), Some(6), "{output:?}");
+    assert!(error(&output).contains("cannot write to the folder `file/reports`"), "{}", error(&output));
+    assert!(!error(&output).contains("trained"), "no training was begun");
+}
+
+#[test]
+fn foreign_files_are_left_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("tiny.scn"), campaign()).unwrap();
+    let precious = folder.path().join("reports/tiny/thesis.txt");
+    std::fs::create_dir_all(precious.parent().unwrap()).unwrap();
+    std::fs::write(&precious, "years of work").unwrap();
+    let output = falsify(&["run", "--smoke", "tiny.scn"], folder.path());
+    assert_eq!(output.status.code(), Some(6), "{output:?}");
+    assert_eq!(std::fs::read_to_string(&precious).unwrap(), "years of work");
+}
+
+#[test]
+fn a_second_run_replaces_the_report_of_the_first_and_leaves_nothing_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("tiny.scn"), campaign()).unwrap();
+    for seed in ["1", "2"] {
+        let output = falsify(&["run", "--smoke", "--seed", seed, "tiny.scn"], folder.path());
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+    }
+    let manifest = std::fs::read_to_string(folder.path().join("reports/tiny/manifest.toml")).unwrap();
+    assert!(manifest.contains("seed = 2") && manifest.contains("complete = true"), "{manifest}");
+    let names: Vec<String> = std::fs::read_dir(folder.path().join("reports"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    assert_eq!(names, ["tiny"]);
+}
+
+#[test]
+fn colour_is_off_unless_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("bad.scn"), "edition 1\nrewrd a {}\n").unwrap();
+    assert!(!error(&falsify(&["check", "bad.scn"], folder.path())).contains('\u{1b}'));
+    assert!(error(&falsify(&["check", "--color", "always", "bad.scn"], folder.path())).contains('\u{1b}'));
+}
+
+#[test]
+fn completions_know_the_commands() {
+    let folder = tempfile::tempdir().unwrap();
+    for shell in ["bash", "zsh", "fish"] {
+        let output = falsify(&["completions", shell], folder.path());
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert!(output.status.success() && text.contains("check") && text.contains("smoke"), "{shell}");
+    }
+}

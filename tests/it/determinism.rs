@@ -1,0 +1,59 @@
+//! The same files, seed and version give the same bytes, at any number of threads.
+
+use std::path::Path;
+use std::process::Command;
+
+const SCENARIO: &str = r#"
+edition 1
+import "lib/paper.scn"
+import "lib/drivers.scn"
+import "lib/towns.scn"
+training short = ppo(steps: 600, environments: 2)
+campaign twice {
+  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: short
+  train { towns: [harbour] policies: [behavior, careful] rewards: [r1, r2] runs: 2 }
+  evaluate { towns: [village] policies: [behavior, blind] pedestrians: [trained, random, intercept] episodes: 6 }
+}
+"#;
+
+fn run(threads: &str, seed: &str) -> Vec<(String, Vec<u8>)> {
+    let folder = tempfile::tempdir().unwrap();
+    let scenarios = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");
+    let file = folder.path().join("twice.scn");
+    std::fs::write(&file, SCENARIO.replace("lib/", &format!("{}/lib/", scenarios.display()))).unwrap();
+    let out = folder.path().join("out");
+    let output = Command::new(env!("CARGO_BIN_EXE_falsify"))
+        .args(["run", "--threads", threads, "--seed", seed, "--out"])
+        .arg(&out)
+        .arg(&file)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{output:?}");
+    let mut files = Vec::new();
+    let mut open = vec![out.join("twice")];
+    while let Some(folder) = open.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                open.push(path);
+            } else if path.file_name().unwrap() != "manifest.toml" {
+                files.push((path.strip_prefix(&out).unwrap().display().to_string(), std::fs::read(&path).unwrap()));
+            }
+        }
+    }
+    files.sort();
+    files
+}
+
+#[test]
+fn one_thread_and_four_give_the_same_bytes_and_another_seed_others() {
+    let (one, four, other) = (run("1", "7"), run("4", "7"), run("1", "8"));
+    let names = |files: &[(String, Vec<u8>)]| files.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
+    assert_eq!(names(&one), names(&four));
+    assert!(one.len() > 15, "{:?}", names(&one));
+    for ((name, a), (_, b)) in one.iter().zip(&four) {
+        assert!(a == b, "{name} differs between 1 and 4 threads");
+    }
+    let episodes = |files: &[(String, Vec<u8>)]| files.iter().find(|(name, _)| name.ends_with("episodes.csv")).unwrap().1.clone();
+    assert_ne!(episodes(&one), episodes(&other));
+}

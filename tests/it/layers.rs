@@ -1,0 +1,107 @@
+//! The layers of `src/ARCHITECTURE.md`: a module imports from lower rows only, and some crates have one door.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// Each module with the modules it may import, beside itself.
+const MAY_IMPORT: &[(&str, &[&str])] = &[
+    ("diagnostic", &[]),
+    ("units", &[]),
+    ("signature", &["units"]),
+    ("seed", &[]),
+    ("geometry", &[]),
+    ("lang", &["diagnostic", "units", "signature"]),
+    ("road", &["geometry", "seed"]),
+    ("sim", &["geometry", "road"]),
+    ("rl", &["seed"]),
+    ("av", &["geometry", "road", "sim", "seed", "signature", "units"]),
+    ("env", &["geometry", "road", "sim", "rl", "av", "seed", "signature", "units"]),
+    ("compile", &["diagnostic", "units", "signature", "seed", "geometry", "lang", "road", "sim", "av", "rl", "env"]),
+    ("falsifier", &["seed", "sim", "rl", "env"]),
+    ("campaign", &["seed", "rl", "env", "compile", "falsifier"]),
+    ("analysis", &["env", "campaign"]),
+    ("report", &["geometry", "road", "av", "rl", "env", "compile", "campaign", "analysis"]),
+    ("cli", &["diagnostic", "seed", "lang", "rl", "compile", "campaign", "report", "analysis"]),
+];
+
+/// Crates that only one module may name.
+const DOORS: &[(&str, &str)] = &[
+    ("pest", "lang"),
+    ("pest_derive", "lang"),
+    ("annotate_snippets", "diagnostic"),
+    ("parry2d", "geometry"),
+    ("roxmltree", "road"),
+    ("rstar", "road"),
+    ("safetensors", "rl"),
+    ("polars", "report"),
+    ("polars_io", "report"),
+    ("kuva", "report"),
+    ("toml", "report"),
+    ("smartcore", "analysis"),
+    ("clap", "cli"),
+    ("indicatif", "cli"),
+    ("ctrlc", "cli"),
+];
+
+fn sources() -> Vec<(String, PathBuf, String)> {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut open = vec![src.clone()];
+    let mut all = Vec::new();
+    while let Some(folder) = open.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                open.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                let relative = path.strip_prefix(&src).unwrap();
+                let first = relative.components().next().unwrap().as_os_str().to_string_lossy();
+                let module = first.trim_end_matches(".rs").to_string();
+                let text = std::fs::read_to_string(&path).unwrap();
+                // Tests may look further, to build what they need.
+                let text = text.split("#[cfg(test)]").next().unwrap().to_string();
+                if path.file_name().is_some_and(|name| name != "tests.rs") {
+                    all.push((module, relative.to_path_buf(), text));
+                }
+            }
+        }
+    }
+    all
+}
+
+fn without_comments(text: &str) -> String {
+    text.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn modules_import_from_lower_rows_only() {
+    let mut broken = BTreeSet::new();
+    for (module, path, text) in sources() {
+        if module == "lib" || module == "main" {
+            continue;
+        }
+        let allowed = MAY_IMPORT.iter().find(|(name, _)| *name == module);
+        let (_, allowed) = allowed.unwrap_or_else(|| panic!("`{module}` has no row in the layers"));
+        for part in without_comments(&text).split("crate::").skip(1) {
+            let target: String = part.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+            if !target.is_empty() && target != module && !allowed.contains(&target.as_str()) {
+                broken.insert(format!("{}: `{module}` may not import `{target}`", path.display()));
+            }
+        }
+    }
+    assert!(broken.is_empty(), "{broken:#?}");
+}
+
+#[test]
+fn some_crates_have_one_door() {
+    let mut broken = BTreeSet::new();
+    for (module, path, text) in sources() {
+        let text = without_comments(&text);
+        for (name, door) in DOORS {
+            let named = [format!("use {name}::"), format!(" {name}::"), format!("({name}::"), format!("<{name}::")];
+            if module != *door && named.iter().any(|form| text.contains(form.as_str())) {
+                broken.insert(format!("{}: only `{door}` may name `{name}`", path.display()));
+            }
+        }
+    }
+    assert!(broken.is_empty(), "{broken:#?}");
+}

@@ -1,0 +1,10 @@
+//! The integration tests, in one binary: one module for each boundary.
+
+mod behavior_agent_reference;
+mod command_line;
+mod determinism;
+mod layers;
+mod road_reference;
+mod scenarios;
+mod suite;
+mod tidy;

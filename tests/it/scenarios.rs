@@ -1,0 +1,58 @@
+//! Every scenario that is shipped checks without a word and survives a smoke run.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn shipped(folder: &str) -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+    let mut open = vec![folder];
+    let mut files = Vec::new();
+    while let Some(folder) = open.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                open.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "scn") {
+                files.push(path);
+            }
+        }
+    }
+    files.sort();
+    files
+}
+
+#[test]
+fn every_file_checks_without_a_word() {
+    let files = shipped("scenarios");
+    assert!(files.len() >= 4, "{files:?}");
+    for file in &files {
+        // Campaigns in real towns need maps that are not shipped.
+        if std::fs::read_to_string(file).unwrap().contains("opendrive(") {
+            continue;
+        }
+        let output = Command::new(env!("CARGO_BIN_EXE_falsify")).arg("check").arg(file).output().unwrap();
+        assert!(output.status.success() && output.stderr.is_empty(), "{}: {output:?}", file.display());
+    }
+}
+
+#[test]
+fn the_main_campaigns_survive_a_smoke_run() {
+    let out = tempfile::tempdir().unwrap();
+    let top = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");
+    let campaigns = shipped("scenarios").into_iter().filter(|path| path.parent() == Some(&top));
+    let output = Command::new(env!("CARGO_BIN_EXE_falsify"))
+        .args(["run", "--smoke", "--out"])
+        .arg(out.path())
+        .args(campaigns)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{output:?}");
+    let reports: Vec<PathBuf> = std::fs::read_dir(out.path()).unwrap().map(|entry| entry.unwrap().path()).collect();
+    assert!(!reports.is_empty());
+    for report in reports {
+        for file in ["manifest.toml", "summary.md", "episodes.csv", "episodes.parquet", "cells.csv", "learning_curve.csv"] {
+            let path = report.join(file);
+            assert!(std::fs::metadata(&path).is_ok_and(|data| data.len() > 100), "{}", path.display());
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! What must not drift apart: documents and code.
+
+use std::path::Path;
+use std::process::Command;
+
+use falsify::compile::Catalog;
+
+fn read(path: &str) -> String {
+    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap()
+}
+
+#[test]
+fn the_language_reference_is_up_to_date() {
+    const MARK: &str = "<!-- generated -->\n";
+    let page = read("grammar/README.md");
+    let (written, printed) = page.split_once(MARK).expect("the reference has a mark before its generated part");
+    let wanted = format!("\n{}", Catalog::builtin().reference());
+    if std::env::var_os("UPDATE_REFERENCE").is_some() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("grammar/README.md");
+        std::fs::write(path, format!("{written}{MARK}{wanted}")).unwrap();
+        return;
+    }
+    assert_eq!(printed, wanted, "run the test again with UPDATE_REFERENCE=1");
+}
+
+#[test]
+fn the_column_dictionary_names_every_column() {
+    let out = tempfile::tempdir().unwrap();
+    let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/first_look.scn");
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_falsify")).args(["run", "--smoke", "--out"]).arg(out.path()).arg(scenario).output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    let dictionary = read("reports/README.md");
+    for table in ["episodes", "runs", "cells", "learning_curve"] {
+        let text = std::fs::read_to_string(out.path().join("first_look").join(format!("{table}.csv"))).unwrap();
+        for column in text.lines().next().unwrap().split(',') {
+            let generic = column.trim_end_matches("_mean").trim_end_matches("_sd");
+            let named = [column, generic].iter().any(|name| dictionary.contains(&format!("`{name}`")));
+            assert!(named, "reports/README.md does not explain `{column}` of {table}");
+        }
+    }
+}
+
+#[test]
+fn every_code_has_a_case_in_the_suite() {
+    let source = read("src/lang/codes.rs");
+    let mut suite = String::new();
+    for entry in std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite")).unwrap() {
+        suite.push_str(&std::fs::read_to_string(entry.unwrap().path()).unwrap_or_default());
+    }
+    let codes = source.split('"').filter(|part| {
+        let word = |c: char| c.is_ascii_lowercase() || c == '-';
+        part.contains('-') && part.chars().all(word) && !part.starts_with('-') && !part.ends_with('-')
+    });
+    let mut missing: Vec<&str> = codes.filter(|code| !suite.contains(&format!("[{code}]"))).collect();
+    missing.sort_unstable();
+    missing.dedup();
+    // What a text in a test file cannot show: it would have to be megabytes long.
+    missing.retain(|code| *code != "too-large");
+    assert!(missing.is_empty(), "tests/suite has no case for {missing:?}");
+}
+
+#[test]
+fn the_readme_shows_a_summary_that_the_program_can_make() {
+    let readme = read("README.md");
+    for command in ["cargo run --release -- run scenarios/*.scn", "cargo test"] {
+        assert!(readme.contains(command), "README.md does not show `{command}`");
+    }
+}
