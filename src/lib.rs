@@ -18,5 +18,6 @@ pub mod env;
 pub mod compile;
 pub mod falsifier;
 pub mod campaign;
+pub mod analysis;
 pub mod report;
 pub mod cli;

@@ -4,6 +4,7 @@ use std::time::Instant;
 use super::args::RunOptions;
 use super::progress::Progress;
 use super::{ExitCode, front, interrupt};
+use crate::analysis::failure_modes;
 use crate::campaign::{self, EpisodeRow, Finished};
 use crate::compile::{Campaign, Pedestrian};
 use crate::diagnostic::Sources;
@@ -150,6 +151,7 @@ fn write(folder: &ReportFolder, campaign: &Campaign, finished: &Finished, manife
     folder.table("episodes", &episodes)?;
     folder.table("runs", &metrics.runs)?;
     folder.table("cells", &metrics.cells)?;
+    folder.table("failure_modes", &report::failure_modes(&failure_modes(&finished.rows)))?;
     folder.table("learning_curve", &report::learning_curve(&finished.trainings))?;
     for (name, svg) in report::learning_figures(&finished.trainings) {
         folder.file(&format!("{name}.svg"), svg.as_bytes())?;

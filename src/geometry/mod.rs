@@ -8,11 +8,9 @@ mod angle;
 mod pose;
 mod oriented_box;
 mod sweep;
-#[cfg(not(falsify_lab))]
 mod obstacles;
 
 pub use angle::wrap_angle;
-#[cfg(not(falsify_lab))]
 pub use obstacles::Obstacles;
 pub use oriented_box::OrientedBox;
 pub use pose::Pose;

@@ -130,7 +130,7 @@ mod tests {
         let obstacles = Obstacles::new(&[house()]);
         let through = house().pose.to_world(Vector::new(-20.0, 0.0));
         assert!(obstacles.blocks_sight(through, house().pose.to_world(Vector::new(20.0, 1.0))));
-        assert!(!obstacles.blocks_sight(through, house().pose.to_world(Vector::new(20.0, 14.0))));
+        assert!(!obstacles.blocks_sight(through, house().pose.to_world(Vector::new(20.0, 40.0))));
     }
 
     proptest! {

@@ -241,6 +241,7 @@ impl Reader {
                         Entry::Bare(value) => arguments.push(value),
                         Entry::Property(property) => {
                             self.diagnostics.push(codes::named_argument(property.key.span, &property.key.text));
+                            arguments.push(property.value);
                         }
                         Entry::Clause(_) | Entry::Child(_) => unreachable!("an argument is a value"),
                     }

@@ -21,5 +21,5 @@ pub use metrics::{Cell, Metrics, Spread, metrics};
 pub use summary::{summary, table};
 pub use town_map::town_map;
 pub use figure::learning_figures;
-pub use tables::episodes;
+pub use tables::{episodes, failure_modes};
 pub use wilson::wilson;

@@ -18,9 +18,7 @@ mod lane_index;
 mod town;
 mod topology;
 pub mod opendrive;
-#[cfg(not(falsify_lab))]
 mod route;
-#[cfg(not(falsify_lab))]
 pub mod design;
 
 pub use cubic::{Cubic, Profile};
@@ -30,7 +28,6 @@ pub use lane::{Lane, LaneId, LaneKind};
 pub use lane_index::LaneFilter;
 pub use opendrive::{OpenDriveError, OpenDriveProblem, OpenDriveWarning};
 pub use plan_view::{Geometry, PlanView, Shape};
-#[cfg(not(falsify_lab))]
 pub use route::{RandomWalk, RoadOption, RoutePoint, turn};
 pub use road::{JunctionIndex, LaneSection, Road, RoadEnd, RoadIndex, RoadLink};
 pub use town::{Town, TownParts};

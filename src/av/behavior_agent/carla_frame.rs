@@ -49,7 +49,7 @@ pub(super) struct Direction {
 impl Direction {
     /// The heading of a pose.
     pub fn new(pose: &Pose) -> Self {
-        let radians = yaw_degrees(pose) * std::f32::consts::PI / 180.0;
+        let radians = yaw_degrees(pose) * (std::f32::consts::PI / 180.0);
         let (sin, cos) = libm::sincos(f64::from(radians));
         Self { x: cos as f32, y: sin as f32 }
     }

@@ -1,0 +1,117 @@
+use smartcore::cluster::kmeans::{KMeans, KMeansParameters};
+use smartcore::linalg::basic::arrays::Array;
+use smartcore::linalg::basic::matrix::DenseMatrix;
+
+/// Fewer points than this are one cluster.
+const LEAST: usize = 40;
+/// Most clusters that are tried.
+const MOST: usize = 4;
+/// Two halves must agree so well for clusters to count.
+const STABLE: f64 = 0.8;
+/// Of the centres' random choice; results must not change from run to run.
+const SEED: u64 = 1;
+
+/// A partition of points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Clusters {
+    /// The cluster of each point, from 0.
+    pub labels: Vec<usize>,
+    /// How well the partitions agree that k-means finds on the even and on the odd points, as adjusted Rand index; 1 for
+    /// a single cluster.
+    pub stability: f64,
+}
+
+/// Partitions points of equal dimension into as many clusters as two halves of them agree on.
+///
+/// Features are standardised first.
+pub fn clusters(points: &[Vec<f64>]) -> Clusters {
+    let single = Clusters { labels: vec![0; points.len()], stability: 1.0 };
+    if points.len() < LEAST {
+        return single;
+    }
+    let points = standardised(points);
+    let half = |rest: usize| points.iter().skip(rest).step_by(2).cloned().collect::<Vec<_>>();
+    let (even, odd) = (half(0), half(1));
+    let attempt = |k: usize| {
+        let stability = adjusted_rand(&partition(&even, &points, k)?, &partition(&odd, &points, k)?);
+        Some(Clusters { labels: partition(&points, &points, k)?, stability })
+    };
+    let stable = (2..=MOST).rev().filter_map(attempt).find(|found| found.stability >= STABLE);
+    stable.unwrap_or(single)
+}
+
+/// Fits `k` centres to some points and says which centre is nearest to each of others; none when a centre stays empty.
+fn partition(fit: &[Vec<f64>], points: &[Vec<f64>], k: usize) -> Option<Vec<usize>> {
+    let matrix = |rows: &[Vec<f64>]| DenseMatrix::from_2d_vec(&rows.to_vec()).ok();
+    let parameters = KMeansParameters { k, max_iter: 100, seed: Some(SEED) };
+    let model: KMeans<f64, i32, DenseMatrix<f64>, Vec<i32>> = KMeans::fit(&matrix(fit)?, parameters).ok()?;
+    let data = matrix(points)?;
+    debug_assert_eq!(data.shape().0, points.len());
+    let labels: Vec<usize> = model.predict(&data).ok()?.into_iter().map(|label| label as usize).collect();
+    (0..k).all(|cluster| labels.contains(&cluster)).then_some(labels)
+}
+
+fn standardised(points: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let n = points.len() as f64;
+    let dimensions = points.first().map_or(0, Vec::len);
+    let scales: Vec<(f64, f64)> = (0..dimensions)
+        .map(|axis| {
+            let mean = points.iter().map(|point| point[axis]).sum::<f64>() / n;
+            let variance = points.iter().map(|point| (point[axis] - mean).powi(2)).sum::<f64>() / n;
+            (mean, if variance > 0.0 { variance.sqrt() } else { 1.0 })
+        })
+        .collect();
+    points.iter().map(|point| point.iter().zip(&scales).map(|(x, (mean, sd))| (x - mean) / sd).collect()).collect()
+}
+
+/// The adjusted Rand index of two partitions of the same points.
+///
+/// # Source
+/// Hubert and Arabie, *Comparing partitions*, Journal of Classification 2, 1985, eq. 5.
+fn adjusted_rand(a: &[usize], b: &[usize]) -> f64 {
+    let pairs = |n: usize| n as f64 * (n as f64 - 1.0) / 2.0;
+    let size = |labels: &[usize]| labels.iter().max().map_or(0, |most| most + 1);
+    let mut table = vec![vec![0usize; size(b)]; size(a)];
+    for (x, y) in a.iter().zip(b) {
+        table[*x][*y] += 1;
+    }
+    let both: f64 = table.iter().flatten().map(|n| pairs(*n)).sum();
+    let rows: f64 = table.iter().map(|row| pairs(row.iter().sum())).sum();
+    let columns: f64 = (0..size(b)).map(|y| pairs(table.iter().map(|row| row[y]).sum())).sum();
+    let expected = rows * columns / pairs(a.len());
+    let most = (rows + columns) / 2.0;
+    if most == expected { 1.0 } else { (both - expected) / (most - expected) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points about the given centres, spread evenly by half a unit.
+    fn around(centres: &[f64], each: usize) -> Vec<Vec<f64>> {
+        let point = |i: usize| {
+            let spread = (i as f64 * 0.618_034).fract() - 0.5;
+            vec![centres[i % centres.len()] + spread, (i as f64 * 0.414_214).fract()]
+        };
+        (0..each * centres.len()).map(point).collect()
+    }
+
+    #[test]
+    fn three_heaps_are_found_and_one_is_not_split() {
+        let found = clusters(&around(&[0.0, 10.0, 20.0], 30));
+        assert_eq!(found.labels.iter().max(), Some(&2), "{found:?}");
+        assert!(found.stability > 0.99);
+        for (i, label) in found.labels.iter().enumerate() {
+            assert_eq!(*label, found.labels[i % 3], "a heap is one cluster");
+        }
+        let few = clusters(&around(&[0.0, 10.0], 5));
+        assert!(few.labels.iter().all(|label| *label == 0));
+    }
+
+    #[test]
+    fn the_index_is_one_for_equal_and_near_zero_for_crossed_partitions() {
+        assert_eq!(adjusted_rand(&[0, 0, 1, 1], &[1, 1, 0, 0]), 1.0);
+        // Hubert and Arabie's definition by hand: 0 pairs together in both, 2 expected out of 6·(1/3)·(1/3).
+        assert!((adjusted_rand(&[0, 0, 1, 1], &[0, 1, 0, 1]) + 0.5).abs() < 1e-12);
+    }
+}
