@@ -25,7 +25,12 @@ pub struct Seed([u8; 32]);
 impl Seed {
     /// The root of the tree for a user's seed number.
     pub fn root(seed: u64) -> Self {
-        Self(*blake3::Hasher::new_derive_key("falsify 2026 random streams").update(&seed.to_le_bytes()).finalize().as_bytes())
+        Self(
+            *blake3::Hasher::new_derive_key("falsify 2026 random streams")
+                .update(&seed.to_le_bytes())
+                .finalize()
+                .as_bytes(),
+        )
     }
 
     /// The branch with this name.

@@ -175,7 +175,8 @@ pub fn parse_unit(text: &str) -> Result<Unit, UnitError> {
             .find(|(known, _)| *known == name)
             .ok_or_else(|| UnitError::Unknown { name: name.to_string() })?
             .1;
-        let dimension = base.dimension.to_the(power).and_then(|d| unit.dimension.times(d)).ok_or(UnitError::BadPower)?;
+        let dimension =
+            base.dimension.to_the(power).and_then(|d| unit.dimension.times(d)).ok_or(UnitError::BadPower)?;
         unit = Unit { factor: unit.factor * base.factor.powi(i32::from(power)), dimension };
         match rest[end..].chars().next() {
             None => return Ok(unit),

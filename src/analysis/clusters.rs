@@ -1,5 +1,4 @@
 use smartcore::cluster::kmeans::{KMeans, KMeansParameters};
-use smartcore::linalg::basic::arrays::Array;
 use smartcore::linalg::basic::matrix::DenseMatrix;
 
 /// Fewer points than this are one cluster.
@@ -8,8 +7,8 @@ const LEAST: usize = 40;
 const MOST: usize = 4;
 /// Two halves must agree so well for clusters to count.
 const STABLE: f64 = 0.8;
-/// Of the centres' random choice; results must not change from run to run.
-const SEED: u64 = 1;
+/// From so many beginnings k-means is run, of which the best counts; their numbers seed the choice of centres.
+const BEGINNINGS: u64 = 10;
 
 /// A partition of points.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,15 +39,35 @@ pub fn clusters(points: &[Vec<f64>]) -> Clusters {
     stable.unwrap_or(single)
 }
 
-/// Fits `k` centres to some points and says which centre is nearest to each of others; none when a centre stays empty.
+/// Fits `k` centres to some points, from many beginnings, and says which centre is nearest to each of others; none when a
+/// centre stays empty.
 fn partition(fit: &[Vec<f64>], points: &[Vec<f64>], k: usize) -> Option<Vec<usize>> {
     let matrix = |rows: &[Vec<f64>]| DenseMatrix::from_2d_vec(&rows.to_vec()).ok();
-    let parameters = KMeansParameters { k, max_iter: 100, seed: Some(SEED) };
-    let model: KMeans<f64, i32, DenseMatrix<f64>, Vec<i32>> = KMeans::fit(&matrix(fit)?, parameters).ok()?;
-    let data = matrix(points)?;
-    debug_assert_eq!(data.shape().0, points.len());
-    let labels: Vec<usize> = model.predict(&data).ok()?.into_iter().map(|label| label as usize).collect();
-    (0..k).all(|cluster| labels.contains(&cluster)).then_some(labels)
+    let (data, others) = (matrix(fit)?, matrix(points)?);
+    let attempt = |seed| {
+        let parameters = KMeansParameters { k, max_iter: 100, seed: Some(seed) };
+        let model: KMeans<f64, i32, DenseMatrix<f64>, Vec<i32>> = KMeans::fit(&data, parameters).ok()?;
+        let labels = |rows| Some(model.predict(rows).ok()?.into_iter().map(|label| label as usize).collect::<Vec<_>>());
+        Some((scatter(fit, &labels(&data)?, k), labels(&others)?))
+    };
+    let best = (0..BEGINNINGS).filter_map(attempt).min_by(|(a, _), (b, _)| a.total_cmp(b));
+    best.map(|(_, labels)| labels).filter(|labels| (0..k).all(|cluster| labels.contains(&cluster)))
+}
+
+/// The sum of squared distances from the points to the middles of their clusters.
+fn scatter(points: &[Vec<f64>], labels: &[usize], k: usize) -> f64 {
+    let dimensions = points.first().map_or(0, Vec::len);
+    let mut middles = vec![vec![0.0; dimensions]; k];
+    let mut sizes = vec![0.0; k];
+    for (point, label) in points.iter().zip(labels) {
+        sizes[*label] += 1.0;
+        middles[*label].iter_mut().zip(point).for_each(|(sum, x)| *sum += x);
+    }
+    let apart = |(point, label): (&Vec<f64>, &usize)| {
+        let middle = middles[*label].iter().map(|sum| sum / sizes[*label]);
+        point.iter().zip(middle).map(|(x, m)| (x - m).powi(2)).sum::<f64>()
+    };
+    points.iter().zip(labels).map(apart).sum()
 }
 
 fn standardised(points: &[Vec<f64>]) -> Vec<Vec<f64>> {
@@ -91,7 +110,8 @@ mod tests {
     fn around(centres: &[f64], each: usize) -> Vec<Vec<f64>> {
         let point = |i: usize| {
             let spread = (i as f64 * 0.618_034).fract() - 0.5;
-            vec![centres[i % centres.len()] + spread, (i as f64 * 0.414_214).fract()]
+            let centre = centres[i % centres.len()];
+            vec![centre + spread, centre / 2.0 + (i as f64 * 0.414_214).fract()]
         };
         (0..each * centres.len()).map(point).collect()
     }

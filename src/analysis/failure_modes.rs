@@ -44,13 +44,13 @@ pub struct FailureMode {
     pub failures: usize,
     /// Share of all collisions of the cell.
     pub share: f64,
-    /// Mean distance of the pedestrian at the beginning [m].
+    /// Mean distance of the pedestrian at the beginning (m).
     pub distance: f64,
-    /// Mean bearing of the pedestrian from the car at the beginning [rad], positive to the left.
+    /// Mean bearing of the pedestrian from the car at the beginning (rad), positive to the left.
     pub bearing: f64,
-    /// Mean length of the episodes [s].
+    /// Mean length of the episodes (s).
     pub length: f64,
-    /// Mean speed of the car at the impact [m/s].
+    /// Mean speed of the car at the impact (m/s).
     pub impact_speed: f64,
     /// How well two halves of the failures agree on the clusters, 0 to 1.
     pub stability: f64,
@@ -62,9 +62,12 @@ struct Failure<'a> {
     features: Vec<f64>,
 }
 
+/// The collisions of a cell, by impact and whether the car moved.
+type Classes<'a> = BTreeMap<(Impact, bool), Vec<Failure<'a>>>;
+
 /// Finds the failure modes of trained pedestrians, cell by cell in the order of the rows, the commonest first.
 pub fn failure_modes(rows: &[EpisodeRow]) -> Vec<FailureMode> {
-    let mut cells: Vec<(&EpisodeRow, BTreeMap<(Impact, bool), Vec<Failure<'_>>>)> = Vec::new();
+    let mut cells: Vec<(&EpisodeRow, Classes<'_>)> = Vec::new();
     for row in rows.iter().filter(|row| row.pedestrian == "trained") {
         let Ending::Collision { front, moving, impact_speed, bearing } = row.outcome.ending else { continue };
         let same = |other: &EpisodeRow| {
@@ -93,15 +96,19 @@ fn impact(front: bool, bearing: f64) -> Impact {
     }
 }
 
-fn modes(classes: BTreeMap<(Impact, bool), Vec<Failure<'_>>>) -> Vec<FailureMode> {
+fn modes(classes: Classes<'_>) -> Vec<FailureMode> {
     let all: usize = classes.values().map(Vec::len).sum();
     let mut modes = Vec::new();
     for ((impact, moving), failures) in classes {
         let features: Vec<Vec<f64>> = failures.iter().map(|failure| failure.features.clone()).collect();
         let found = clusters(&features);
         for cluster in 0..=found.labels.iter().copied().max().unwrap_or(0) {
-            let members: Vec<&Failure<'_>> =
-                failures.iter().zip(&found.labels).filter(|(_, label)| **label == cluster).map(|(failure, _)| failure).collect();
+            let members: Vec<&Failure<'_>> = failures
+                .iter()
+                .zip(&found.labels)
+                .filter(|(_, label)| **label == cluster)
+                .map(|(failure, _)| failure)
+                .collect();
             let means: Vec<f64> = (0..4)
                 .map(|axis| members.iter().map(|member| member.features[axis]).sum::<f64>() / members.len() as f64)
                 .collect();
@@ -126,6 +133,6 @@ fn modes(classes: BTreeMap<(Impact, bool), Vec<Failure<'_>>>) -> Vec<FailureMode
             });
         }
     }
-    modes.sort_by(|a, b| b.failures.cmp(&a.failures));
+    modes.sort_by_key(|mode| std::cmp::Reverse(mode.failures));
     modes
 }

@@ -9,13 +9,13 @@ use crate::units::Dimension;
 pub struct Cruise {
     /// Share of the speed limit that it drives.
     limit_share: f64,
-    /// Lateral acceleration it takes in bends [m/s²].
+    /// Lateral acceleration it takes in bends (m/s²).
     lateral: f64,
     path: Path,
     mode: DrivingMode,
 }
 
-/// Comfortable braking before bends [m/s²].
+/// Comfortable braking before bends (m/s²).
 const COMFORTABLE: f64 = 2.0;
 
 impl Cruise {

@@ -34,7 +34,7 @@ pub struct Idm {
     mode: DrivingMode,
 }
 
-/// Lateral acceleration in bends [m/s²].
+/// Lateral acceleration in bends (m/s²).
 const LATERAL: f64 = 2.0;
 
 /// Whoever is first in the corridor.
@@ -53,14 +53,44 @@ impl Idm {
             "idm",
             "The Intelligent Driver Model along its lane, with an emergency brake for whoever is in its way.",
             vec![
-                Param::with_default("limit_share", Type::share(), "0.9", "Share of the speed limit that it wants to drive."),
-                Param::with_default("time_headway", Type::positive(Dimension::TIME), "1.5 s", "Time gap that it keeps."),
-                Param::with_default("least_gap", Type::positive(Dimension::LENGTH), "2 m", "Gap that it keeps at rest."),
+                Param::with_default(
+                    "limit_share",
+                    Type::share(),
+                    "0.9",
+                    "Share of the speed limit that it wants to drive.",
+                ),
+                Param::with_default(
+                    "time_headway",
+                    Type::positive(Dimension::TIME),
+                    "1.5 s",
+                    "Time gap that it keeps.",
+                ),
+                Param::with_default(
+                    "least_gap",
+                    Type::positive(Dimension::LENGTH),
+                    "2 m",
+                    "Gap that it keeps at rest.",
+                ),
                 Param::with_default("acceleration", acceleration(), "1.5 m/s^2", "Its greatest acceleration."),
                 Param::with_default("comfortable_braking", acceleration(), "2 m/s^2", "Deceleration that it likes."),
-                Param::with_default("hardest_braking", acceleration(), "8 m/s^2", "Deceleration that its emergency brake counts on."),
-                Param::with_default("reaction", Type::non_negative(Dimension::TIME), "0.2 s", "Time that its emergency brake allows for."),
-                Param::with_default("margin", Type::non_negative(Dimension::LENGTH), "0.5 m", "How far beside its body its corridor reaches."),
+                Param::with_default(
+                    "hardest_braking",
+                    acceleration(),
+                    "8 m/s^2",
+                    "Deceleration that its emergency brake counts on.",
+                ),
+                Param::with_default(
+                    "reaction",
+                    Type::non_negative(Dimension::TIME),
+                    "0.2 s",
+                    "Time that its emergency brake allows for.",
+                ),
+                Param::with_default(
+                    "margin",
+                    Type::non_negative(Dimension::LENGTH),
+                    "0.5 m",
+                    "How far beside its body its corridor reaches.",
+                ),
             ],
         )
     }
@@ -81,7 +111,7 @@ impl Idm {
         }
     }
 
-    /// The acceleration of the model [m/s²].
+    /// The acceleration of the model (m/s²).
     fn follow(&self, speed: f64, wanted: f64, leader: Option<Leader>) -> f64 {
         let free = (speed / wanted.max(0.1)).min(4.0);
         let free = free * free * free * free;
@@ -112,7 +142,11 @@ impl Idm {
             }
             let (along, heading) = self.place(here, 1.0)?;
             let same_way = wrap_angle(heading - light.trigger.yaw).abs() < 1.0;
-            (same_way && along > 0.0).then_some(Leader { gap: (along - ego.half.x + 1.0).max(0.0), speed: 0.0, light: true })
+            (same_way && along > 0.0).then_some(Leader {
+                gap: (along - ego.half.x + 1.0).max(0.0),
+                speed: 0.0,
+                light: true,
+            })
         });
         bodies.chain(lights).min_by(|a, b| a.gap.total_cmp(&b.gap))
     }
@@ -162,7 +196,11 @@ impl DrivingPolicy for Idm {
         let acceleration = self.follow(speed, wanted, leader);
         self.mode = match leader {
             Some(leader) if acceleration < -0.2 || speed < 0.1 => {
-                if leader.light { DrivingMode::RedLight } else { DrivingMode::Yield }
+                if leader.light {
+                    DrivingMode::RedLight
+                } else {
+                    DrivingMode::Yield
+                }
             }
             _ if wanted < 0.1 => DrivingMode::Arrived,
             _ if wanted < limit - 0.1 => DrivingMode::Turn,

@@ -24,7 +24,7 @@ pub fn steer(path: &Path, perception: &Perception<'_>) -> f64 {
     blueprint.steer_for(wheel, speed)
 }
 
-/// The speed [m/s] that lets the ego take every bend ahead within a lateral acceleration, and stop where the road ends,
+/// The speed (m/s) that lets the ego take every bend ahead within a lateral acceleration, and stop where the road ends,
 /// braking comfortably, both in m/s².
 pub fn speed_for_bends(path: &Path, wanted: f64, lateral: f64, braking: f64) -> f64 {
     let mut allowed = wanted * wanted;

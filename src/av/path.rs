@@ -5,9 +5,9 @@ use crate::geometry::{Point, Pose};
 use crate::road::{LaneFilter, RandomWalk, RoadOption, RoutePoint, Town};
 use crate::seed::Stream;
 
-/// Spacing of the points [m], along the reference line.
+/// Spacing of the points (m), along the reference line.
 const STEP: f64 = 1.0;
-/// How far ahead a path is known [points].
+/// How far ahead a path is known (points).
 const HORIZON: usize = 80;
 
 /// The way ahead of a car that drives through a town without a destination, for policies of our own.
@@ -48,13 +48,13 @@ impl Path {
         self.points.iter()
     }
 
-    /// The first point at least so far [m] from a place, or the last one.
+    /// The first point at least so far (m) from a place, or the last one.
     pub fn ahead(&self, from: Point, distance: f64) -> Option<&RoutePoint> {
         let far = self.points.iter().find(|point| (point.pose.position() - from).norm() >= distance);
         far.or_else(|| self.points.back())
     }
 
-    /// How far along the path its last point is [m]; grows as one drives, until the road ends.
+    /// How far along the path its last point is (m); grows as one drives, until the road ends.
     pub fn length(&self) -> f64 {
         self.points.len().saturating_sub(1) as f64 * STEP
     }
@@ -62,7 +62,9 @@ impl Path {
     fn extend(&mut self, town: &Town) {
         let Some(stream) = &mut self.stream else { return };
         while self.points.len() < HORIZON {
-            let Some(next) = self.points.back().and_then(|last| self.walk.next(town, last, STEP, stream)) else { return };
+            let Some(next) = self.points.back().and_then(|last| self.walk.next(town, last, STEP, stream)) else {
+                return;
+            };
             self.points.push_back(next);
         }
     }

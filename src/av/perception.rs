@@ -7,11 +7,11 @@ use crate::sim::{LightColour, VehicleBlueprint, World};
 pub struct Actor {
     /// Middle of its box on the ground, and its heading.
     pub pose: Pose,
-    /// Velocity [m/s].
+    /// Velocity (m/s).
     pub velocity: Vector,
-    /// Half extents along its heading and across it [m].
+    /// Half extents along its heading and across it (m).
     pub half: Vector,
-    /// Height of its reference point above the ground [m]: 0 for a vehicle, half its height for a walker, as in CARLA.
+    /// Height of its reference point above the ground (m): 0 for a vehicle, half its height for a walker, as in CARLA.
     pub height: f64,
 }
 
@@ -21,7 +21,7 @@ impl Actor {
         OrientedBox { pose: self.pose, half: self.half }
     }
 
-    /// Speed [m/s].
+    /// Speed (m/s).
     pub fn speed(&self) -> f64 {
         self.velocity.norm()
     }
@@ -45,11 +45,11 @@ pub struct Perception<'a> {
     pub blueprint: &'a VehicleBlueprint,
     /// Ticks since the episode began.
     pub tick: u32,
-    /// Length of a tick [s].
+    /// Length of a tick (s).
     pub dt: f64,
     /// The ego.
     pub ego: Actor,
-    /// The limit that holds for the ego [m/s].
+    /// The limit that holds for the ego (m/s).
     pub speed_limit: f64,
     /// Pedestrians in sight.
     pub pedestrians: &'a [Actor],

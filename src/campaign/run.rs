@@ -82,7 +82,9 @@ fn evaluate(
         Pedestrian::Random => Box::new(Random::default()),
         Pedestrian::Intercept => Box::new(Intercept),
         Pedestrian::Trained(training) => match &trainings[training] {
-            Some(TrainingResult { result: Ok(trained), .. }) => Box::new(TrainedWalker::new(trained.actor_critic.clone())),
+            Some(TrainingResult { result: Ok(trained), .. }) => {
+                Box::new(TrainedWalker::new(trained.actor_critic.clone()))
+            }
             _ => return Vec::new(),
         },
     };
@@ -120,7 +122,8 @@ fn flow(observer: &dyn Observer) -> ControlFlow<()> {
 
 /// Shrinks a campaign to a trial of its machinery: one run, two updates, five episodes.
 pub fn smoke(campaign: &mut Campaign) {
-    let kept: Vec<usize> = (0..campaign.trainings.len()).filter(|index| campaign.trainings[*index].key.run == 0).collect();
+    let kept: Vec<usize> =
+        (0..campaign.trainings.len()).filter(|index| campaign.trainings[*index].key.run == 0).collect();
     campaign.trainings.retain(|training| training.key.run == 0);
     for training in &mut campaign.trainings {
         let update = (training.config.rollout_steps * training.environments) as u64;

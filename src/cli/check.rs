@@ -6,7 +6,11 @@ pub fn check(options: &CheckOptions) -> ExitCode {
         Ok((plan, sources)) => {
             let (files, campaigns) = (sources.iter().count(), plan.campaigns.len());
             let plural = |n: usize| if n == 1 { "" } else { "s" };
-            anstream::println!("{files} file{} and {campaigns} campaign{} checked: no errors", plural(files), plural(campaigns));
+            anstream::println!(
+                "{files} file{} and {campaigns} campaign{} checked: no errors",
+                plural(files),
+                plural(campaigns)
+            );
             ExitCode::Done
         }
         Err(code) => code,

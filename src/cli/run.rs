@@ -70,7 +70,9 @@ fn list(campaign: &Campaign) {
     for evaluation in &campaign.evaluations {
         let key = &evaluation.trained;
         let who = match evaluation.pedestrian {
-            Pedestrian::Trained(_) => format!("trained {} of {} against {}, run {}", key.reward, key.town, key.policy, key.run),
+            Pedestrian::Trained(_) => {
+                format!("trained {} of {} against {}, run {}", key.reward, key.town, key.policy, key.run)
+            }
             other => format!("{} ({}, run {})", other.name(), key.reward, key.run),
         };
         let episodes = evaluation.episodes;
@@ -132,7 +134,10 @@ fn manifest(
         threads: rayon::current_num_threads(),
         evaluation_ticks: finished.rows.iter().map(|row| u64::from(row.outcome.ticks)).sum(),
         wall_time_s,
-        files: sources.iter().map(|(_, source)| FileRecord::new(source.path.display().to_string(), &source.text)).collect(),
+        files: sources
+            .iter()
+            .map(|(_, source)| FileRecord::new(source.path.display().to_string(), &source.text))
+            .collect(),
         trainings: trainings.collect(),
     }
 }
@@ -141,7 +146,12 @@ fn pedestrian_file(key: &crate::compile::TrainingKey) -> String {
     format!("pedestrians/{}-{}-{}-{}.safetensors", key.reward, key.town, key.policy, key.run)
 }
 
-fn write(folder: &ReportFolder, campaign: &Campaign, finished: &Finished, manifest: &Manifest) -> Result<(), WriteError> {
+fn write(
+    folder: &ReportFolder,
+    campaign: &Campaign,
+    finished: &Finished,
+    manifest: &Manifest,
+) -> Result<(), WriteError> {
     let failed = |name: &str| {
         let name = name.to_string();
         move |source| WriteError::Table { name, source }
@@ -185,7 +195,8 @@ fn write(folder: &ReportFolder, campaign: &Campaign, finished: &Finished, manife
 /// Prints the cells, narrow enough for a terminal.
 fn print_cells(campaign: &Campaign, finished: &Finished) -> Result<(), WriteError> {
     let failed = |source| WriteError::Table { name: "cells".into(), source };
-    let cells = report::metrics(&report::episodes(&finished.rows)).and_then(|metrics| metrics.cells()).map_err(failed)?;
+    let cells =
+        report::metrics(&report::episodes(&finished.rows)).and_then(|metrics| metrics.cells()).map_err(failed)?;
     anstream::print!("{}", report::table(&campaign.name, &cells));
     Ok(())
 }

@@ -12,20 +12,55 @@ pub fn form() -> Form {
     let scaling = || Type::Choice(SCALINGS);
     let params = vec![
         Param::with_default("body", Type::Choice(&["adult", "child"]), "adult", "Its size: CARLA's adult or child."),
-        Param::with_default("ramp", Type::non_negative(Dimension::TIME), "2 s", "Time from rest to any speed; `0 s` for at once. CARLA's walkers take 2 s."),
-        Param::with_default("turning", Type::positive(Dimension::FREQUENCY), "8 Hz", "Rate at which its velocity turns; 20 Hz or more for at once."),
+        Param::with_default(
+            "ramp",
+            Type::non_negative(Dimension::TIME),
+            "2 s",
+            "Time from rest to any speed; `0 s` for at once. CARLA's walkers take 2 s.",
+        ),
+        Param::with_default(
+            "turning",
+            Type::positive(Dimension::FREQUENCY),
+            "8 Hz",
+            "Rate at which its velocity turns; 20 Hz or more for at once.",
+        ),
         Param::with_default(
             "speed",
             Type::Range { dimension: Dimension::SPEED, min: 0.0, max: 40.96 },
             "0 m/s .. 3.5 m/s",
             "The speeds it can choose.",
         ),
-        Param::with_default("observation_frame", frame(), "heading", "Where the angles of its state are measured from."),
+        Param::with_default(
+            "observation_frame",
+            frame(),
+            "heading",
+            "Where the angles of its state are measured from.",
+        ),
         Param::with_default("action_frame", frame(), "heading", "Where the heading it chooses is measured from."),
-        Param::with_default("observation_scaling", scaling(), "natural", "Units of its state: rad, m, rad, m/s, or those over π, 30, π, 8."),
-        Param::with_default("action_scaling", scaling(), "natural", "Units of its action: rad and m/s, or the whole range as -1 to 1."),
-        Param::with_default("observed_speed", Type::Choice(&["ego", "relative"]), "ego", "The speed in its state: the ego's, or that of the two relative to each other."),
-        Param::with_default("first_heading", Type::Choice(&["random", "towards_ego"]), "random", "Where it looks at first."),
+        Param::with_default(
+            "observation_scaling",
+            scaling(),
+            "natural",
+            "Units of its state: rad, m, rad, m/s, or those over π, 30, π, 8.",
+        ),
+        Param::with_default(
+            "action_scaling",
+            scaling(),
+            "natural",
+            "Units of its action: rad and m/s, or the whole range as -1 to 1.",
+        ),
+        Param::with_default(
+            "observed_speed",
+            Type::Choice(&["ego", "relative"]),
+            "ego",
+            "The speed in its state: the ego's, or that of the two relative to each other.",
+        ),
+        Param::with_default(
+            "first_heading",
+            Type::Choice(&["random", "towards_ego"]),
+            "random",
+            "Where it looks at first.",
+        ),
     ];
     Form {
         name: "adversary",

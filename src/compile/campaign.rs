@@ -8,7 +8,8 @@ pub fn form() -> Form {
     let name = |form| Type::Reference(form);
     let names = |form| Type::List(Box::new(Type::Reference(form)));
     let count = |max| Type::Integer { min: 1, max };
-    let spawn = || Param::optional("spawn", name("spawn"), "Where these episodes begin, instead of the campaign's `spawn`.");
+    let spawn =
+        || Param::optional("spawn", name("spawn"), "Where these episodes begin, instead of the campaign's `spawn`.");
     let train = Signature::new(
         "train",
         "Trains one pedestrian for every town, policy, reward and run.",
@@ -26,7 +27,12 @@ pub fn form() -> Form {
         vec![
             Param::required("towns", names("town"), "Towns to try them in."),
             Param::required("policies", names("policy"), "Drivers to try them against."),
-            Param::with_default("episodes", count(10_000_000), "200", "Episodes of each; all pedestrians meet the same beginnings."),
+            Param::with_default(
+                "episodes",
+                count(10_000_000),
+                "200",
+                "Episodes of each; all pedestrians meet the same beginnings.",
+            ),
             Param::with_default(
                 "pedestrians",
                 Type::List(Box::new(Type::Choice(PEDESTRIANS))),

@@ -13,16 +13,30 @@ pub fn form() -> Form {
             "0.05 s",
             "Length of a tick. CARLA's driver assumes 0.05 s.",
         ),
-        Param::with_default("hold", Type::Integer { min: 1, max: 10_000 }, "20", "Ticks for which the pedestrian holds a command."),
+        Param::with_default(
+            "hold",
+            Type::Integer { min: 1, max: 10_000 },
+            "20",
+            "Ticks for which the pedestrian holds a command.",
+        ),
         Param::with_default("ticks", Type::Integer { min: 1, max: 1_000_000 }, "600", "Most ticks of an episode."),
-        Param::optional("end_when", Type::Condition, "Ends the episode after a command without a hit when it holds; not in the paper."),
+        Param::optional(
+            "end_when",
+            Type::Condition,
+            "Ends the episode after a command without a hit when it holds; not in the paper.",
+        ),
         Param::with_default(
             "front",
             Type::Quantity { dimension: Dimension::ANGLE, min: 0.0, max: PI },
             "60 deg",
             "A hit is frontal when the pedestrian's bearing from the ego's middle is at most this.",
         ),
-        Param::with_default("moving_above", Type::non_negative(Dimension::SPEED), "0.1 m/s", "The ego counts as moving above this speed."),
+        Param::with_default(
+            "moving_above",
+            Type::non_negative(Dimension::SPEED),
+            "0.1 m/s",
+            "The ego counts as moving above this speed.",
+        ),
         Param::with_default("traffic_lights", Type::Boolean, "true", "Whether the town's traffic lights work."),
     ];
     Form {

@@ -42,7 +42,8 @@ pub fn compile(
     if diagnostics.iter().any(is_error) {
         return Ok(Compiled { plan: None, diagnostics });
     }
-    let mut lowering = Lowering { program: &program, catalog, sources, read, said: &mut diagnostics, towns: BTreeMap::new() };
+    let mut lowering =
+        Lowering { program: &program, catalog, sources, read, said: &mut diagnostics, towns: BTreeMap::new() };
     let plan = lowering.plan();
     lowering.warn_of_unused();
     let plan = (!diagnostics.iter().any(is_error)).then_some(plan);
@@ -87,10 +88,8 @@ impl Lowering<'_> {
         if let Some(built) = self.towns.get(&id) {
             return built.clone();
         }
-        let built = town::lower(self.program.get(id), self.sources, self.read, self.said).map(|town| BuiltTown {
-            obstacles: Arc::new(Obstacles::new(&town.obstacles)),
-            town: Arc::new(town),
-        });
+        let built = town::lower(self.program.get(id), self.sources, self.read, self.said)
+            .map(|town| BuiltTown { obstacles: Arc::new(Obstacles::new(&town.obstacles)), town: Arc::new(town) });
         self.towns.insert(id, built.clone());
         built
     }

@@ -14,7 +14,8 @@ impl Catalog {
                 contents(&mut page, plain);
             }
             for kind in &form.kinds {
-                let _ = writeln!(page, "### `{}`\n\n`{} name = {}(…)`: {}\n", kind.name, form.name, kind.name, kind.doc);
+                let _ =
+                    writeln!(page, "### `{}`\n\n`{} name = {}(…)`: {}\n", kind.name, form.name, kind.name, kind.doc);
                 contents(&mut page, kind);
             }
         }
@@ -39,7 +40,8 @@ fn contents(page: &mut String, signature: &Signature) {
     if !signature.params.is_empty() {
         page.push_str("| key | value | default | meaning |\n|---|---|---|---|\n");
         for param in &signature.params {
-            let _ = writeln!(page, "| `{}` | {} | {} | {} |", param.name, param.ty.describe(), default(param), param.doc);
+            let _ =
+                writeln!(page, "| `{}` | {} | {} | {} |", param.name, param.ty.describe(), default(param), param.doc);
         }
         page.push('\n');
     }

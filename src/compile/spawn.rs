@@ -20,9 +20,23 @@ pub fn form() -> Form {
             "7 m .. 30 m",
             "Distance between the middles of ego and pedestrian.",
         ),
-        Param::with_default("measure", Type::Choice(&["range", "area"]), "range", "What is uniform: the distance, or the ground."),
-        Param::with_default("clearance", Type::non_negative(Dimension::LENGTH), "0.5 m", "Least distance from the pedestrian's middle to an obstacle."),
-        Param::optional("ego_poses", Type::List(Box::new(Type::Pose)), "Poses of which the ego takes one; without them it begins anywhere on the driving lanes outside junctions."),
+        Param::with_default(
+            "measure",
+            Type::Choice(&["range", "area"]),
+            "range",
+            "What is uniform: the distance, or the ground.",
+        ),
+        Param::with_default(
+            "clearance",
+            Type::non_negative(Dimension::LENGTH),
+            "0.5 m",
+            "Least distance from the pedestrian's middle to an obstacle.",
+        ),
+        Param::optional(
+            "ego_poses",
+            Type::List(Box::new(Type::Pose)),
+            "Poses of which the ego takes one; without them it begins anywhere on the driving lanes outside junctions.",
+        ),
         Param::with_default(
             "ego_speed",
             Type::Range { dimension: Dimension::SPEED, min: 0.0, max: 60.0 },

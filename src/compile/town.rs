@@ -1,9 +1,9 @@
 use std::path::Path;
 
-use crate::geometry::{OrientedBox, Point};
-use crate::lang::hir::{Block, Declaration};
-use crate::lang::codes;
 use crate::diagnostic::{Diagnostic, Sources};
+use crate::geometry::{OrientedBox, Point};
+use crate::lang::codes;
+use crate::lang::hir::{Block, Declaration};
 use crate::road::design::{BuildingRow, Node, Street, StreetProfile, TownDesign};
 use crate::road::{Town, opendrive};
 use crate::signature::{Form, Param, Signature, Type, Value};
@@ -11,7 +11,7 @@ use crate::units::Dimension;
 
 use crate::lang::Reader;
 
-/// Points of streets closer than this are one node [m].
+/// Points of streets closer than this are one node (m).
 const SAME_NODE: f64 = 0.01;
 
 /// The form `town`.
@@ -45,7 +45,12 @@ fn designed() -> Signature {
         "row_houses",
         "Houses along both sides of all straight streets.",
         vec![
-            Param::with_default("setback", Type::non_negative(Dimension::LENGTH), "1 m", "Distance of the fronts from the sidewalk."),
+            Param::with_default(
+                "setback",
+                Type::non_negative(Dimension::LENGTH),
+                "1 m",
+                "Distance of the fronts from the sidewalk.",
+            ),
             Param::with_default("depth", length(), "10 m", "Extent away from the street."),
             Param::with_default("length", length(), "16 m", "Extent along the street."),
             Param::with_default("gap", Type::non_negative(Dimension::LENGTH), "4 m", "Distance between two houses."),
@@ -59,12 +64,37 @@ fn designed() -> Signature {
             "town",
             "",
             vec![
-                Param::with_default("lane_width", length(), "3.5 m", "Width of a driving lane; one in either direction."),
-                Param::with_default("shoulder", Type::non_negative(Dimension::LENGTH), "0.3 m", "Width of the strip between lane and sidewalk."),
+                Param::with_default(
+                    "lane_width",
+                    length(),
+                    "3.5 m",
+                    "Width of a driving lane; one in either direction.",
+                ),
+                Param::with_default(
+                    "shoulder",
+                    Type::non_negative(Dimension::LENGTH),
+                    "0.3 m",
+                    "Width of the strip between lane and sidewalk.",
+                ),
                 Param::with_default("sidewalk", length(), "3 m", "Width of the sidewalks."),
-                Param::with_default("bend_radius", length(), "12 m", "Radius of the middle of a street where it bends."),
-                Param::with_default("corner_radius", length(), "2 m", "Radius of the sidewalk's outer edge at the corner of a junction."),
-                Param::with_default("traffic_lights", Type::Boolean, "false", "Whether all junctions have traffic lights."),
+                Param::with_default(
+                    "bend_radius",
+                    length(),
+                    "12 m",
+                    "Radius of the middle of a street where it bends.",
+                ),
+                Param::with_default(
+                    "corner_radius",
+                    length(),
+                    "2 m",
+                    "Radius of the sidewalk's outer edge at the corner of a junction.",
+                ),
+                Param::with_default(
+                    "traffic_lights",
+                    Type::Boolean,
+                    "false",
+                    "Whether all junctions have traffic lights.",
+                ),
             ],
         )
     }
@@ -158,7 +188,11 @@ fn design(declaration: &Declaration) -> TownDesign {
         nodes,
         streets,
         buildings: buildings(block),
-        profile: StreetProfile { lane_width: number("lane_width"), shoulder: number("shoulder"), sidewalk: number("sidewalk") },
+        profile: StreetProfile {
+            lane_width: number("lane_width"),
+            shoulder: number("shoulder"),
+            sidewalk: number("sidewalk"),
+        },
         bend_radius: number("bend_radius"),
         corner_radius: number("corner_radius"),
         block_buildings: row,

@@ -16,20 +16,50 @@ fn params() -> Vec<Param> {
     let count = |max| Type::Integer { min: 1, max };
     let ratio = |min, max| Type::Quantity { dimension: Dimension::RATIO, min, max };
     vec![
-        Param::with_default("steps", count(10_000_000_000), "70_000", "Decisions after which no further update begins."),
-        Param::with_default("steps_per_update", Type::Integer { min: 2, max: 10_000_000 }, "150", "Decisions of every environment between two updates."),
+        Param::with_default(
+            "steps",
+            count(10_000_000_000),
+            "70_000",
+            "Decisions after which no further update begins.",
+        ),
+        Param::with_default(
+            "steps_per_update",
+            Type::Integer { min: 2, max: 10_000_000 },
+            "150",
+            "Decisions of every environment between two updates.",
+        ),
         Param::with_default("environments", count(4096), "1", "Environments that are stepped side by side."),
         Param::with_default("epochs", count(10_000), "10", "Passes over the decisions of an update."),
         Param::with_default("batch_size", Type::Integer { min: 2, max: 10_000_000 }, "64", "Decisions of a minibatch."),
-        Param::with_default("learning_rate", ratio(f64::MIN_POSITIVE, 1.0), "3e-4", "Adam's step size, for actor and critic."),
+        Param::with_default(
+            "learning_rate",
+            ratio(f64::MIN_POSITIVE, 1.0),
+            "3e-4",
+            "Adam's step size, for actor and critic.",
+        ),
         Param::with_default("gamma", Type::share(), "0.98", "Discount of the future, a decision."),
         Param::with_default("gae_lambda", Type::share(), "0.95", "Decay of generalised advantage estimation."),
-        Param::with_default("clip", ratio(f64::MIN_POSITIVE, 100.0), "0.2", "Half width of the interval of the probability ratio."),
+        Param::with_default(
+            "clip",
+            ratio(f64::MIN_POSITIVE, 100.0),
+            "0.2",
+            "Half width of the interval of the probability ratio.",
+        ),
         Param::with_default("value_coefficient", ratio(0.0, 1e6), "0.5", "Weight of the critic's error."),
         Param::with_default("entropy_coefficient", ratio(0.0, 1e6), "0.01", "Weight of the entropy."),
         Param::with_default("max_gradient_norm", ratio(f64::MIN_POSITIVE, 1e6), "0.5", "Greatest norm of a gradient."),
-        Param::with_default("normalize_advantages", Type::Boolean, "true", "Whether advantages are standardised within a minibatch."),
-        Param::with_default("initial_log_std", ratio(-20.0, 5.0), "0", "First logarithm of the action's standard deviation."),
+        Param::with_default(
+            "normalize_advantages",
+            Type::Boolean,
+            "true",
+            "Whether advantages are standardised within a minibatch.",
+        ),
+        Param::with_default(
+            "initial_log_std",
+            ratio(-20.0, 5.0),
+            "0",
+            "First logarithm of the action's standard deviation.",
+        ),
         Param::with_default("hidden", Type::List(Box::new(count(4096))), "[64, 64]", "Widths of the hidden layers."),
     ]
 }

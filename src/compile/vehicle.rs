@@ -24,10 +24,26 @@ fn params() -> Vec<Param> {
         Param::optional("width", positive(Dimension::LENGTH), "Its width, mirrors included."),
         Param::optional("wheelbase", positive(Dimension::LENGTH), "Distance between its axles."),
         Param::optional("full_brake", positive(Dimension::ACCELERATION), "Deceleration at full brake."),
-        Param::optional("low_speed", Type::non_negative(Dimension::SPEED), "Below this speed CARLA's cars brake harder."),
-        Param::optional("low_speed_braking", positive(Dimension::RATIO), "By this factor; a report nobody has explained."),
-        Param::optional("start_up_pause", Type::non_negative(Dimension::TIME), "How long it stands after it has appeared at rest."),
-        Param::optional("steering_response", positive(Dimension::RATIO), "Share of the wheel angle that the tyres follow."),
+        Param::optional(
+            "low_speed",
+            Type::non_negative(Dimension::SPEED),
+            "Below this speed CARLA's cars brake harder.",
+        ),
+        Param::optional(
+            "low_speed_braking",
+            positive(Dimension::RATIO),
+            "By this factor; a report nobody has explained.",
+        ),
+        Param::optional(
+            "start_up_pause",
+            Type::non_negative(Dimension::TIME),
+            "How long it stands after it has appeared at rest.",
+        ),
+        Param::optional(
+            "steering_response",
+            positive(Dimension::RATIO),
+            "Share of the wheel angle that the tyres follow.",
+        ),
     ]
 }
 

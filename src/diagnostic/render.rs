@@ -64,8 +64,7 @@ fn snippet<'a>(
         snippet = snippet.annotation(if primary.text.is_empty() { mark } else { mark.label(&primary.text) });
     }
     for label in diagnostic.labels.iter().filter(|label| label.span.source == id) {
-        snippet =
-            snippet.annotation(AnnotationKind::Context.span(label.span.start..label.span.end).label(&label.text));
+        snippet = snippet.annotation(AnnotationKind::Context.span(label.span.start..label.span.end).label(&label.text));
     }
     snippet
 }

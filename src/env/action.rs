@@ -40,7 +40,7 @@ pub enum FirstHeading {
 pub struct Adversary {
     /// Size and gait.
     pub body: PedestrianBody,
-    /// Least and greatest speed it can choose [m/s].
+    /// Least and greatest speed it can choose (m/s).
     pub speed: (f64, f64),
     /// Where the angles of the state are measured from.
     pub observation_frame: Frame,

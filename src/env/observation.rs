@@ -30,7 +30,7 @@ pub struct Observation {
 }
 
 impl Observation {
-    /// Looks at an ego from a pedestrian that faces along its pose and walks so fast [m/s].
+    /// Looks at an ego from a pedestrian that faces along its pose and walks so fast (m/s).
     pub fn new(pedestrian: &Pose, walking: f64, ego: &Pose, ego_speed: f64, observed: ObservedSpeed) -> Self {
         let offset: Vector = ego.position() - pedestrian.position();
         let speed = match observed {

@@ -10,9 +10,9 @@ pub enum Ending {
         front: bool,
         /// Whether the ego moved.
         moving: bool,
-        /// Speed of the ego [m/s].
+        /// Speed of the ego (m/s).
         impact_speed: f64,
-        /// Bearing of the pedestrian from the ego's centre, positive to the left [rad].
+        /// Bearing of the pedestrian from the ego's centre, positive to the left (rad).
         bearing: f64,
     },
     /// The `end_when` condition held.
@@ -32,9 +32,9 @@ pub struct Outcome {
     pub reward: f64,
     /// Ticks it lasted.
     pub ticks: u32,
-    /// Time from its beginning to the collision or the end [s].
+    /// Time from its beginning to the collision or the end (s).
     pub duration: f64,
-    /// Least distance from the pedestrian's disc to the ego's box [m]; 0 at a collision.
+    /// Least distance from the pedestrian's disc to the ego's box (m); 0 at a collision.
     pub least_gap: f64,
     /// What the driver was doing at the pedestrian's last decision.
     pub last_mode: DrivingMode,

@@ -228,7 +228,7 @@ impl PedestrianEnv {
     }
 }
 
-/// The least time [s] after which a walker at the origin can be where a car at `offset` with `velocity` is.
+/// The least time (s) after which a walker at the origin can be where a car at `offset` with `velocity` is.
 fn meeting_time(offset: crate::geometry::Vector, velocity: crate::geometry::Vector, speed: f64) -> Option<f64> {
     // |offset + velocity t| = speed t
     let a = velocity.norm_squared() - speed * speed;

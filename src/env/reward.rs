@@ -6,21 +6,21 @@ use crate::units::Dimension;
 /// Everything that formulas may speak about, in SI. The order of the fields is the vocabulary's.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Situation {
-    /// Speed of the ego when it was hit [m/s]; only at `hit`.
+    /// Speed of the ego when it was hit (m/s); only at `hit`.
     pub v_c: f64,
-    /// Bearing of the pedestrian from the ego's centre, positive to the left [rad].
+    /// Bearing of the pedestrian from the ego's centre, positive to the left (rad).
     pub bearing: f64,
-    /// Distance between the centres [m].
+    /// Distance between the centres (m).
     pub distance: f64,
-    /// How far the pedestrian is ahead of the ego's centre, negative behind it [m].
+    /// How far the pedestrian is ahead of the ego's centre, negative behind it (m).
     pub ahead: f64,
-    /// How far the pedestrian is to the left of the ego's axis [m].
+    /// How far the pedestrian is to the left of the ego's axis (m).
     pub aside: f64,
-    /// Speed of the ego [m/s].
+    /// Speed of the ego (m/s).
     pub ego_speed: f64,
-    /// Speed of the pedestrian [m/s].
+    /// Speed of the pedestrian (m/s).
     pub walking_speed: f64,
-    /// Time since the episode began [s].
+    /// Time since the episode began (s).
     pub elapsed: f64,
 }
 
@@ -33,18 +33,41 @@ pub fn vocabulary() -> Vocabulary {
     Vocabulary {
         variables: vec![
             variable("v_c", Dimension::SPEED, "Speed of the ego at the collision."),
-            variable("bearing", Dimension::ANGLE, "Bearing of the pedestrian from the ego's centre, positive to the left."),
+            variable(
+                "bearing",
+                Dimension::ANGLE,
+                "Bearing of the pedestrian from the ego's centre, positive to the left.",
+            ),
             variable("distance", Dimension::LENGTH, "Distance between the centres of pedestrian and ego."),
-            variable("ahead", Dimension::LENGTH, "How far the pedestrian is ahead of the ego's centre; negative behind it."),
+            variable(
+                "ahead",
+                Dimension::LENGTH,
+                "How far the pedestrian is ahead of the ego's centre; negative behind it.",
+            ),
             variable("aside", Dimension::LENGTH, "How far the pedestrian is to the left of the ego's axis."),
             variable("ego_speed", Dimension::SPEED, "Speed of the ego."),
             variable("walking_speed", Dimension::SPEED, "Speed of the pedestrian."),
             variable("elapsed", Dimension::TIME, "Time since the episode began."),
         ],
         events: vec![
-            Event { name: "hit", words: &["front", "other"], variables: AT_HIT, doc: "The pedestrian and the ego touch; `front` within the front sector, `other` elsewhere." },
-            Event { name: "step", words: &[], variables: ALWAYS, doc: "A decision has been carried out and nothing was hit." },
-            Event { name: "lost", words: &[], variables: ALWAYS, doc: "The episode ends because its `end_when` condition holds." },
+            Event {
+                name: "hit",
+                words: &["front", "other"],
+                variables: AT_HIT,
+                doc: "The pedestrian and the ego touch; `front` within the front sector, `other` elsewhere.",
+            },
+            Event {
+                name: "step",
+                words: &[],
+                variables: ALWAYS,
+                doc: "A decision has been carried out and nothing was hit.",
+            },
+            Event {
+                name: "lost",
+                words: &[],
+                variables: ALWAYS,
+                doc: "The episode ends because its `end_when` condition holds.",
+            },
             Event { name: "timeout", words: &[], variables: ALWAYS, doc: "The episode's time is up." },
         ],
     }

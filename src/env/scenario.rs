@@ -13,7 +13,7 @@ pub type PolicyMaker = Arc<dyn Fn() -> Box<dyn DrivingPolicy> + Send + Sync>;
 /// How long an episode lasts and what ends it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EpisodeRule {
-    /// Length of a tick [s].
+    /// Length of a tick (s).
     pub tick: f64,
     /// Ticks for which a command of the pedestrian is held.
     pub hold: u32,
@@ -21,9 +21,9 @@ pub struct EpisodeRule {
     pub ticks: u32,
     /// Ends the episode after a decision without a hit when it holds; nothing is bootstrapped then.
     pub end_when: Option<Formula>,
-    /// A hit is frontal when the pedestrian's bearing from the ego's centre is at most this [rad].
+    /// A hit is frontal when the pedestrian's bearing from the ego's centre is at most this (rad).
     pub front_half_angle: f64,
-    /// The ego counts as moving above this speed [m/s].
+    /// The ego counts as moving above this speed (m/s).
     pub moving_above: f64,
     /// Whether the town's traffic lights work.
     pub traffic_lights: bool,

@@ -30,17 +30,17 @@ pub enum EgoStart {
 /// How an episode begins.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpawnRule {
-    /// Bearing of the pedestrian from the ego's heading, positive to the left [rad].
+    /// Bearing of the pedestrian from the ego's heading, positive to the left (rad).
     pub bearing: (f64, f64),
-    /// Distance between the centres [m].
+    /// Distance between the centres (m).
     pub distance: (f64, f64),
     /// What is uniform.
     pub measure: Measure,
-    /// Least distance from the pedestrian's centre to an obstacle [m].
+    /// Least distance from the pedestrian's centre to an obstacle (m).
     pub clearance: f64,
     /// Where the ego begins.
     pub ego_start: EgoStart,
-    /// How fast the ego begins [m/s].
+    /// How fast the ego begins (m/s).
     pub ego_speed: (f64, f64),
 }
 
@@ -49,7 +49,7 @@ pub struct SpawnRule {
 pub struct Spawn {
     /// Pose of the ego.
     pub ego: Pose,
-    /// Speed of the ego [m/s].
+    /// Speed of the ego (m/s).
     pub ego_speed: f64,
     /// Pose of the pedestrian.
     pub pedestrian: Pose,
@@ -62,13 +62,15 @@ pub enum SpawnError {
     #[error("the town has no driving lane outside junctions")]
     NoLane,
     /// Too few places are free of obstacles.
-    #[error("only {accepted} of {tried} places of the sector are {clearance} m clear of obstacles (constraint `clearance`)")]
+    #[error(
+        "only {accepted} of {tried} places of the sector are {clearance} m clear of obstacles (constraint `clearance`)"
+    )]
     Crowded {
         /// Places that were free.
         accepted: u32,
         /// Places that were tried.
         tried: u32,
-        /// The clearance asked for [m].
+        /// The clearance asked for (m).
         clearance: f64,
     },
 }

@@ -1,6 +1,6 @@
 use std::f64::consts::{PI, TAU};
 
-/// Wraps an angle [rad] to (−π, π].
+/// Wraps an angle (rad) to (−π, π].
 ///
 /// # Example
 /// ```

@@ -16,8 +16,8 @@ pub use oriented_box::OrientedBox;
 pub use pose::Pose;
 pub use sweep::{Touch, first_touch};
 
-/// A place in the plane [m].
+/// A place in the plane (m).
 pub type Point = nalgebra::Point2<f64>;
 
-/// A displacement or a velocity in the plane [m] or [m/s].
+/// A displacement or a velocity in the plane (m) or (m/s).
 pub type Vector = nalgebra::Vector2<f64>;

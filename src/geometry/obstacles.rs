@@ -11,7 +11,7 @@ use parry2d::shape::Cuboid;
 
 use super::{OrientedBox, Point, Vector};
 
-/// Slack of the search in world coordinates [m].
+/// Slack of the search in world coordinates (m).
 const MARGIN: f64 = 0.05;
 
 /// Boxes that stand still, with an index over them.
@@ -75,7 +75,7 @@ impl Obstacles {
         centre
     }
 
-    /// The distance from a point to the nearest box within `reach` [m]; `reach` when there is none.
+    /// The distance from a point to the nearest box within `reach` (m); `reach` when there is none.
     pub fn clearance(&self, point: Point, reach: f64) -> f64 {
         let around = Vector::new(reach, reach);
         if self.boxes.is_empty() {

@@ -5,12 +5,12 @@ use super::{Point, Pose, Vector};
 pub struct OrientedBox {
     /// Centre and heading.
     pub pose: Pose,
-    /// Half extents along the heading and across it [m], both positive.
+    /// Half extents along the heading and across it (m), both positive.
     pub half: Vector,
 }
 
 impl OrientedBox {
-    /// Makes a box from its centre, heading and half extents (along, across) [m].
+    /// Makes a box from its centre, heading and half extents (along, across) (m).
     pub fn new(pose: Pose, half_length: f64, half_width: f64) -> Self {
         Self { pose, half: Vector::new(half_length, half_width) }
     }
@@ -22,7 +22,7 @@ impl OrientedBox {
         Self::new(Pose::new(centre.x, centre.y, 0.0), half.x, half.y)
     }
 
-    /// The distance from a point to the box [m]; 0 inside.
+    /// The distance from a point to the box (m); 0 inside.
     pub fn distance_to(&self, point: Point) -> f64 {
         let local = self.pose.to_local(point).abs();
         Vector::new((local.x - self.half.x).max(0.0), (local.y - self.half.y).max(0.0)).norm()
@@ -35,9 +35,9 @@ impl OrientedBox {
         let reach = |axis: &Vector, sides: &[Vector; 2], half: &Vector| {
             half.x * axis.dot(&sides[0]).abs() + half.y * axis.dot(&sides[1]).abs()
         };
-        ours.iter().chain(&theirs).all(|axis| {
-            offset.dot(axis).abs() <= reach(axis, &ours, &self.half) + reach(axis, &theirs, &other.half)
-        })
+        ours.iter()
+            .chain(&theirs)
+            .all(|axis| offset.dot(axis).abs() <= reach(axis, &ours, &self.half) + reach(axis, &theirs, &other.half))
     }
 
     /// The corners, counter-clockwise from the front left.

@@ -3,11 +3,11 @@ use super::{Point, Vector, wrap_angle};
 /// A place and a heading in the plane.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Pose {
-    /// Position east [m].
+    /// Position east (m).
     pub x: f64,
-    /// Position north [m].
+    /// Position north (m).
     pub y: f64,
-    /// Heading [rad], counter-clockwise from `+x`, in (−π, π].
+    /// Heading (rad), counter-clockwise from `+x`, in (−π, π].
     pub yaw: f64,
 }
 
@@ -38,14 +38,14 @@ impl Pose {
         Point::new(self.x + cos * local.x - sin * local.y, self.y + sin * local.x + cos * local.y)
     }
 
-    /// A point of the world in this pose's own frame: `x` ahead, `y` to the left [m].
+    /// A point of the world in this pose's own frame: `x` ahead, `y` to the left (m).
     pub fn to_local(&self, point: Point) -> Vector {
         let (sin, cos) = libm::sincos(self.yaw);
         let (dx, dy) = (point.x - self.x, point.y - self.y);
         Vector::new(cos * dx + sin * dy, -sin * dx + cos * dy)
     }
 
-    /// The bearing of a point from the heading [rad], positive to the left, in (−π, π].
+    /// The bearing of a point from the heading (rad), positive to the left, in (−π, π].
     pub fn bearing_to(&self, point: Point) -> f64 {
         let local = self.to_local(point);
         libm::atan2(local.y, local.x)

@@ -11,7 +11,7 @@ use super::{OrientedBox, Point, Vector};
 pub struct Touch {
     /// When, as a share of the tick from 0 to 1.
     pub fraction: f64,
-    /// The disc's centre in the frame of the box then: ahead and to the left [m].
+    /// The disc's centre in the frame of the box then: ahead and to the left (m).
     pub local: Vector,
 }
 
@@ -28,7 +28,8 @@ pub fn first_touch(from: Point, to: Point, radius: f64, start: &OrientedBox, end
         return None;
     }
     let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
-    let slabs = [enter_slab(a, motion, Vector::new(reach.x, half.y)), enter_slab(a, motion, Vector::new(half.x, reach.y))];
+    let slabs =
+        [enter_slab(a, motion, Vector::new(reach.x, half.y)), enter_slab(a, motion, Vector::new(half.x, reach.y))];
     let circles = corners.map(|(x, y)| enter_circle(a - Vector::new(x * half.x, y * half.y), motion, radius));
     let fraction = slabs.into_iter().chain(circles).flatten().min_by(f64::total_cmp)?;
     Some(Touch { fraction, local: a + motion * fraction })

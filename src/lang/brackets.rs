@@ -7,7 +7,7 @@ use crate::diagnostic::{Diagnostic, SourceId, Span};
 pub const MAX_DEPTH: usize = 64;
 
 /// Looks for the first bracket without its partner, and for nesting beyond [`MAX_DEPTH`].
-pub fn scan(source: SourceId, text: &str) -> Result<(), Diagnostic> {
+pub fn scan(source: SourceId, text: &str) -> Result<(), Box<Diagnostic>> {
     let bytes = text.as_bytes();
     let at = |start: usize| Span { source, start, end: start + 1 };
     let mut open: Vec<(u8, usize)> = Vec::new();
@@ -16,24 +16,31 @@ pub fn scan(source: SourceId, text: &str) -> Result<(), Diagnostic> {
         match bytes[index] {
             b'/' if bytes.get(index + 1) == Some(&b'/') => index = end_of(bytes, index, b"\n"),
             b'/' if bytes.get(index + 1) == Some(&b'*') => index = end_of(bytes, index + 2, b"*/"),
-            b'"' => index = bytes[index + 1..].iter().position(|b| matches!(b, b'"' | b'\n')).map_or(bytes.len(), |n| index + 1 + n),
+            b'"' => {
+                index = bytes[index + 1..]
+                    .iter()
+                    .position(|b| matches!(b, b'"' | b'\n'))
+                    .map_or(bytes.len(), |n| index + 1 + n)
+            }
             byte @ (b'{' | b'(' | b'[') => {
                 open.push((byte, index));
                 if open.len() > MAX_DEPTH {
-                    return Err(codes::too_deep(at(index), MAX_DEPTH));
+                    return Err(Box::new(codes::too_deep(at(index), MAX_DEPTH)));
                 }
             }
             byte @ (b'}' | b')' | b']') => match open.pop() {
                 Some((opening, _)) if closes(opening, byte) => {}
-                Some((opening, place)) => return Err(codes::mismatched_bracket(at(index), at(place), opening as char)),
-                None => return Err(codes::stray_bracket(at(index))),
+                Some((opening, place)) => {
+                    return Err(Box::new(codes::mismatched_bracket(at(index), at(place), opening as char)));
+                }
+                None => return Err(Box::new(codes::stray_bracket(at(index)))),
             },
             _ => {}
         }
         index += 1;
     }
     match open.pop() {
-        Some((opening, place)) => Err(codes::unclosed_bracket(at(place), opening as char)),
+        Some((opening, place)) => Err(Box::new(codes::unclosed_bracket(at(place), opening as char))),
         None => Ok(()),
     }
 }

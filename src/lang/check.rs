@@ -14,7 +14,12 @@ use crate::signature::{Arguments, DeclarationId, Form, Param, Signature, Type, V
 ///
 /// Gives the program and everything that is wrong with it; the program may only be compiled when no diagnostic is an
 /// error.
-pub fn check(loaded: &Loaded, sources: &Sources, forms: &[Form], vocabulary: &Vocabulary) -> (Program, Vec<Diagnostic>) {
+pub fn check(
+    loaded: &Loaded,
+    sources: &Sources,
+    forms: &[Form],
+    vocabulary: &Vocabulary,
+) -> (Program, Vec<Diagnostic>) {
     let mut diagnostics = Vec::new();
     let ids = number_declarations(&loaded.files);
     let mut program = Program { declarations: Vec::new(), roots: loaded.roots.clone() };

@@ -32,12 +32,14 @@ pub fn unclosed_bracket(span: Span, bracket: char) -> Diagnostic {
 
 /// A closing bracket has no partner.
 pub fn stray_bracket(span: Span) -> Diagnostic {
-    Diagnostic::error("stray-bracket", span, "this bracket closes nothing").help("remove it, or add its opening partner")
+    Diagnostic::error("stray-bracket", span, "this bracket closes nothing")
+        .help("remove it, or add its opening partner")
 }
 
 /// A closing bracket meets another kind of opening one.
 pub fn mismatched_bracket(span: Span, opening: Span, bracket: char) -> Diagnostic {
-    Diagnostic::error("mismatched-bracket", span, format!("this does not close `{bracket}`")).label(opening, "opened here")
+    Diagnostic::error("mismatched-bracket", span, format!("this does not close `{bracket}`"))
+        .label(opening, "opened here")
 }
 
 /// Brackets nest too deep.
@@ -108,8 +110,12 @@ pub fn duplicate_key(span: Span, word: &str, first: Span) -> Diagnostic {
 
 /// A key without default is not given.
 pub fn missing_key(span: Span, owner: &str, param: &Param) -> Diagnostic {
-    Diagnostic::error("missing-key", span, format!("`{owner}` needs the key `{}`", param.name))
-        .help(format!("`{}` is a {}: {}", param.name, param.ty.describe(), param.doc))
+    Diagnostic::error("missing-key", span, format!("`{owner}` needs the key `{}`", param.name)).help(format!(
+        "`{}` is a {}: {}",
+        param.name,
+        param.ty.describe(),
+        param.doc
+    ))
 }
 
 /// A value in parentheses has no key.

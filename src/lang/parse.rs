@@ -20,7 +20,7 @@ mod rules {
 }
 use rules::{Rule, ScenarioParser};
 
-/// The longest file that is read [bytes].
+/// The longest file that is read (bytes).
 const MAX_BYTES: usize = 4 << 20;
 
 /// Reads a file's text into a tree, with everything that could be read and one diagnostic for each statement that
@@ -33,7 +33,7 @@ pub fn parse(source: SourceId, text: &str) -> (File, Vec<Diagnostic>) {
         return (file, vec![codes::too_large(span, text.len(), MAX_BYTES)]);
     }
     if let Err(diagnostic) = brackets::scan(source, text) {
-        return (file, vec![diagnostic]);
+        return (file, vec![*diagnostic]);
     }
     match ScenarioParser::parse(Rule::file, text) {
         Ok(mut pairs) => {
@@ -47,7 +47,7 @@ pub fn parse(source: SourceId, text: &str) -> (File, Vec<Diagnostic>) {
 }
 
 /// Reads a value that stands alone, such as a default in a signature.
-pub(super) fn parse_value(source: SourceId, text: &str) -> Result<Expression, Diagnostic> {
+pub(super) fn parse_value(source: SourceId, text: &str) -> Result<Expression, Box<Diagnostic>> {
     let mut reader = Reader { source, offset: 0, diagnostics: Vec::new() };
     brackets::scan(source, text)?;
     match ScenarioParser::parse(Rule::whole_value, text) {
@@ -55,7 +55,7 @@ pub(super) fn parse_value(source: SourceId, text: &str) -> Result<Expression, Di
             let value = pairs.next().and_then(|whole| whole.into_inner().next()).expect("whole_value holds a value");
             Ok(reader.value(value))
         }
-        Err(error) => Err(reader.syntax_error(&error, 0)),
+        Err(error) => Err(Box::new(reader.syntax_error(&error, 0))),
     }
 }
 
@@ -182,10 +182,7 @@ impl Reader {
             .map_infix(|left, operator, right| {
                 let span = left.span.to(right.span);
                 let operator = operator_of(operator.as_rule());
-                Expression {
-                    kind: ExpressionKind::Binary { operator, left: left.into(), right: right.into() },
-                    span,
-                }
+                Expression { kind: ExpressionKind::Binary { operator, left: left.into(), right: right.into() }, span }
             })
             .parse(pairs)
     }

@@ -39,7 +39,8 @@ pub(super) fn value(
         }
         (Type::List(item), _) => value(expression, item, context, diagnostics).map(|one| Value::List(vec![one])),
         (Type::Range { dimension, min, max }, ExpressionKind::Range(low, high)) => {
-            let (a, b) = (quantity(low, *dimension, context, diagnostics), quantity(high, *dimension, context, diagnostics));
+            let (a, b) =
+                (quantity(low, *dimension, context, diagnostics), quantity(high, *dimension, context, diagnostics));
             let (a, b) = (a?, b?);
             if a > b {
                 let swapped = format!("{} .. {}", context.sources.text(high.span), context.sources.text(low.span));
@@ -120,7 +121,9 @@ pub(super) fn value(
 fn is_formula(expression: &Expression) -> bool {
     match &expression.kind {
         ExpressionKind::Group(members) => members.len() == 1,
-        ExpressionKind::Text(_) | ExpressionKind::Range(..) | ExpressionKind::List(_) | ExpressionKind::Name(_) => false,
+        ExpressionKind::Text(_) | ExpressionKind::Range(..) | ExpressionKind::List(_) | ExpressionKind::Name(_) => {
+            false
+        }
         _ => true,
     }
 }

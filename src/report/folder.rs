@@ -95,7 +95,11 @@ impl ReportFolder {
         })
     }
 
-    fn write(&self, name: &str, fill: impl FnOnce(&mut BufWriter<fs::File>) -> io::Result<()>) -> Result<(), WriteError> {
+    fn write(
+        &self,
+        name: &str,
+        fill: impl FnOnce(&mut BufWriter<fs::File>) -> io::Result<()>,
+    ) -> Result<(), WriteError> {
         let path = self.draft.path().join(name);
         let failed = |source| WriteError::File { path: path.clone(), source };
         if let Some(parent) = path.parent() {

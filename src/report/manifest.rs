@@ -17,7 +17,7 @@ pub struct Manifest {
     pub threads: usize,
     /// Simulator ticks of the evaluations.
     pub evaluation_ticks: u64,
-    /// Wall time of the whole campaign [s].
+    /// Wall time of the whole campaign (s).
     pub wall_time_s: f64,
     /// The scenario files, in the order they were read.
     pub files: Vec<FileRecord>,
@@ -47,7 +47,7 @@ pub struct TrainingRecord {
     pub run: u32,
     /// Decisions that were taken.
     pub decisions: u64,
-    /// Wall time [s].
+    /// Wall time (s).
     pub wall_time_s: f64,
     /// File of the trained pedestrian, relative to the manifest; empty when the training failed.
     pub pedestrian: String,

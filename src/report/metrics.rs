@@ -50,9 +50,9 @@ pub struct Cell {
     pub moving: Spread,
     /// Reward of an episode.
     pub reward_sum: Spread,
-    /// Length of an episode [s].
+    /// Length of an episode (s).
     pub length: Spread,
-    /// Speed of the ego at a collision [m/s].
+    /// Speed of the ego at a collision (m/s).
     pub impact_speed: Spread,
 }
 

@@ -14,12 +14,12 @@ mod summary;
 mod manifest;
 mod folder;
 
+pub use figure::learning_figures;
 pub use folder::{ReportFolder, WriteError};
 pub use learning_curve::learning_curve;
 pub use manifest::{FileRecord, Manifest, TrainingRecord};
 pub use metrics::{Cell, Metrics, Spread, metrics};
 pub use summary::{summary, table};
-pub use town_map::town_map;
-pub use figure::learning_figures;
 pub use tables::{episodes, failure_modes};
+pub use town_map::town_map;
 pub use wilson::wilson;

@@ -7,7 +7,7 @@ use crate::env::Ending;
 use crate::geometry::Point;
 use crate::road::{LaneKind, Road, Town};
 
-/// Spacing of the points of a lane's outline [m].
+/// Spacing of the points of a lane's outline (m).
 const STEP: f64 = 2.0;
 
 /// Draws a town, and a dot for every episode where its pedestrian began: filled when it hit a moving car, ringed when
@@ -25,7 +25,12 @@ pub fn town_map(town: &Town, rows: &[&EpisodeRow]) -> String {
         -high.y - margin,
         escape(&town.name),
     );
-    let _ = writeln!(page, "<rect class=\"ground\" x=\"{:.1}\" y=\"{:.1}\" width=\"{width:.1}\" height=\"{height:.1}\"/>", low.x - margin, -high.y - margin);
+    let _ = writeln!(
+        page,
+        "<rect class=\"ground\" x=\"{:.1}\" y=\"{:.1}\" width=\"{width:.1}\" height=\"{height:.1}\"/>",
+        low.x - margin,
+        -high.y - margin
+    );
     for (class, wanted) in [("sidewalk", false), ("lane", true)] {
         for road in &town.roads {
             outline(&mut page, road, class, &|kind| (kind == LaneKind::Driving) == wanted && kind != LaneKind::None);
@@ -41,7 +46,8 @@ pub fn town_map(town: &Town, rows: &[&EpisodeRow]) -> String {
             Ending::Collision { .. } => ("standing", 1.0),
             _ => ("miss", 0.6),
         };
-        let _ = writeln!(page, "<circle class=\"{class}\" cx=\"{:.1}\" cy=\"{:.1}\" r=\"{radius}\"/>", place.x, -place.y);
+        let _ =
+            writeln!(page, "<circle class=\"{class}\" cx=\"{:.1}\" cy=\"{:.1}\" r=\"{radius}\"/>", place.x, -place.y);
     }
     page.push_str("</svg>\n");
     page

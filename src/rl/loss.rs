@@ -14,9 +14,9 @@ pub(super) struct LossTerms {
     pub(super) policy: f64,
     /// The critic's mean squared error.
     pub(super) value: f64,
-    /// The policy's entropy [nat].
+    /// The policy's entropy (nat).
     pub(super) entropy: f64,
-    /// The mean of (ratio − 1) − ln ratio [nat].
+    /// The mean of (ratio − 1) − ln ratio (nat).
     pub(super) approx_kl: f64,
     /// The share of samples with a ratio outside the clip interval.
     pub(super) clip_fraction: f64,

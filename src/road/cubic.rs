@@ -4,7 +4,7 @@
 /// OpenDRIVE: lane widths, lane offsets, borders.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Cubic {
-    /// Where it begins to hold [m].
+    /// Where it begins to hold (m).
     pub start: f64,
     /// Value at `start`.
     pub a: f64,
@@ -22,13 +22,13 @@ impl Cubic {
         Self { a: value, ..Self::default() }
     }
 
-    /// The value at `s` [m].
+    /// The value at `s` (m).
     pub fn value(&self, s: f64) -> f64 {
         let ds = s - self.start;
         self.a + ds * (self.b + ds * (self.c + ds * self.d))
     }
 
-    /// The slope at `s` [m].
+    /// The slope at `s` (m).
     pub fn slope(&self, s: f64) -> f64 {
         let ds = s - self.start;
         self.b + ds * (2.0 * self.c + ds * 3.0 * self.d)
@@ -56,23 +56,23 @@ impl Profile {
         &self.0
     }
 
-    /// The cubic that holds at `s` [m]; none in an empty profile.
+    /// The cubic that holds at `s` (m); none in an empty profile.
     pub fn at(&self, s: f64) -> Option<&Cubic> {
         let after = self.0.partition_point(|cubic| cubic.start <= s);
         self.0.get(after.saturating_sub(1))
     }
 
-    /// The value at `s` [m]; 0 in an empty profile.
+    /// The value at `s` (m); 0 in an empty profile.
     pub fn value(&self, s: f64) -> f64 {
         self.at(s).map_or(0.0, |cubic| cubic.value(s))
     }
 
-    /// The slope at `s` [m]; 0 in an empty profile.
+    /// The slope at `s` (m); 0 in an empty profile.
     pub fn slope(&self, s: f64) -> f64 {
         self.at(s).map_or(0.0, |cubic| cubic.slope(s))
     }
 
-    /// The sum of profiles, each multiplied by a factor, from `start` to `end` [m]; exact, since sums of cubics are cubics.
+    /// The sum of profiles, each multiplied by a factor, from `start` to `end` (m); exact, since sums of cubics are cubics.
     pub fn sum(terms: &[(&Self, f64)], start: f64, end: f64) -> Self {
         let begins = terms.iter().flat_map(|(profile, _)| &profile.0).map(|cubic| cubic.start);
         let mut begins: Vec<f64> = begins.filter(|s| *s > start && *s < end).collect();

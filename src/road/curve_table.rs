@@ -2,7 +2,7 @@
 
 use crate::geometry::Vector;
 
-/// The distance between two places of a table [m].
+/// The distance between two places of a table (m).
 const INTERVAL: f64 = 0.5;
 /// How many intervals a table has at least and at most.
 const INTERVALS: (f64, f64) = (5.0, 20_000.0);
@@ -39,7 +39,7 @@ impl CurveTable {
         Self { entries: (0..=count as u32).map(entry).collect() }
     }
 
-    /// The place and the tangent at a distance [m]; beyond the end it goes straight on.
+    /// The place and the tangent at a distance (m); beyond the end it goes straight on.
     pub fn at(&self, distance: f64) -> (Vector, Vector) {
         // The entries are almost evenly spaced, so the first guess is hardly ever more than one off.
         let last = self.entries.len() - 2;
@@ -66,7 +66,7 @@ mod tests {
     fn a_circle_is_followed_to_a_few_millimetres() {
         let radius = 10.0;
         let circle = |p: f64| {
-            let (sin, cos) = (p / radius).sin_cos();
+            let (sin, cos) = libm::sincos(p / radius);
             (Vector::new(radius * sin, radius * (1.0 - cos)), Vector::new(cos, sin))
         };
         let table = CurveTable::new(12.0, 12.0, circle);

@@ -7,7 +7,7 @@ use crate::geometry::{OrientedBox, Pose};
 /// CARLA `Traffic/SpeedLimitComponent.cpp`: a square of half size 0.35 × lane width on every driving lane the sign holds for.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpeedSign {
-    /// The limit [m/s].
+    /// The limit (m/s).
     pub limit: f64,
     /// Where it takes effect.
     pub trigger: OrientedBox,

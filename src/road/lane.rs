@@ -58,7 +58,7 @@ pub struct Lane {
     pub id: LaneId,
     /// What it is for.
     pub kind: LaneKind,
-    /// Its width [m] over the distance from the beginning of the road (not of the section).
+    /// Its width (m) over the distance from the beginning of the road (not of the section).
     pub width: Profile,
     /// The lane of the section (or road) before, if the file says so.
     pub predecessor: Option<LaneId>,

@@ -9,13 +9,13 @@ use super::lane_network::{LaneNetwork, LaneSlot, NetworkLane};
 use super::{LaneKind, Road, Waypoint};
 use crate::geometry::{Point, Pose, Vector};
 
-/// How far the heading turns before the next chord begins [rad].
+/// How far the heading turns before the next chord begins (rad).
 const TURN: f64 = std::f64::consts::PI / 100.0;
-/// The longest chord on a curved lane [m].
+/// The longest chord on a curved lane (m).
 const LONGEST: f64 = 100.0;
-/// The step in which a curved lane is searched for the end of a chord [m].
+/// The step in which a curved lane is searched for the end of a chord (m).
 const STEP: f64 = 1.0;
-/// What is left of a lane at its end, to stay on it [m].
+/// What is left of a lane at its end, to stay on it (m).
 const MARGIN: f64 = 1e-6;
 /// An upper limit of steps a lane, for a file with absurd lengths.
 const MAX_STEPS: f64 = 8192.0;
@@ -54,7 +54,7 @@ struct Chord {
 }
 
 impl Chord {
-    /// How far along the chord the place nearest to a point is [m].
+    /// How far along the chord the place nearest to a point is (m).
     fn project(&self, point: Point) -> f64 {
         (point - self.from).dot(&self.along).clamp(0.0, self.length)
     }
@@ -126,13 +126,13 @@ impl LaneIndex {
     }
 }
 
-/// The width of a grid's cell [m].
+/// The width of a grid's cell (m).
 const CELL: f64 = 4.0;
 /// How many cells a grid has at most; larger towns get wider cells.
 const MOST_CELLS: f64 = 65_536.0;
 /// How many chords all cells of a grid have together at most.
 const MOST_CANDIDATES: usize = 4_000_000;
-/// How far beyond the lanes a grid reaches [m].
+/// How far beyond the lanes a grid reaches (m).
 const BEYOND: f64 = 12.0;
 
 /// For each square cell the chords that are nearest to some point in it, found with an R-tree beforehand.

@@ -16,7 +16,7 @@ pub(super) struct NetworkLane {
     pub section: u32,
     pub id: LaneId,
     pub kind: LaneKind,
-    /// Where its section begins and ends along the road [m].
+    /// Where its section begins and ends along the road (m).
     pub start: f64,
     pub end: f64,
     /// Whether its road lies in a junction.
@@ -35,12 +35,12 @@ impl NetworkLane {
         self.id < 0
     }
 
-    /// Where driving along it begins, and where it ends, along the road [m].
+    /// Where driving along it begins, and where it ends, along the road (m).
     pub fn driving_ends(&self) -> (f64, f64) {
         if self.forward() { (self.start, self.end) } else { (self.end, self.start) }
     }
 
-    /// The waypoint at a distance along the road [m], held within the lane.
+    /// The waypoint at a distance along the road (m), held within the lane.
     pub fn waypoint(&self, s: f64) -> Waypoint {
         Waypoint {
             road: self.road,
@@ -189,7 +189,7 @@ impl LaneNetwork {
         &self.links[lane.previous.start as usize..lane.previous.end as usize]
     }
 
-    /// The width of a lane [m].
+    /// The width of a lane (m).
     pub fn width(&self, lane: &NetworkLane, s: f64) -> f64 {
         lane.width.value(s)
     }

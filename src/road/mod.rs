@@ -28,7 +28,7 @@ pub use lane::{Lane, LaneId, LaneKind};
 pub use lane_index::LaneFilter;
 pub use opendrive::{OpenDriveError, OpenDriveProblem, OpenDriveWarning};
 pub use plan_view::{Geometry, PlanView, Shape};
-pub use route::{RandomWalk, RoadOption, RoutePoint, turn};
 pub use road::{JunctionIndex, LaneSection, Road, RoadEnd, RoadIndex, RoadLink};
+pub use route::{ForkRule, RandomWalk, RoadOption, RoutePoint, turn};
 pub use town::{Town, TownParts};
 pub use waypoint::{LaneStretch, PosedWaypoint, Waypoint};

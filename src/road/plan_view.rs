@@ -5,11 +5,11 @@ use crate::geometry::{Point, Pose, Vector, wrap_angle};
 /// A piece of a reference line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Geometry {
-    /// Where it begins along the road [m].
+    /// Where it begins along the road (m).
     pub s: f64,
     /// Where it begins in the world, and its heading there.
     pub start: Pose,
-    /// Its length [m].
+    /// Its length (m).
     pub length: f64,
     /// Its form.
     pub shape: Shape,
@@ -24,17 +24,17 @@ pub struct Geometry {
 pub enum Shape {
     /// Straight.
     Line,
-    /// Part of a circle; a positive curvature [1/m] bends to the left.
+    /// Part of a circle; a positive curvature (1/m) bends to the left.
     Arc(f64),
-    /// An Euler spiral: the curvature goes evenly from the first value to the second [1/m].
+    /// An Euler spiral: the curvature goes evenly from the first value to the second (1/m).
     Spiral(f64, f64),
     /// A cubic of the distance straight ahead, followed by its own length.
     Poly3([f64; 4]),
     /// Two cubics of a parameter, ahead and to the left, followed by the length of the curve.
     ParamPoly3 {
-        /// Ahead [m].
+        /// Ahead (m).
         u: [f64; 4],
-        /// To the left [m].
+        /// To the left (m).
         v: [f64; 4],
         /// Whether the parameter goes from 0 to 1, and not to the piece's length.
         normalized: bool,
@@ -50,7 +50,7 @@ pub(super) struct CurvePoint {
 }
 
 impl CurvePoint {
-    /// The point at a lateral distance, positive to the left [m].
+    /// The point at a lateral distance, positive to the left (m).
     pub fn beside(&self, t: f64) -> Point {
         Point::new(self.position.x - self.forward.y * t, self.position.y + self.forward.x * t)
     }
@@ -62,7 +62,7 @@ impl Geometry {
         Self::new(s, start, length, Shape::Line)
     }
 
-    /// A part of a circle; a positive curvature [1/m] bends to the left.
+    /// A part of a circle; a positive curvature (1/m) bends to the left.
     pub fn arc(s: f64, start: Pose, length: f64, curvature: f64) -> Self {
         Self::new(s, start, length, Shape::Arc(curvature))
     }
@@ -72,13 +72,13 @@ impl Geometry {
         Self { s, start, length, shape, direction: start.forward() }
     }
 
-    /// The pose `ds` [m] after its beginning.
+    /// The pose `ds` (m) after its beginning.
     pub fn pose(&self, ds: f64) -> Pose {
         let point = self.point(ds);
         Pose { x: point.position.x, y: point.position.y, yaw: wrap_angle(point.yaw) }
     }
 
-    /// The point `ds` [m] after its beginning.
+    /// The point `ds` (m) after its beginning.
     pub(super) fn point(&self, ds: f64) -> CurvePoint {
         match self.shape {
             Shape::Line => self.straight(ds),
@@ -141,7 +141,7 @@ fn slope([_, b, c, d]: [f64; 4], x: f64) -> f64 {
     b + x * (2.0 * c + x * 3.0 * d)
 }
 
-/// The parameter at which a curve is `ds` [m] long, given its speed over the parameter; `share` is the first guess for each
+/// The parameter at which a curve is `ds` (m) long, given its speed over the parameter; `share` is the first guess for each
 /// metre.
 ///
 /// # Source
@@ -186,7 +186,7 @@ impl PlanView {
         &self.pieces
     }
 
-    /// The pose at `s` [m], held at both ends.
+    /// The pose at `s` (m), held at both ends.
     pub fn pose(&self, s: f64) -> Pose {
         let point = self.point(s);
         Pose { x: point.position.x, y: point.position.y, yaw: wrap_angle(point.yaw) }
@@ -196,12 +196,12 @@ impl PlanView {
         self.pieces.partition_point(|piece| piece.s <= s).saturating_sub(1)
     }
 
-    /// The piece that holds at `s` [m].
+    /// The piece that holds at `s` (m).
     pub fn piece_at(&self, s: f64) -> Option<&Geometry> {
         self.pieces.get(self.index_at(s))
     }
 
-    /// The point at `s` [m], held at both ends.
+    /// The point at `s` (m), held at both ends.
     pub(super) fn point(&self, s: f64) -> CurvePoint {
         let index = self.index_at(s);
         let Some(piece) = self.pieces.get(index) else {
@@ -245,7 +245,7 @@ mod tests {
         let view = PlanView::new(vec![bend, Geometry::line(0.0, Pose::default(), 10.0)]);
         near(view.pose(-5.0), 0.0, 0.0, 0.0);
         near(view.pose(7.0), 7.0, 0.0, 0.0);
-        near(view.pose(99.0), 10.0 + 10.0 * 1.0_f64.sin(), -10.0 * (1.0 - 1.0_f64.cos()), -1.0);
+        near(view.pose(99.0), 10.0 + 10.0 * libm::sin(1.0_f64), -10.0 * (1.0 - libm::cos(1.0_f64)), -1.0);
         near(PlanView::default().pose(1.0), 0.0, 0.0, 0.0);
     }
 
@@ -260,7 +260,7 @@ mod tests {
     #[test]
     fn a_cubic_is_followed_by_its_length() {
         let cubic = Geometry::new(0.0, Pose::default(), 10.0, Shape::Poly3([0.0, 0.75, 0.0, 0.0]));
-        near(cubic.pose(5.0), 4.0, 3.0, 0.75_f64.atan());
+        near(cubic.pose(5.0), 4.0, 3.0, libm::atan(0.75_f64));
     }
 
     #[test]

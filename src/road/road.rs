@@ -31,9 +31,9 @@ pub enum RoadLink {
 /// A stretch of a road on which the lanes are the same.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LaneSection {
-    /// Where it begins [m].
+    /// Where it begins (m).
     pub start: f64,
-    /// Where it ends [m].
+    /// Where it ends (m).
     pub end: f64,
     /// Its lanes from left to right (descending numbers), with the centre lane 0 if the file has it.
     pub lanes: Vec<Lane>,
@@ -53,13 +53,13 @@ pub struct Road {
     pub id: u32,
     /// Its name, often empty.
     pub name: String,
-    /// Its length [m].
+    /// Its length (m).
     pub length: f64,
     /// The junction it lies in.
     pub junction: Option<JunctionIndex>,
     /// The reference line.
     pub plan_view: PlanView,
-    /// Lateral offset of lane 0 from the reference line, positive to the left [m].
+    /// Lateral offset of lane 0 from the reference line, positive to the left (m).
     pub lane_offset: Profile,
     /// Lane sections in order; never empty.
     pub sections: Vec<LaneSection>,
@@ -70,12 +70,12 @@ pub struct Road {
 }
 
 impl Road {
-    /// The section that holds at `s` [m].
+    /// The section that holds at `s` (m).
     pub fn section_at(&self, s: f64) -> usize {
         self.sections.partition_point(|section| section.start <= s).saturating_sub(1)
     }
 
-    /// The centre of a lane at `s` [m], heading along its driving direction (right-hand traffic).
+    /// The centre of a lane at `s` (m), heading along its driving direction (right-hand traffic).
     ///
     /// None when the section has no such lane.
     pub fn lane_pose(&self, section: usize, id: LaneId, s: f64) -> Option<Pose> {
@@ -85,7 +85,7 @@ impl Road {
         Some(Pose { x: centre.x, y: centre.y, yaw: heading(&line, id, slope) })
     }
 
-    /// Lateral position of a lane's centre, positive to the left [m], and its slope along the road.
+    /// Lateral position of a lane's centre, positive to the left (m), and its slope along the road.
     pub fn lane_centre(&self, section: usize, id: LaneId, s: f64) -> Option<(f64, f64)> {
         let lanes = &self.sections.get(section)?.lanes;
         let own = lanes.iter().find(|lane| lane.id == id)?;

@@ -1,7 +1,7 @@
 use rand::RngExt;
 
 use super::{Town, Waypoint};
-use crate::geometry::Pose;
+use crate::geometry::{Pose, wrap_angle};
 use crate::seed::Stream;
 
 /// The turn that a point of a route belongs to, as CARLA's planners name them.
@@ -24,7 +24,7 @@ pub struct RoutePoint {
     pub waypoint: Waypoint,
     /// Centre of the lane, heading along its driving direction.
     pub pose: Pose,
-    /// Width of the lane [m].
+    /// Width of the lane (m).
     pub lane_width: f64,
     /// Whether it lies inside a junction.
     pub is_junction: bool,
@@ -45,40 +45,94 @@ impl RoutePoint {
     }
 }
 
-/// Turns below this angle are straight on [rad].
+/// Turns below this angle are straight on (rad).
 const STRAIGHT: f64 = 35.0 * std::f64::consts::PI / 180.0;
-/// How far past a fork one looks to name the turn [m].
+/// How far past a fork CARLA's planner looks to name the turn (m).
 const LOOK_PAST: f64 = 3.0;
+/// Step with which we look for the end of a junction (m), and how often.
+const LOOK_THROUGH: (f64, u32) = (3.0, 30);
 
-/// A walk through a town that takes any turn at a fork, each named turn as likely.
+/// How a random walk chooses at a fork.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ForkRule {
+    /// Every branch is as likely, and the turn is named by where the branch leaves the junction: what driving to far
+    /// destinations amounts to.
+    #[default]
+    AnyBranch,
+    /// CARLA's way without a destination: turns are named by the first metres of a branch, each name is as likely, and
+    /// of the branches with one name the first is taken. In CARLA's Town01 and Town02 every branch begins straight, so
+    /// that the car always takes the first one.
+    NamedTurn,
+}
+
+/// A walk through a town without a destination.
 ///
 /// # Source
-/// CARLA 0.9.15 `agents/navigation/local_planner.py`, the planner's way without a destination.
+/// CARLA 0.9.15 `agents/navigation/local_planner.py`, for [`ForkRule::NamedTurn`].
 #[derive(Debug, Clone, Default)]
 pub struct RandomWalk {
+    rule: ForkRule,
     branches: Vec<Waypoint>,
     past: Vec<Waypoint>,
     options: Vec<RoadOption>,
 }
 
 impl RandomWalk {
-    /// The point `step` [m] further along the reference line; none at the end of the road.
+    /// Makes a walk that chooses by a rule.
+    pub fn new(rule: ForkRule) -> Self {
+        Self { rule, ..Self::default() }
+    }
+
+    /// The point `step` (m) further along the reference line; none at the end of the road.
     pub fn next(&mut self, town: &Town, from: &RoutePoint, step: f64, stream: &mut Stream) -> Option<RoutePoint> {
         self.branches.clear();
         town.next(from.waypoint, step, &mut self.branches);
         if self.branches.len() < 2 {
-            return self.branches.first().map(|only| RoutePoint::new(town, *only, RoadOption::LaneFollow));
+            let mut next = RoutePoint::new(town, *self.branches.first()?, RoadOption::LaneFollow);
+            if self.rule == ForkRule::AnyBranch && from.is_junction && next.is_junction {
+                next.option = from.option;
+            }
+            return Some(next);
         }
-        self.options.clear();
-        for branch in &self.branches {
+        match self.rule {
+            ForkRule::AnyBranch => {
+                let branch = self.branches[stream.random_range(0..self.branches.len())];
+                let turned = wrap_angle(self.way_out(town, branch).yaw - from.pose.yaw);
+                let option = match turned {
+                    turned if turned > STRAIGHT => RoadOption::Left,
+                    turned if turned < -STRAIGHT => RoadOption::Right,
+                    _ => RoadOption::Straight,
+                };
+                Some(RoutePoint::new(town, branch, option))
+            }
+            ForkRule::NamedTurn => {
+                self.options.clear();
+                for branch in &self.branches {
+                    self.past.clear();
+                    town.next(*branch, LOOK_PAST, &mut self.past);
+                    let beyond = self.past.first().unwrap_or(branch);
+                    self.options.push(turn(&from.pose, &town.pose(*beyond)));
+                }
+                let option = self.options[stream.random_range(0..self.options.len())];
+                let chosen = self.options.iter().position(|each| *each == option)?;
+                Some(RoutePoint::new(town, self.branches[chosen], option))
+            }
+        }
+    }
+
+    /// The pose at which a branch leaves its junction.
+    fn way_out(&mut self, town: &Town, branch: Waypoint) -> Pose {
+        let mut here = branch;
+        for _ in 0..LOOK_THROUGH.1 {
+            if !town.is_junction(here) {
+                break;
+            }
             self.past.clear();
-            town.next(*branch, LOOK_PAST, &mut self.past);
-            let beyond = self.past.first().unwrap_or(branch);
-            self.options.push(turn(&from.pose, &town.pose(*beyond)));
+            town.next(here, LOOK_THROUGH.0, &mut self.past);
+            let Some(beyond) = self.past.first() else { break };
+            here = *beyond;
         }
-        let option = self.options[stream.random_range(0..self.options.len())];
-        let chosen = self.options.iter().position(|each| *each == option)?;
-        Some(RoutePoint::new(town, self.branches[chosen], option))
+        town.pose(here)
     }
 }
 
@@ -99,6 +153,47 @@ pub fn turn(before: &Pose, after: &Pose) -> RoadOption {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_way_through_a_junction_is_taken_and_named() {
+        use super::super::design::{Node, Street, TownDesign};
+        use crate::geometry::Point;
+        use crate::seed::Seed;
+        let node = |x, y| Node { name: String::new(), position: Point::new(x, y), lights: false };
+        let street = |nodes: Vec<usize>| Street { name: String::new(), nodes, speed_limit: None };
+        let design = TownDesign {
+            nodes: vec![node(-80.0, 0.0), node(0.0, 0.0), node(80.0, 0.0), node(0.0, 80.0)],
+            streets: vec![street(vec![0, 1, 2]), street(vec![1, 3])],
+            ..TownDesign::default()
+        };
+        let town = Town::new(design.build().unwrap());
+        let start = town.nearest_lane(Point::new(0.0, 60.0), super::super::LaneFilter::Driving).unwrap();
+        let towards = (0..2).map(|side| if side == 0 { start } else { town.left_lane(start).unwrap() });
+        let start = towards.into_iter().find(|lane| town.pose(*lane).yaw < 0.0).unwrap();
+        let mut stream = Seed::root(1).stream();
+        let mut walk = RandomWalk::new(ForkRule::AnyBranch);
+        let mut seen = [0; 2];
+        for _ in 0..40 {
+            let mut point = RoutePoint::new(&town, start, RoadOption::LaneFollow);
+            let mut through = Vec::new();
+            for _ in 0..50 {
+                point = walk.next(&town, &point, 2.0, &mut stream).unwrap();
+                if point.is_junction {
+                    through.push(point.option);
+                } else if !through.is_empty() {
+                    break;
+                }
+            }
+            assert!(through.iter().all(|option| *option == through[0]), "{through:?}");
+            // Coming from the north, east is to the left.
+            match through[0] {
+                RoadOption::Left if point.pose.x > 0.0 => seen[0] += 1,
+                RoadOption::Right if point.pose.x < 0.0 => seen[1] += 1,
+                other => panic!("{other:?} ends at {:?}", point.pose),
+            }
+        }
+        assert!(seen.iter().all(|count| *count > 10), "{seen:?}");
+    }
 
     #[test]
     fn turns_are_named_by_their_side() {

@@ -10,7 +10,7 @@ const GAUSS: [(f64, f64); 4] = [
     (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
 ];
 
-/// How much the heading may turn within one panel of the quadrature [rad].
+/// How much the heading may turn within one panel of the quadrature (rad).
 const TURN_PER_PANEL: f64 = 1.0;
 
 /// An upper limit of the work for a file with absurd curvatures.
@@ -18,7 +18,7 @@ const MAX_PANELS: f64 = 256.0;
 
 /// The displacement after a distance along a spiral that begins at the origin along `+x`, and how far its heading has turned.
 ///
-/// `curvature` is that at the beginning [1/m], `rate` its change [1/m²]. Both coordinates are Fresnel integrals; eight
+/// `curvature` is that at the beginning (1/m), `rate` its change (1/m²). Both coordinates are Fresnel integrals; eight
 /// nodes for each radian of turn give them to 1e-12 m per metre.
 pub(super) fn spiral(curvature: f64, rate: f64, distance: f64) -> (Vector, f64) {
     let heading = |s: f64| s * (curvature + 0.5 * rate * s);
@@ -64,7 +64,7 @@ mod tests {
             for i in 0..steps {
                 let s = (f64::from(i) + 0.5) * h;
                 let turn = s * (curvature + 0.5 * rate * s);
-                sum += Vector::new(turn.cos(), turn.sin()) * h;
+                sum += Vector::new(libm::cos(turn), libm::sin(turn)) * h;
             }
             let (end, turn) = spiral(curvature, rate, length);
             assert!((end - sum).norm() < 1e-8, "{end} {sum}");
@@ -75,7 +75,7 @@ mod tests {
     #[test]
     fn without_change_it_is_an_arc() {
         let (end, turn) = spiral(0.1, 0.0, 5.0);
-        assert!((end - Vector::new(0.5_f64.sin() / 0.1, (1.0 - 0.5_f64.cos()) / 0.1)).norm() < 1e-12);
+        assert!((end - Vector::new(libm::sin(0.5_f64) / 0.1, (1.0 - libm::cos(0.5_f64)) / 0.1)).norm() < 1e-12);
         assert!((turn - 0.5).abs() < 1e-15);
     }
 

@@ -3,7 +3,7 @@
 use super::lane_network::{LaneSlot, NetworkLane};
 use super::{LaneKind, RoadIndex, Town, Waypoint};
 
-/// What CARLA keeps off the ends of lanes [m].
+/// What CARLA keeps off the ends of lanes (m).
 const EPSILON: f64 = 10.0 * f64::EPSILON;
 
 /// How many lanes one step may pass through, for a file whose lanes lead in circles without length.
@@ -12,7 +12,7 @@ const MAX_LANES: u32 = 4096;
 /// How many lanes in a row one step may pass through.
 const MAX_DEPTH: u32 = 256;
 
-/// Waypoints are not generated closer than that [m].
+/// Waypoints are not generated closer than that (m).
 const SHORTEST_STEP: f64 = 1e-3;
 
 /// A way along lanes.
@@ -23,7 +23,7 @@ enum Way {
 }
 
 impl Town {
-    /// Appends the waypoints `distance` [m] further on in driving direction, one for each branch.
+    /// Appends the waypoints `distance` (m) further on in driving direction, one for each branch.
     ///
     /// The distance is counted along reference lines. Where the lanes end before, there is nothing to append. Distances
     /// that are not positive append nothing.
@@ -34,7 +34,7 @@ impl Town {
         self.step(waypoint, distance, Way::Ahead, out);
     }
 
-    /// Appends the waypoints `distance` [m] back against the driving direction, one for each branch.
+    /// Appends the waypoints `distance` (m) back against the driving direction, one for each branch.
     ///
     /// # Source
     /// CARLA `road/Map.cpp`, `GetPrevious`.
@@ -78,7 +78,7 @@ impl Town {
         pairs
     }
 
-    /// Waypoints on all driving lanes, every `step` [m] along each road from its beginning; none for steps below a millimetre.
+    /// Waypoints on all driving lanes, every `step` (m) along each road from its beginning; none for steps below a millimetre.
     ///
     /// # Source
     /// CARLA `road/Map.cpp`, `GenerateWaypoints`.

@@ -93,7 +93,7 @@ impl Town {
         PosedWaypoint { waypoint, pose: self.pose(waypoint) }
     }
 
-    /// The width of the lane at a waypoint [m]; 0 for a lane that does not exist.
+    /// The width of the lane at a waypoint (m); 0 for a lane that does not exist.
     pub fn lane_width(&self, waypoint: Waypoint) -> f64 {
         self.network.slot(waypoint).map_or(0.0, |slot| self.network.width(self.network.lane(slot), waypoint.s))
     }
@@ -142,7 +142,7 @@ impl Town {
         &self.driving_lanes
     }
 
-    /// The waypoint `distance` [m] along a stretch in driving direction, held within it.
+    /// The waypoint `distance` (m) along a stretch in driving direction, held within it.
     pub fn along(&self, stretch: &LaneStretch, distance: f64) -> Waypoint {
         let moved = distance.clamp(0.0, stretch.length.max(0.0));
         let s = stretch.start.s + if stretch.start.lane < 0 { moved } else { -moved };

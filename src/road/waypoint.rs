@@ -10,7 +10,7 @@ pub struct Waypoint {
     pub section: u32,
     /// The lane within the section; never 0.
     pub lane: LaneId,
-    /// Distance along the road's reference line from its beginning [m].
+    /// Distance along the road's reference line from its beginning (m).
     pub s: f64,
 }
 
@@ -19,7 +19,7 @@ pub struct Waypoint {
 pub struct LaneStretch {
     /// Where driving along it begins.
     pub start: Waypoint,
-    /// Its length along the reference line [m].
+    /// Its length along the reference line (m).
     pub length: f64,
 }
 

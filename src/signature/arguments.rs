@@ -21,9 +21,9 @@ pub enum Value {
     Choice(&'static str),
     /// A text.
     Text(String),
-    /// A point [m].
+    /// A point (m).
     Point(f64, f64),
-    /// A pose [m, m, rad].
+    /// A pose (m, m, rad).
     Pose(f64, f64, f64),
     /// Another declaration.
     Reference(DeclarationId),

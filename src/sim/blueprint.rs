@@ -5,9 +5,9 @@ use super::Control;
 pub struct ThrottleLine {
     /// The throttle, 0 to 1.
     pub throttle: f64,
-    /// Acceleration at rest [m/s²].
+    /// Acceleration at rest (m/s²).
     pub at_rest: f64,
-    /// Change of the acceleration with the speed [1/s].
+    /// Change of the acceleration with the speed (1/s).
     pub slope: f64,
 }
 
@@ -17,13 +17,13 @@ pub struct ThrottleLine {
 /// programs, masses and torques by one, and the braking at low speed is a report that nobody has explained.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VehicleBlueprint {
-    /// Half of its length [m].
+    /// Half of its length (m).
     pub half_length: f64,
-    /// Half of its width, mirrors included [m].
+    /// Half of its width, mirrors included (m).
     pub half_width: f64,
-    /// Distance between the axles [m].
+    /// Distance between the axles (m).
     pub wheelbase: f64,
-    /// Angle of the front wheels at full steer and no speed [rad].
+    /// Angle of the front wheels at full steer and no speed (rad).
     pub greatest_wheel_angle: f64,
     /// Share of the wheel angle that the tyres follow; a kinematic bicycle with the full angle turns too sharply.
     pub steering_response: f64,
@@ -31,13 +31,13 @@ pub struct VehicleBlueprint {
     pub steering_curve: Vec<(f64, f64)>,
     /// Acceleration over throttle and speed, sorted by throttle; linear in between.
     pub throttle: Vec<ThrottleLine>,
-    /// Deceleration at full brake [m/s²]; linear in the brake.
+    /// Deceleration at full brake (m/s²); linear in the brake.
     pub full_brake: f64,
-    /// Below this speed [m/s] CARLA's cars brake harder than the brake says.
+    /// Below this speed (m/s) CARLA's cars brake harder than the brake says.
     pub low_speed: f64,
     /// By this factor.
     pub low_speed_braking: f64,
-    /// How long a car stands after it has appeared at rest [s].
+    /// How long a car stands after it has appeared at rest (s).
     pub start_up_pause: f64,
 }
 
@@ -118,18 +118,18 @@ impl VehicleBlueprint {
         }
     }
 
-    /// Angle of the front wheels [rad], positive to the left.
+    /// Angle of the front wheels (rad), positive to the left.
     pub fn wheel_angle(&self, steer: f64, speed: f64) -> f64 {
         let share = interpolate(self.steering_curve.iter().copied(), speed);
         steer.clamp(-1.0, 1.0) * self.greatest_wheel_angle * self.steering_response * share.unwrap_or(1.0)
     }
 
-    /// The steer for an angle of the front wheels [rad].
+    /// The steer for an angle of the front wheels (rad).
     pub fn steer_for(&self, wheel_angle: f64, speed: f64) -> f64 {
         (wheel_angle / self.wheel_angle(1.0, speed)).clamp(-1.0, 1.0)
     }
 
-    /// Acceleration along the heading [m/s²].
+    /// Acceleration along the heading (m/s²).
     pub fn acceleration(&self, control: Control, speed: f64) -> f64 {
         let lines = self.throttle.iter().map(|line| (line.throttle, line.at_rest + line.slope * speed));
         let push = interpolate(lines, control.throttle.clamp(0.0, 1.0)).unwrap_or(0.0);
@@ -137,7 +137,7 @@ impl VehicleBlueprint {
         push - control.brake.clamp(0.0, 1.0) * self.full_brake * jump
     }
 
-    /// The pedals for an acceleration [m/s²]; the nearest that the car can do.
+    /// The pedals for an acceleration (m/s²); the nearest that the car can do.
     pub fn pedals_for(&self, acceleration: f64, speed: f64) -> Control {
         let at = |line: &ThrottleLine| line.at_rest + line.slope * speed;
         let coasting = self.throttle.first().map_or(0.0, at);

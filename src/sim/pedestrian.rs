@@ -3,15 +3,15 @@ use crate::geometry::{Obstacles, Point, Pose, Vector};
 /// Size and gait of a pedestrian.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PedestrianBody {
-    /// Radius of its disc [m].
+    /// Radius of its disc (m).
     pub radius: f64,
-    /// Half of its height [m].
+    /// Half of its height (m).
     pub half_height: f64,
-    /// Time from rest to any commanded speed [s]; 0 for at once.
+    /// Time from rest to any commanded speed (s); 0 for at once.
     pub ramp: f64,
-    /// Rate at which the velocity turns to a new direction [1/s]; infinite for at once.
+    /// Rate at which the velocity turns to a new direction (1/s); infinite for at once.
     pub turning: f64,
-    /// Deceleration when it is told to go slower [m/s²]; infinite for at once.
+    /// Deceleration when it is told to go slower (m/s²); infinite for at once.
     pub stopping: f64,
 }
 
@@ -39,9 +39,9 @@ impl PedestrianBody {
 /// What a pedestrian means to do: a direction and a speed, in the world.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct WalkCommand {
-    /// Direction [rad].
+    /// Direction (rad).
     pub heading: f64,
-    /// Speed [m/s].
+    /// Speed (m/s).
     pub speed: f64,
 }
 
@@ -50,7 +50,7 @@ pub struct WalkCommand {
 pub struct PedestrianState {
     /// Middle of its disc, and where it faces: the direction of its motion, or of its command while it stands.
     pub pose: Pose,
-    /// Velocity [m/s].
+    /// Velocity (m/s).
     pub velocity: Vector,
 }
 
@@ -60,7 +60,7 @@ impl PedestrianState {
         Self { pose, velocity: Vector::zeros() }
     }
 
-    /// Speed [m/s].
+    /// Speed (m/s).
     pub fn speed(&self) -> f64 {
         self.velocity.norm()
     }

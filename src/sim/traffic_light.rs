@@ -17,11 +17,11 @@ pub enum LightColour {
 /// CARLA `Traffic/TrafficLightController.h`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightCycle {
-    /// Green [s].
+    /// Green (s).
     pub green: f64,
-    /// Yellow [s].
+    /// Yellow (s).
     pub yellow: f64,
-    /// Red before the next one's turn [s].
+    /// Red before the next one's turn (s).
     pub red: f64,
 }
 
@@ -32,12 +32,12 @@ impl Default for LightCycle {
 }
 
 impl LightCycle {
-    /// The length of one turn [s].
+    /// The length of one turn (s).
     pub fn turn(&self) -> f64 {
         self.green + self.yellow + self.red
     }
 
-    /// What a light shows so long [s] after its group's first turn began.
+    /// What a light shows so long (s) after its group's first turn began.
     pub fn colour(&self, light: &TrafficLight, time: f64) -> LightColour {
         let turn = self.turn();
         let since = time.rem_euclid(turn * f64::from(light.turns.max(1))) - turn * f64::from(light.turn);

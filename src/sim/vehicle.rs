@@ -22,9 +22,9 @@ impl Control {
 pub struct VehicleState {
     /// Middle of its box, half way between the axles, and its heading.
     pub pose: Pose,
-    /// Speed along its heading [m/s], never negative.
+    /// Speed along its heading (m/s), never negative.
     pub speed: f64,
-    /// How long it has existed [s]; a fresh one stands until it is in gear.
+    /// How long it has existed (s); a fresh one stands until it is in gear.
     pub age: f64,
 }
 
@@ -73,8 +73,8 @@ mod tests {
         let blueprint = VehicleBlueprint { throttle: vec![], full_brake: 0.0, ..VehicleBlueprint::generic() };
         let end = drive(&blueprint, 2.0, Control { steer: 0.5, ..Control::default() }, 20);
         let wheel = blueprint.wheel_angle(0.5, 2.0);
-        let slip = (wheel.tan() / 2.0).atan();
-        let radius = blueprint.wheelbase / 2.0 / slip.sin();
+        let slip = libm::atan(libm::tan(wheel) / 2.0);
+        let radius = blueprint.wheelbase / 2.0 / libm::sin(slip);
         assert!((end.pose.yaw - 2.0 / radius).abs() < 1e-12, "turns by distance over radius");
         assert!(end.pose.y > 0.0, "a positive steer turns to the left");
     }

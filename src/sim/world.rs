@@ -1,12 +1,13 @@
 use std::sync::Arc;
 
 use super::{
-    Contact, Control, LightColour, LightCycle, PedestrianBody, PedestrianState, VehicleBlueprint, VehicleState, WalkCommand,
+    Contact, Control, LightColour, LightCycle, PedestrianBody, PedestrianState, VehicleBlueprint, VehicleState,
+    WalkCommand,
 };
 use crate::geometry::{Obstacles, Pose, first_touch};
 use crate::road::Town;
 
-/// Limit that a vehicle begins with [m/s].
+/// Limit that a vehicle begins with (m/s).
 ///
 /// # Source
 /// CARLA `Vehicle/WheeledVehicleAIController.h`: 30 km/h until the first sign.
@@ -17,11 +18,11 @@ const FIRST_LIMIT: f64 = 30.0 / 3.6;
 pub struct Scene {
     /// Pose of the ego.
     pub ego: Pose,
-    /// Speed of the ego [m/s].
+    /// Speed of the ego (m/s).
     pub ego_speed: f64,
     /// Pose of the pedestrian, who stands.
     pub pedestrian: Pose,
-    /// How far the traffic lights are in their cycles [s].
+    /// How far the traffic lights are in their cycles (s).
     pub light_phase: f64,
 }
 
@@ -42,9 +43,9 @@ pub struct World {
     pub pedestrian: PedestrianState,
     /// Ticks since the beginning.
     pub ticks: u32,
-    /// Length of a tick [s].
+    /// Length of a tick (s).
     pub dt: f64,
-    /// The limit that holds for the ego [m/s].
+    /// The limit that holds for the ego (m/s).
     pub speed_limit: f64,
     /// The cycle of the traffic lights; none where they are switched off.
     pub lights: Option<LightCycle>,
@@ -86,7 +87,7 @@ impl World {
         self.obey_signs();
     }
 
-    /// Time since the beginning [s].
+    /// Time since the beginning (s).
     pub fn elapsed(&self) -> f64 {
         f64::from(self.ticks) * self.dt
     }
@@ -108,7 +109,7 @@ impl World {
         })
     }
 
-    /// Distance from the pedestrian's disc to the ego's box [m]; 0 when they touch.
+    /// Distance from the pedestrian's disc to the ego's box (m); 0 when they touch.
     pub fn gap(&self) -> f64 {
         let outline = self.ego.outline(&self.blueprint);
         (outline.distance_to(self.pedestrian.pose.position()) - self.body.radius).max(0.0)

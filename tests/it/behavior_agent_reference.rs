@@ -13,14 +13,14 @@ use falsify::seed::Seed;
 use falsify::sim::{LightColour, VehicleBlueprint};
 use serde_json::Value;
 
-/// Half sizes of the recorded cars and walkers [m].
+/// Half sizes of the recorded cars and walkers (m).
 const CAR: [f64; 2] = [2.395_889_759_063_720_7, 1.081_725_001_335_144];
 const WALKER: f64 = 0.187_678_888_440_132_14;
 const WALKER_HEIGHT: f64 = 0.93;
 const TOLERANCE: f64 = 1e-5;
 /// Distances are recorded with so many metres between the floats of a town's size.
 const DISTANCE_TOLERANCE: f64 = 1e-4;
-/// Within so much of dead ahead CARLA's agent may or may not see [degrees].
+/// Within so much of dead ahead CARLA's agent may or may not see (degrees).
 const DEAD_AHEAD: f64 = 0.01;
 
 fn reference() -> PathBuf {
@@ -152,7 +152,7 @@ fn replay(
     let trigger = case["light"]["at"]
         .as_array()
         .map(|at| carla_pose(at[0].as_f64().expect("a light's x"), at[1].as_f64().expect("a light's y"), 0.0));
-    let mut agent = BehaviorAgent::new(AgentConfig { release, profile, quirks: Quirks::ALL });
+    let mut agent = BehaviorAgent::new(AgentConfig { release, profile, quirks: Quirks::ALL, ..AgentConfig::default() });
     for row in 0..rows.rows.len() {
         let place = format!("{} {name} tick {}", release.name(), rows.text(row, "tick"));
         let ego = car(rows.pose(row, "ego_").expect("the ego has a pose"), rows.get(row, "ego_v"));
@@ -227,7 +227,7 @@ fn replay(
     }
 }
 
-/// The least of the bearings at which the agents measure an obstacle [degrees]: its centre and its rear point, from the
+/// The least of the bearings at which the agents measure an obstacle (degrees): its centre and its rear point, from the
 /// ego's centre and its bumper.
 fn least_bearing(ego: &Actor, obstacle: &Actor) -> f64 {
     let tips = [0.0, ego.half.x].map(|ahead| ego.pose.to_world(Vector::new(ahead, 0.0)));

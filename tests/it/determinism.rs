@@ -54,6 +54,7 @@ fn one_thread_and_four_give_the_same_bytes_and_another_seed_others() {
     for ((name, a), (_, b)) in one.iter().zip(&four) {
         assert!(a == b, "{name} differs between 1 and 4 threads");
     }
-    let episodes = |files: &[(String, Vec<u8>)]| files.iter().find(|(name, _)| name.ends_with("episodes.csv")).unwrap().1.clone();
+    let episodes =
+        |files: &[(String, Vec<u8>)]| files.iter().find(|(name, _)| name.ends_with("episodes.csv")).unwrap().1.clone();
     assert_ne!(episodes(&one), episodes(&other));
 }

@@ -1,6 +1,6 @@
 //! Maps against what CARLA's own map library makes of the same files.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -18,7 +18,7 @@ fn maps_folder() -> PathBuf {
 /// A map with one table of the oracle.
 struct Case {
     town: Town,
-    roads: HashMap<u32, RoadIndex>,
+    roads: BTreeMap<u32, RoadIndex>,
     table: Table,
 }
 

@@ -63,9 +63,10 @@ fn section(folder: &Path, body: &str) -> Result<(), String> {
         let span = each.primary.span;
         let (line, _) = sources.line_column(span.source, span.start);
         let severity = if each.severity == Severity::Error { "error" } else { "warning" }.to_string();
-        let everything = [&each.message, &each.primary.text, &each.help.join(" "), &each.fix.clone().unwrap_or_default()]
-            .map(String::as_str)
-            .join(" ");
+        let everything =
+            [&each.message, &each.primary.text, &each.help.join(" "), &each.fix.clone().unwrap_or_default()]
+                .map(String::as_str)
+                .join(" ");
         found.push((Said { line, severity, code: each.code.to_string() }, everything));
     }
     let mut wanted = expectations(body);
@@ -87,7 +88,8 @@ fn expectations(body: &str) -> Vec<(Said, String)> {
         for severity in ["error", "warning"] {
             for mark in line.split(&format!("// {severity}: [")).skip(1) {
                 let (code, rest) = mark.split_once(']').expect("an expectation names its code in brackets");
-                let text = rest.trim().strip_prefix('"').and_then(|rest| rest.split_once('"')).map_or("", |(text, _)| text);
+                let text =
+                    rest.trim().strip_prefix('"').and_then(|rest| rest.split_once('"')).map_or("", |(text, _)| text);
                 let said = Said { line: index + 1, severity: severity.into(), code: code.into() };
                 all.push((said, text.to_string()));
             }

@@ -27,8 +27,12 @@ fn the_language_reference_is_up_to_date() {
 fn the_column_dictionary_names_every_column() {
     let out = tempfile::tempdir().unwrap();
     let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/first_look.scn");
-    let output =
-        Command::new(env!("CARGO_BIN_EXE_falsify")).args(["run", "--smoke", "--out"]).arg(out.path()).arg(scenario).output().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_falsify"))
+        .args(["run", "--smoke", "--out"])
+        .arg(out.path())
+        .arg(scenario)
+        .output()
+        .unwrap();
     assert!(output.status.success(), "{output:?}");
     let dictionary = read("reports/README.md");
     for table in ["episodes", "runs", "cells", "learning_curve", "failure_modes"] {

@@ -8,11 +8,11 @@ use super::quirks::Quirks;
 use super::red_light::RedLights;
 use super::release::{Release, ReleaseTraits};
 use crate::av::{DrivingMode, DrivingPolicy, Perception};
-use crate::road::{LaneFilter, RoadOption, RoutePoint};
+use crate::road::{ForkRule, LaneFilter, RoadOption, RoutePoint};
 use crate::seed::Stream;
 use crate::sim::Control;
 
-/// Towards a turn the agent stays so much below the limit [km/h].
+/// Towards a turn the agent stays so much below the limit (km/h).
 const TURN_BELOW_LIMIT: f64 = 5.0;
 const KMH: f64 = 3.6;
 
@@ -23,6 +23,8 @@ pub struct AgentConfig {
     pub release: Release,
     /// How boldly it drives.
     pub profile: Profile,
+    /// Which way it takes at a fork while it has no plan.
+    pub forks: ForkRule,
     /// The accidents that it keeps.
     pub quirks: Quirks,
 }
@@ -47,7 +49,7 @@ pub struct BehaviorAgent {
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Intent {
     Stop(DrivingMode),
-    /// Towards a speed [km/h].
+    /// Towards a speed (km/h).
     Drive(DrivingMode, f64),
 }
 
@@ -165,7 +167,7 @@ impl BehaviorAgent {
 impl DrivingPolicy for BehaviorAgent {
     fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
         let start = perception.town.nearest_lane(perception.ego.pose.position(), LaneFilter::Driving);
-        self.planner.wander(&self.traits, perception.town, start, stream);
+        self.planner.wander(&self.traits, self.config.forks, perception.town, start, stream);
         self.controller.reset();
         self.red_lights.reset(perception);
         self.mode = DrivingMode::default();

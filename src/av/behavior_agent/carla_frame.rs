@@ -9,25 +9,25 @@ pub(super) struct Location {
 }
 
 impl Location {
-    /// Converts from the world frame; `height` is above the ground [m].
+    /// Converts from the world frame; `height` is above the ground (m).
     pub fn new(place: Point, height: f64) -> Self {
         Self { x: place.x as f32, y: -place.y as f32, z: height as f32 }
     }
 
-    /// The distance as CARLA's C++ computes it, in 32 bits [m].
+    /// The distance as CARLA's C++ computes it, in 32 bits (m).
     pub fn distance(self, other: Self) -> f64 {
         let (x, y, z) = (other.x - self.x, other.y - self.y, other.z - self.z);
         f64::from((x * x + y * y + z * z).sqrt())
     }
 
-    /// The distance as CARLA's Python computes it, in 64 bits [m].
+    /// The distance as CARLA's Python computes it, in 64 bits (m).
     pub fn exact_distance(self, other: Self) -> f64 {
         let (x, y) = self.offset(other);
         let z = f64::from(other.z) - f64::from(self.z);
         (x * x + y * y + z * z).sqrt() + f64::EPSILON
     }
 
-    /// The planar way to another location, from 32-bit coordinates in 64 bits [m].
+    /// The planar way to another location, from 32-bit coordinates in 64 bits (m).
     pub fn offset(self, other: Self) -> (f64, f64) {
         (f64::from(other.x) - f64::from(self.x), f64::from(other.y) - f64::from(self.y))
     }
@@ -82,7 +82,7 @@ pub(super) struct Cone {
     pub tip: Location,
     /// Where it points.
     pub heading: (f64, f64),
-    /// Its planar reach [m].
+    /// Its planar reach (m).
     pub reach: f64,
     /// Cosine of half its opening.
     pub cosine: f64,

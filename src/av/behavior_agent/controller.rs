@@ -4,7 +4,7 @@ use super::carla_frame::{Direction, Location};
 use super::release::ReleaseTraits;
 use crate::geometry::Pose;
 
-/// Time step of the controllers [s]; it does not follow the simulation's.
+/// Time step of the controllers (s); it does not follow the simulation's.
 const DT: f64 = 0.05;
 /// Errors that a controller remembers.
 const MEMORY: usize = 10;
@@ -124,7 +124,7 @@ impl Controller {
     }
 }
 
-/// The angle from the heading to a target [rad], positive to the right; 1 for a target at the ego's very centre.
+/// The angle from the heading to a target (rad), positive to the right; 1 for a target at the ego's very centre.
 fn angle_to(pose: &Pose, target: Location) -> f64 {
     let ahead = Direction::new(pose).widened();
     let to_target = Location::new(pose.position(), 0.0).offset(target);
@@ -172,7 +172,8 @@ mod tests {
     #[test]
     fn the_wheel_answers_the_change_of_the_angle() {
         let mut controller = Controller::default();
-        let at = |angle: f64| Location { x: (10.0 * angle.cos()) as f32, y: (10.0 * angle.sin()) as f32, z: 0.0 };
+        let at =
+            |angle: f64| Location { x: (10.0 * libm::cos(angle)) as f32, y: (10.0 * libm::sin(angle)) as f32, z: 0.0 };
         let first = run(&mut controller, Release::V0_9_15, at(0.01), 27.0, 27.0).steer;
         assert!((first - 0.0195).abs() < 1e-6);
         let second = run(&mut controller, Release::V0_9_15, at(0.015), 27.0, 27.0).steer;

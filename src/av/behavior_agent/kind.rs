@@ -1,4 +1,5 @@
 use super::{AgentConfig, BehaviorAgent, Profile, Quirks, Release};
+use crate::road::ForkRule;
 use crate::signature::{Arguments, Param, Signature, Type};
 
 const RELEASES: &[&str] = &["0.9.11", "0.9.12", "0.9.13", "0.9.15"];
@@ -12,9 +13,23 @@ impl BehaviorAgent {
             "behavior_agent",
             "CARLA's BehaviorAgent, with its accidents; each can be switched off.",
             vec![
-                Param::with_default("release", Type::Choice(RELEASES), "\"0.9.15\"", "The release of CARLA; 0.9.11 is also 0.9.10.1, 0.9.15 also 0.9.14."),
+                Param::with_default(
+                    "release",
+                    Type::Choice(RELEASES),
+                    "\"0.9.15\"",
+                    "The release of CARLA; 0.9.11 is also 0.9.10.1, 0.9.15 also 0.9.14.",
+                ),
                 Param::with_default("profile", Type::Choice(PROFILES), "normal", "How boldly it drives."),
-                quirk("half_length_twice", "Half the ego's length is subtracted from distances that begin at the bumper (Q1)."),
+                Param::with_default(
+                    "route",
+                    Type::Choice(&["any_branch", "carla_wander"]),
+                    "any_branch",
+                    "Which way it takes at a fork: any, or as CARLA's planner without a destination does, which in Town01 and Town02 is always the first.",
+                ),
+                quirk(
+                    "half_length_twice",
+                    "Half the ego's length is subtracted from distances that begin at the bumper (Q1).",
+                ),
                 quirk("lane_blind", "Whoever is outside the ego's lane is invisible (Q2)."),
                 quirk("zigzag", "In junctions the route is compared as a zig-zag with holes (Q3)."),
                 quirk("vehicles_for_walkers", "Without a walker near by, the walker step looks at vehicles (Q4)."),
@@ -41,6 +56,10 @@ impl BehaviorAgent {
                 "cautious" => Profile::Cautious,
                 "aggressive" => Profile::Aggressive,
                 _ => Profile::Normal,
+            },
+            forks: match arguments.choice("route") {
+                "carla_wander" => ForkRule::NamedTurn,
+                _ => ForkRule::AnyBranch,
             },
             quirks: Quirks {
                 half_length_twice: on("half_length_twice"),

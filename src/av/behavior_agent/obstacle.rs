@@ -7,15 +7,15 @@ use crate::av::{Actor, Perception};
 use crate::geometry::{Point, Pose, Vector};
 use crate::road::{LaneFilter, Town, Waypoint};
 
-/// Walkers count so close to the lane under the ego [m].
+/// Walkers count so close to the lane under the ego (m).
 const WALKERS_WITHIN: f64 = 10.0;
-/// Vehicles count so close to the lane under the ego [m].
+/// Vehicles count so close to the lane under the ego (m).
 const VEHICLES_WITHIN: f64 = 45.0;
 /// Cosine of 60°, half the opening of the walkers' cone.
 const WALKERS_CONE: f64 = 0.5;
 /// Cosine of 30°, half the opening of the vehicles' cone.
 const VEHICLES_CONE: f64 = 0.866_025_403_784_438_6;
-/// Slack of the pre-filters that save look-ups and change no decision [m].
+/// Slack of the pre-filters that save look-ups and change no decision (m).
 const MARGIN: f64 = 0.1;
 
 /// The driving lane under the ego, as the agent knows it.
@@ -78,9 +78,9 @@ impl EgoBody {
 pub(super) struct Hit {
     /// Its place in the list.
     pub index: usize,
-    /// The distance as the agent measures it [m].
+    /// The distance as the agent measures it (m).
     pub distance: f64,
-    /// What it holds to be the gap between the bodies [m].
+    /// What it holds to be the gap between the bodies (m).
     pub gap: f64,
 }
 
@@ -100,7 +100,7 @@ pub(super) struct ObstacleTest<'a> {
     pub ego: &'a EgoBody,
     pub here: &'a Here,
     pub planner: &'a Planner,
-    /// How far it looks [m].
+    /// How far it looks (m).
     pub reach: f64,
     /// Memory for the route's polygon; empty until it is asked for.
     pub route: &'a mut Vec<Corner>,

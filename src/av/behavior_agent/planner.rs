@@ -2,18 +2,18 @@ use std::collections::VecDeque;
 
 use super::carla_frame::{Direction, Location};
 use super::release::ReleaseTraits;
-use crate::road::{RandomWalk, RoadOption, RoutePoint, Town, Waypoint};
+use crate::road::{ForkRule, RandomWalk, RoadOption, RoutePoint, Town, Waypoint};
 use crate::seed::Stream;
 
 /// A walk without destination is refilled by so many points when there are fewer.
 const REFILL: usize = 100;
 /// Points in the old planner's buffer.
 const BUFFER: usize = 5;
-/// Points closer than this are reached [m], at rest.
+/// Points closer than this are reached (m), at rest.
 const REACHED: f64 = 3.0;
-/// So much more at speed [s].
+/// So much more at speed (s).
 const REACHED_TIME: f64 = 0.5;
-/// The last point is reached only so close by [m].
+/// The last point is reached only so close by (m).
 const LAST_REACHED: f64 = 1.0;
 
 /// A point of the route, with what the obstacle test asks of it over and over.
@@ -41,8 +41,16 @@ pub(super) struct Planner {
 
 impl Planner {
     /// Begins a walk without destination at a lane; without one, there is no way to go.
-    pub fn wander(&mut self, traits: &ReleaseTraits, town: &Town, start: Option<Waypoint>, stream: Stream) {
+    pub fn wander(
+        &mut self,
+        traits: &ReleaseTraits,
+        forks: ForkRule,
+        town: &Town,
+        start: Option<Waypoint>,
+        stream: Stream,
+    ) {
         self.clear();
+        self.walk = RandomWalk::new(forks);
         self.queue.reserve(2 * REFILL);
         self.buffer.reserve(BUFFER);
         self.stream = Some(stream);

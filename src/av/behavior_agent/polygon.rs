@@ -1,4 +1,4 @@
-/// A corner of a ring [m].
+/// A corner of a ring (m).
 pub(super) type Corner = [f64; 2];
 
 /// Whether two closed rings touch, each of them possibly crossing itself: their edges cross, or a corner of one lies

@@ -16,25 +16,25 @@ pub enum Profile {
 /// The figures of a profile, in CARLA's units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ProfileTraits {
-    /// Never faster than this [km/h].
+    /// Never faster than this (km/h).
     pub max_speed: f64,
-    /// Stays so much below the limit [km/h].
+    /// Stays so much below the limit (km/h).
     pub below_limit: f64,
-    /// So much slower than a vehicle that is too close [km/h].
+    /// So much slower than a vehicle that is too close (km/h).
     pub speed_decrease: f64,
-    /// Shortest time to collision with the vehicle ahead [s].
+    /// Shortest time to collision with the vehicle ahead (s).
     pub safety_time: f64,
-    /// Least reach of the obstacle test [m].
+    /// Least reach of the obstacle test (m).
     pub least_reach: f64,
-    /// Gap below which it makes an emergency stop [m].
+    /// Gap below which it makes an emergency stop (m).
     pub braking_distance: f64,
 }
 
-/// Least speed behind another vehicle at a fair distance [km/h].
+/// Least speed behind another vehicle at a fair distance (km/h).
 const LEAST_SPEED: f64 = 5.0;
 
 impl ProfileTraits {
-    /// The speed behind another vehicle at a gap [m], before the limit caps it; speeds in km/h.
+    /// The speed behind another vehicle at a gap (m), before the limit caps it; speeds in km/h.
     pub fn following_speed(&self, gap: f64, own: f64, other: f64) -> f64 {
         let closing = ((own - other) / 3.6).max(1.0);
         let time = gap / closing;

@@ -76,7 +76,7 @@ pub(super) struct ReleaseTraits {
     pub gains: Gains,
     /// Gains above.
     pub fast_gains: Gains,
-    /// Spacing of a route without destination [m].
+    /// Spacing of a route without destination (m).
     pub step: f64,
 }
 

@@ -22,7 +22,7 @@ fn naive_network(mlp: &Mlp, parameters: &[f64], input: &[f64]) -> Vec<f64> {
 
 /// The loss as stable-baselines3 writes it, one sample at a time.
 fn naive_loss(policy: &ActorCritic<f64>, batch: &Minibatch<f64>, config: &PpoConfig) -> f64 {
-    let half_log_tau = 0.5 * (2.0 * std::f64::consts::PI).ln();
+    let half_log_tau = 0.5 * libm::log(2.0 * std::f64::consts::PI);
     let (mut surrogate, mut squares) = (0.0, 0.0);
     for i in 0..batch.len() {
         let obs = &batch.obs[i * OBS..(i + 1) * OBS];
@@ -31,9 +31,9 @@ fn naive_loss(policy: &ActorCritic<f64>, batch: &Minibatch<f64>, config: &PpoCon
         let mut log_prob = 0.0;
         for (k, (mean, log_std)) in mean.iter().zip(policy.log_std()).enumerate() {
             let miss = batch.actions[i * ACTIONS + k] - mean;
-            log_prob += -miss * miss / (2.0 * (2.0 * log_std).exp()) - log_std - half_log_tau;
+            log_prob += -miss * miss / (2.0 * libm::exp(2.0 * log_std)) - log_std - half_log_tau;
         }
-        let ratio = (log_prob - batch.old_log_probs[i]).exp();
+        let ratio = libm::exp(log_prob - batch.old_log_probs[i]);
         let clipped = ratio.max(1.0 - config.clip_coef).min(1.0 + config.clip_coef);
         surrogate += (batch.advantages[i] * ratio).min(batch.advantages[i] * clipped);
         squares += (batch.returns[i] - value).powi(2);
@@ -128,10 +128,10 @@ fn clipping_stops_only_what_would_go_further() {
     let log_prob = Gaussian { mean: &mean, log_std: policy.log_std() }.log_prob(&action);
     for (log_ratio, advantage, policy_loss, moves) in [
         (0.5, 1.0, -1.2, false),
-        (0.5, -1.0, 0.5f64.exp(), true),
-        (-0.5, 1.0, -(-0.5f64).exp(), true),
+        (0.5, -1.0, libm::exp(0.5f64), true),
+        (-0.5, 1.0, -libm::exp(-0.5), true),
         (-0.5, -1.0, 0.8, false),
-        (0.1, 1.0, -(0.1f64.exp()), true),
+        (0.1, 1.0, -libm::exp(0.1f64), true),
     ] {
         let batch = Minibatch {
             obs: obs.clone(),
@@ -143,7 +143,7 @@ fn clipping_stops_only_what_would_go_further() {
         let mut loss = LossGradient::new(&policy, 1);
         let terms = loss.compute(&policy, &batch, &config);
         assert!((terms.policy - policy_loss).abs() < 1e-9, "{log_ratio}, {advantage}: {}", terms.policy);
-        assert!((terms.approx_kl - (log_ratio.exp() - 1.0 - log_ratio)).abs() < 1e-9);
+        assert!((terms.approx_kl - (libm::exp(log_ratio) - 1.0 - log_ratio)).abs() < 1e-9);
         assert_eq!(loss.norm() > 1e-6, moves, "{log_ratio}, {advantage}");
     }
 }

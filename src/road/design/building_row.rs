@@ -7,13 +7,13 @@ use crate::road::Road;
 /// Equal houses along both sides of the straight parts of all streets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BuildingRow {
-    /// Distance of the fronts from the outer edge of the sidewalk [m].
+    /// Distance of the fronts from the outer edge of the sidewalk (m).
     pub setback: f64,
-    /// Extent of a house away from the street [m].
+    /// Extent of a house away from the street (m).
     pub depth: f64,
-    /// Extent of a house along the street [m].
+    /// Extent of a house along the street (m).
     pub length: f64,
-    /// Distance between two houses [m].
+    /// Distance between two houses (m).
     pub gap: f64,
 }
 

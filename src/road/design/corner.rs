@@ -3,10 +3,10 @@ use std::f64::consts::PI;
 use crate::geometry::{Point, Pose, Vector, wrap_angle};
 use crate::road::{Geometry, PlanView};
 
-/// Turns smaller than this are a kink between two lines [rad]: an arc of so large a radius loses its digits.
+/// Turns smaller than this are a kink between two lines (rad): an arc of so large a radius loses its digits.
 const KINK: f64 = 1e-5;
 
-/// One side of a corner: a direction away from the node [rad], and the distance from the node [m].
+/// One side of a corner: a direction away from the node (rad), and the distance from the node (m).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Side {
     pub heading: f64,
@@ -20,7 +20,7 @@ impl Side {
 }
 
 /// The way from one side of a node to another: an arc tangent to both, with a line before or after it where one side
-/// reaches farther out. Gives also its length [m].
+/// reaches farther out. Gives also its length (m).
 pub(super) fn corner(node: Point, from: Side, to: Side) -> (PlanView, f64) {
     let inward = from.heading + PI;
     let turn = wrap_angle(to.heading - inward);

@@ -9,11 +9,11 @@ pub enum DesignError {
     Measure {
         /// Which measure.
         what: &'static str,
-        /// Its value [m].
+        /// Its value (m).
         value: f64,
-        /// The least it may be [m].
+        /// The least it may be (m).
         low: f64,
-        /// The most it may be [m].
+        /// The most it may be (m).
         high: f64,
     },
     /// A node lies too far away, or nowhere.
@@ -21,7 +21,7 @@ pub enum DesignError {
     FarNode {
         /// The node.
         node: String,
-        /// How far it may lie from the origin along either axis [m].
+        /// How far it may lie from the origin along either axis (m).
         reach: f64,
     },
     /// A speed limit is not a positive number.
@@ -29,7 +29,7 @@ pub enum DesignError {
     SpeedLimit {
         /// The street.
         street: String,
-        /// Its limit [m/s].
+        /// Its limit (m/s).
         limit: f64,
     },
     /// A building has no place or no size.
@@ -83,9 +83,9 @@ pub enum DesignError {
         first: String,
         /// The other one, or the same again.
         second: String,
-        /// Where they cross [m].
+        /// Where they cross (m).
         x: f64,
-        /// Where they cross [m].
+        /// Where they cross (m).
         y: f64,
     },
     /// Streets lie so close that their sidewalks overlap.
@@ -95,9 +95,9 @@ pub enum DesignError {
         first: String,
         /// The other one, or the same again.
         second: String,
-        /// About where they overlap [m].
+        /// About where they overlap (m).
         x: f64,
-        /// About where they overlap [m].
+        /// About where they overlap (m).
         y: f64,
     },
     /// Two streets meet at too sharp an angle.
@@ -111,9 +111,9 @@ pub enum DesignError {
         first: String,
         /// The other one, or the same again.
         second: String,
-        /// The angle between them [degrees].
+        /// The angle between them (degrees).
         degrees: f64,
-        /// The least it may be [degrees].
+        /// The least it may be (degrees).
         least: f64,
     },
     /// More than four legs meet at a node.
@@ -135,9 +135,9 @@ pub enum DesignError {
         from: String,
         /// The node at the other end.
         to: String,
-        /// The distance of the nodes [m].
+        /// The distance of the nodes (m).
         length: f64,
-        /// The least it may be [m].
+        /// The least it may be (m).
         needed: f64,
     },
     /// A node that is no junction has traffic lights.

@@ -4,15 +4,15 @@ use super::{DesignError, Street, TownDesign};
 use crate::geometry::{Point, wrap_angle};
 use crate::road::RoadEnd;
 
-/// The least angle between two streets [rad].
+/// The least angle between two streets (rad).
 const LEAST_ANGLE: f64 = FRAC_PI_6;
-/// Nodes nearer than this lie on one place [m].
+/// Nodes nearer than this lie on one place (m).
 const SAME_PLACE: f64 = 0.01;
-/// What must be left of a road between bends and junctions [m]: room for a speed sign and a traffic light.
+/// What must be left of a road between bends and junctions (m): room for a speed sign and a traffic light.
 const LEAST_ROAD: f64 = 5.0;
-/// Streets in line to within this angle need no bend [rad].
+/// Streets in line to within this angle need no bend (rad).
 const IN_LINE: f64 = 1e-9;
-/// The least length of the straight part that a bend replaces [m]; a road of a few millimetres would help nobody.
+/// The least length of the straight part that a bend replaces (m); a road of a few millimetres would help nobody.
 const LEAST_TANGENT: f64 = 1.0;
 
 /// The straight piece of a street between two of its nodes.
@@ -21,11 +21,11 @@ pub(super) struct Edge {
     pub street: usize,
     /// Node at the beginning, node at the end.
     pub nodes: [usize; 2],
-    /// Distance of the nodes [m].
+    /// Distance of the nodes (m).
     pub length: f64,
-    /// Direction from the first node to the second [rad].
+    /// Direction from the first node to the second (rad).
     pub heading: f64,
-    /// How much of it the bends and junctions at both nodes take [m].
+    /// How much of it the bends and junctions at both nodes take (m).
     pub cuts: [f64; 2],
     /// Whether anything is left.
     pub fits: bool,
@@ -37,7 +37,7 @@ pub(super) struct Leg {
     pub edge: usize,
     /// The end of the edge that lies at the node.
     pub end: RoadEnd,
-    /// Direction away from the node [rad].
+    /// Direction away from the node (rad).
     pub heading: f64,
 }
 
@@ -84,7 +84,7 @@ impl Layout {
         layout
     }
 
-    /// The angle from a leg to the next one counter-clockwise [rad], from 0 to 2π.
+    /// The angle from a leg to the next one counter-clockwise (rad), from 0 to 2π.
     pub fn gap(&self, node: usize, leg: usize) -> f64 {
         let legs = &self.legs[node];
         let next = &legs[(leg + 1) % legs.len()];
@@ -147,7 +147,7 @@ impl Layout {
         }
     }
 
-    /// How far from its node a leg begins [m].
+    /// How far from its node a leg begins (m).
     fn leg_cut(&self, design: &TownDesign, node: usize, leg: usize) -> f64 {
         match self.joints[node] {
             Joint::Nothing | Joint::DeadEnd | Joint::Straight => 0.0,

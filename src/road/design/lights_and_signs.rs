@@ -4,13 +4,13 @@ use super::network::Network;
 use crate::geometry::{OrientedBox, Pose};
 use crate::road::{LaneId, RoadEnd, RoadIndex, SpeedSign, TrafficLight};
 
-/// How far behind a driving lane's beginning its speed sign takes effect [m].
+/// How far behind a driving lane's beginning its speed sign takes effect (m).
 const SIGN_DISTANCE: f64 = 1.0;
 /// Half size of a sign's trigger box, in lane widths.
 const SIGN_HALF_SIZE: f64 = 0.35;
-/// How far before the end of its lane a traffic light's trigger box lies [m].
+/// How far before the end of its lane a traffic light's trigger box lies (m).
 const STOP_DISTANCE: f64 = 3.0;
-/// Half length of a traffic light's trigger box [m].
+/// Half length of a traffic light's trigger box (m).
 const STOP_HALF_LENGTH: f64 = 1.5;
 /// Half width of a traffic light's trigger box, in lane widths.
 const STOP_HALF_WIDTH: f64 = 0.25;
@@ -53,7 +53,7 @@ pub(super) fn traffic_lights(design: &TownDesign, layout: &Layout, network: &Net
     lights
 }
 
-/// The pose on a lane some distance [m] away from one end of its road.
+/// The pose on a lane some distance (m) away from one end of its road.
 fn lane_pose(network: &Network, road: RoadIndex, lane: LaneId, end: RoadEnd, distance: f64) -> Pose {
     let road = &network.roads[road.0 as usize];
     let s = if end == RoadEnd::Start { distance } else { road.length - distance };

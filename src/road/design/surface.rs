@@ -4,11 +4,11 @@ use super::{DesignError, TownDesign};
 use crate::geometry::{OrientedBox, Point, Pose, Vector};
 use crate::road::{Geometry, Road, RoadEnd, Shape};
 
-/// Tiles that overlap by less only touch [m].
+/// Tiles that overlap by less only touch (m).
 const TOUCH: f64 = 1e-6;
-/// The most that one tile of an arc turns [rad].
+/// The most that one tile of an arc turns (rad).
 const TILE_TURN: f64 = 0.05;
-/// The longest tile of an arc [m].
+/// The longest tile of an arc (m).
 const TILE_LENGTH: f64 = 2.0;
 
 /// A rectangle, ready to be tested against many others.

@@ -380,7 +380,7 @@ fn streets_that_cross_or_overlap_are_faults() {
 #[test]
 fn sharp_angles_and_many_legs_are_faults() {
     let leg = |town: &mut TownDesign, degrees: f64| {
-        let (sin, cos) = degrees.to_radians().sin_cos();
+        let (sin, cos) = libm::sincos(degrees.to_radians());
         town.nodes.push(node("end", 100.0 * cos, 100.0 * sin));
         let end = town.nodes.len() - 1;
         town.streets.push(street("extra", &[1, end]));
@@ -488,7 +488,7 @@ proptest! {
         let mut heading = first;
         for leg in 0..legs {
             let middle = town.nodes[0].position;
-            let end = middle + Vector::new(heading.cos(), heading.sin()) * lengths[leg];
+            let end = middle + Vector::new(libm::cos(heading), libm::sin(heading)) * lengths[leg];
             town.nodes.push(node(&format!("end {leg}"), end.x, end.y));
             let nodes = if outward[leg] { [0, leg + 1] } else { [leg + 1, 0] };
             town.streets.push(street(&format!("leg {leg}"), &nodes));

@@ -4,7 +4,7 @@ use super::{
 use crate::geometry::{OrientedBox, Point};
 use crate::road::TownParts;
 
-/// The farthest a node may lie from the origin along either axis [m].
+/// The farthest a node may lie from the origin along either axis (m).
 const REACH: f64 = 10_000.0;
 
 /// A town as a scenario describes it.
@@ -20,11 +20,11 @@ pub struct TownDesign {
     pub buildings: Vec<OrientedBox>,
     /// The cross-section of every street.
     pub profile: StreetProfile,
-    /// The radius of the middle of a street where it bends [m].
+    /// The radius of the middle of a street where it bends (m).
     pub bend_radius: f64,
-    /// The radius of the sidewalk's outer edge around the corner of a junction [m].
+    /// The radius of the sidewalk's outer edge around the corner of a junction (m).
     pub corner_radius: f64,
-    /// The least distance from a junction's node at which roads end [m].
+    /// The least distance from a junction's node at which roads end (m).
     pub junction_radius: f64,
     /// Houses along all streets.
     pub block_buildings: Option<BuildingRow>,
@@ -48,18 +48,18 @@ pub struct Street {
     pub name: String,
     /// The nodes it passes, as places in [`TownDesign::nodes`]; a closed street ends with the node it begins with.
     pub nodes: Vec<usize>,
-    /// What its speed signs say [m/s]; without it there are no signs.
+    /// What its speed signs say (m/s); without it there are no signs.
     pub speed_limit: Option<f64>,
 }
 
 /// The cross-section of a street: on either side of its middle a driving lane, a shoulder and a sidewalk.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StreetProfile {
-    /// Width of a driving lane [m].
+    /// Width of a driving lane (m).
     pub lane_width: f64,
-    /// Width of a shoulder [m].
+    /// Width of a shoulder (m).
     pub shoulder: f64,
-    /// Width of a sidewalk [m].
+    /// Width of a sidewalk (m).
     pub sidewalk: f64,
 }
 
@@ -71,7 +71,7 @@ impl Default for StreetProfile {
 }
 
 impl StreetProfile {
-    /// The distance from the middle of the street to the outer edge of the sidewalk [m].
+    /// The distance from the middle of the street to the outer edge of the sidewalk (m).
     pub fn half_width(&self) -> f64 {
         self.lane_width + self.shoulder + self.sidewalk
     }

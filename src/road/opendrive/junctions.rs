@@ -1,4 +1,4 @@
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use roxmltree::Node;
 
@@ -10,14 +10,14 @@ use crate::road::{Connection, Junction, JunctionIndex, LaneId, Road, RoadEnd};
 /// The junctions of a file.
 pub(super) struct Junctions<'a> {
     pub junctions: Vec<Junction>,
-    pub by_id: HashMap<&'a str, JunctionIndex>,
+    pub by_id: BTreeMap<&'a str, JunctionIndex>,
     /// For each junction the `id`s of its controllers, in turn.
     pub controllers: Vec<Vec<&'a str>>,
 }
 
 /// Reads the junctions, and stands in for those that only roads speak of.
 pub(super) fn read<'a, 'x: 'a>(context: &mut Context, root: Node<'a, 'x>, roads: &Roads<'a, 'x>) -> Junctions<'a> {
-    let mut found = Junctions { junctions: Vec::new(), by_id: HashMap::new(), controllers: Vec::new() };
+    let mut found = Junctions { junctions: Vec::new(), by_id: BTreeMap::new(), controllers: Vec::new() };
     for node in children(root, "junction") {
         let id = node.attribute("id").unwrap_or_default();
         if found.by_id.contains_key(id) {

@@ -16,7 +16,7 @@ pub(super) fn offset(context: &mut Context, lanes: Node) -> Profile {
     Profile::new(cubics)
 }
 
-/// Reads the lane sections of a road of a given length [m], in order.
+/// Reads the lane sections of a road of a given length (m), in order.
 pub(super) fn sections(context: &mut Context, lanes: Node, length: f64) -> Vec<LaneSection> {
     let mut starts: Vec<(f64, Node)> =
         children(lanes, "laneSection").map(|node| (context.number_or_zero(node, "s"), node)).collect();

@@ -1,4 +1,4 @@
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use roxmltree::Node;
 
@@ -6,19 +6,19 @@ use super::attributes::{Context, child, children};
 use super::{OpenDriveProblem, lanes, plan_view};
 use crate::road::{JunctionIndex, Profile, Road, RoadEnd, RoadIndex, RoadLink};
 
-/// Roads longer than that are taken for errors [m].
+/// Roads longer than that are taken for errors (m).
 const LONGEST: f64 = 1e6;
 
 /// The roads of a file, with the elements they come from.
 pub(super) struct Roads<'a, 'x> {
     pub roads: Vec<Road>,
     pub nodes: Vec<Node<'a, 'x>>,
-    pub by_id: HashMap<&'a str, RoadIndex>,
+    pub by_id: BTreeMap<&'a str, RoadIndex>,
 }
 
 /// Reads all usable roads, without their links.
 pub(super) fn read<'a, 'x: 'a>(context: &mut Context, root: Node<'a, 'x>) -> Roads<'a, 'x> {
-    let mut found = Roads { roads: Vec::new(), nodes: Vec::new(), by_id: HashMap::new() };
+    let mut found = Roads { roads: Vec::new(), nodes: Vec::new(), by_id: BTreeMap::new() };
     for node in children(root, "road") {
         let id = node.attribute("id").unwrap_or_default();
         context.road = Some(id.to_owned());
@@ -78,7 +78,7 @@ fn road(context: &mut Context, node: Node) -> Option<Road> {
 
 impl Roads<'_, '_> {
     /// Resolves what the roads are linked to, and the junctions they lie in.
-    pub fn link(&mut self, context: &mut Context, junctions: &HashMap<&str, JunctionIndex>) {
+    pub fn link(&mut self, context: &mut Context, junctions: &BTreeMap<&str, JunctionIndex>) {
         for (road, node) in self.roads.iter_mut().zip(&self.nodes) {
             context.road = node.attribute("id").map(str::to_owned);
             road.junction = node.attribute("junction").and_then(|id| junctions.get(id).copied());

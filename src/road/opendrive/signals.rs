@@ -88,7 +88,7 @@ pub(super) fn speed_signs(context: &mut Context, roads: &Roads, network: &LaneNe
     found
 }
 
-/// The limit of a sign [km/h].
+/// The limit of a sign (km/h).
 fn limit(node: Node) -> Option<f64> {
     let text = match node.attribute("type") {
         Some("274") => node

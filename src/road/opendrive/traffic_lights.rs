@@ -1,4 +1,4 @@
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use roxmltree::Node;
 
@@ -12,9 +12,9 @@ use crate::road::{JunctionIndex, TrafficLight};
 
 /// The signal type of a traffic light with three lamps.
 const LIGHT: &str = "1000001";
-/// How far before the end of the approach lane the trigger box's centre is [m].
+/// How far before the end of the approach lane the trigger box's centre is (m).
 const BEFORE_END: f64 = 3.0;
-/// Half the length of the trigger box [m].
+/// Half the length of the trigger box (m).
 const HALF_LENGTH: f64 = 1.5;
 /// Half the width of the trigger box, as a share of the lane's width.
 const HALF_WIDTH: f64 = 0.25;
@@ -64,7 +64,7 @@ type Place = (u32, u32, u32);
 
 /// The controllers of a junction take turns; signals without a controller, or without a junction, take theirs after them.
 fn group(root: Node, approaches: &[Approach], junctions: &Junctions) -> Vec<Place> {
-    let mut controller_of: HashMap<&str, &str> = HashMap::new();
+    let mut controller_of: BTreeMap<&str, &str> = BTreeMap::new();
     for controller in children(root, "controller") {
         for control in children(controller, "control") {
             if let (Some(signal), Some(id)) = (control.attribute("signalId"), controller.attribute("id")) {
