@@ -359,6 +359,7 @@ fn describe(rule: Rule) -> Option<&'static str> {
         | Rule::keyword
         | Rule::digits
         | Rule::unit_part
+        | Rule::blank
         | Rule::text_inner
         | Rule::file
         | Rule::junk_item
