@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::{EpisodeRow, Observer};
 use crate::compile::{Campaign, Evaluation, Pedestrian, Training, TrainingKey};
-use crate::falsifier::{Intercept, Random, TrainedWalker, Walker, train, try_walker};
+use crate::falsifier::{Choosing, Intercept, Random, TrainedWalker, Walker, train, try_walker};
 use crate::rl::{TrainError, Trained};
 use crate::seed::Seed;
 
@@ -81,12 +81,12 @@ fn evaluate(
     let mut walker: Box<dyn Walker> = match evaluation.pedestrian {
         Pedestrian::Random => Box::new(Random::default()),
         Pedestrian::Intercept => Box::new(Intercept),
-        Pedestrian::Trained(training) => match &trainings[training] {
-            Some(TrainingResult { result: Ok(trained), .. }) => {
-                Box::new(TrainedWalker::new(trained.actor_critic.clone()))
-            }
-            _ => return Vec::new(),
-        },
+        Pedestrian::Trained(training) | Pedestrian::Sampled(training) => {
+            let Some(TrainingResult { result: Ok(trained), .. }) = &trainings[training] else { return Vec::new() };
+            let sampling = matches!(evaluation.pedestrian, Pedestrian::Sampled(_));
+            let choosing = if sampling { Choosing::Sampling } else { Choosing::Mean };
+            Box::new(TrainedWalker::new(trained.actor_critic.clone(), choosing))
+        }
     };
     if observer.stop() {
         return Vec::new();
@@ -132,7 +132,7 @@ pub fn smoke(campaign: &mut Campaign) {
     campaign.evaluations.retain(|evaluation| evaluation.trained.run == 0);
     for evaluation in &mut campaign.evaluations {
         evaluation.episodes = evaluation.episodes.min(5);
-        if let Pedestrian::Trained(training) = &mut evaluation.pedestrian {
+        if let Pedestrian::Trained(training) | Pedestrian::Sampled(training) = &mut evaluation.pedestrian {
             *training = kept.iter().position(|index| index == training).expect("run 0 is kept");
         }
     }

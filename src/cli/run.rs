@@ -70,8 +70,8 @@ fn list(campaign: &Campaign) {
     for evaluation in &campaign.evaluations {
         let key = &evaluation.trained;
         let who = match evaluation.pedestrian {
-            Pedestrian::Trained(_) => {
-                format!("trained {} of {} against {}, run {}", key.reward, key.town, key.policy, key.run)
+            who @ (Pedestrian::Trained(_) | Pedestrian::Sampled(_)) => {
+                format!("{} {} of {} against {}, run {}", who.name(), key.reward, key.town, key.policy, key.run)
             }
             other => format!("{} ({}, run {})", other.name(), key.reward, key.run),
         };

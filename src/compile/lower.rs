@@ -268,10 +268,11 @@ fn pedestrians(words: &[&Value], trainings: &[Training]) -> Vec<(Pedestrian, Tra
             let pedestrian = match *word {
                 "random" => Pedestrian::Random,
                 "intercept" => Pedestrian::Intercept,
+                "sampled" => Pedestrian::Sampled(index),
                 _ => Pedestrian::Trained(index),
             };
             let mut key = training.key.clone();
-            if !matches!(pedestrian, Pedestrian::Trained(_)) {
+            if matches!(pedestrian, Pedestrian::Random | Pedestrian::Intercept) {
                 key.town = String::new();
                 key.policy = String::new();
             }

@@ -66,6 +66,8 @@ pub struct Training {
 pub enum Pedestrian {
     /// The one that a training brings forth: its place in [`Campaign::trainings`].
     Trained(usize),
+    /// The same, drawing its commands from its policy as in training instead of taking the mean.
+    Sampled(usize),
     /// One that draws every command uniformly from all that it could do.
     Random,
     /// One that walks to where it would meet an ego that keeps its velocity.
@@ -77,6 +79,7 @@ impl Pedestrian {
     pub fn name(self) -> &'static str {
         match self {
             Self::Trained(_) => "trained",
+            Self::Sampled(_) => "sampled",
             Self::Random => "random",
             Self::Intercept => "intercept",
         }

@@ -9,5 +9,5 @@ mod episodes;
 pub use episodes::try_walker;
 pub use intercept::Intercept;
 pub use random::Random;
-pub use trained::{TrainedWalker, train};
+pub use trained::{Choosing, TrainedWalker, train};
 pub use walker::Walker;

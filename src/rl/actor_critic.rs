@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::init::{ACTION_GAIN, HIDDEN_GAIN, VALUE_GAIN, orthogonal};
 use super::mlp::{Mlp, MlpScratch};
+use super::normal::standard_normal;
 use super::real::Real;
 use crate::seed::Stream;
 
@@ -117,6 +118,14 @@ impl<T: Real> ActorCritic<T> {
         let mean = self.actor.forward(&self.parameters[self.actor_range()], input, &mut scratch.actor);
         for (out, mean) in out.iter_mut().zip(mean) {
             *out = mean.widened();
+        }
+    }
+
+    /// Draws an action for one observation into `out`, not clipped to any bounds.
+    pub fn sample(&self, obs: &[f64], out: &mut [f64], scratch: &mut Scratch<T>, stream: &mut Stream) {
+        self.act(obs, out, scratch);
+        for (out, log_std) in out.iter_mut().zip(self.log_std()) {
+            *out += libm::exp(log_std.widened()) * standard_normal(stream);
         }
     }
 

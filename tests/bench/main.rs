@@ -1,0 +1,93 @@
+//! `cargo bench`: what a campaign spends its time on. Compare ratios within one run; machines are noisy.
+
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use divan::Bencher;
+use divan::counter::ItemsCount;
+use falsify::compile::{Catalog, Plan, compile};
+use falsify::diagnostic::Sources;
+use falsify::env::{PedestrianEnv, Scenario};
+use falsify::falsifier::{Random, train, try_walker};
+use falsify::road::LaneFilter;
+use falsify::seed::Seed;
+
+fn main() {
+    divan::main();
+}
+
+/// One evaluation for each driving policy, in the harbour.
+const SCENARIO: &str = r#"
+edition 1
+import "lib/paper.scn"
+import "lib/drivers.scn"
+import "lib/towns.scn"
+campaign bench {
+  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
+  train { towns: [harbour] policies: [behavior] rewards: [r2] runs: 1 }
+  evaluate { towns: [harbour] policies: [behavior, behavior_0_9_11, behavior_0_9_13, careful, blind] pedestrians: [random] }
+}
+"#;
+
+fn plan() -> Plan {
+    let root: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/bench.scn");
+    let read = |path: &Path| if path == root { Ok(SCENARIO.to_string()) } else { std::fs::read_to_string(path) };
+    let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Sources::default());
+    compiled.expect("the library can be read").plan.expect("the scenario is sound")
+}
+
+fn scenario(policy: &str) -> Arc<Scenario> {
+    let plan = plan();
+    let found = plan.campaigns[0].evaluations.iter().find(|evaluation| evaluation.policy == policy);
+    found.expect("the policy is in the scenario").scenario.clone()
+}
+
+/// Simulator ticks: perception, driver, car, walker, contact.
+#[divan::bench(args = ["behavior", "behavior_0_9_11", "behavior_0_9_13", "careful", "blind"], sample_count = 20)]
+fn ticks(bencher: Bencher<'_, '_>, policy: &str) {
+    let scenario = scenario(policy);
+    let run = || {
+        let seed = Seed::root(1);
+        try_walker(&mut Random::default(), &scenario, 20, &seed, &seed.child("walker"), &mut |_| ControlFlow::Continue(()))
+    };
+    let ticks: u32 = run().iter().map(|outcome| outcome.ticks).sum();
+    bencher.counter(ItemsCount::new(ticks)).bench_local(run);
+}
+
+/// A training of twenty updates, simulator included; counted in decisions.
+#[divan::bench(sample_count = 10)]
+fn training(bencher: Bencher<'_, '_>) {
+    let plan = plan();
+    let training = &plan.campaigns[0].trainings[0];
+    let mut config = training.config.clone();
+    config.total_steps = 3_000;
+    bencher.counter(ItemsCount::new(3_000_u32)).bench_local(|| {
+        train(&training.scenario, 1, &config, &Seed::root(1), &mut |_| ControlFlow::Continue(())).expect("numbers stay finite")
+    });
+}
+
+/// From the text of a scenario and its library to a plan, towns built.
+#[divan::bench]
+fn compilation() -> Plan {
+    plan()
+}
+
+/// The beginning of an episode: spawn, driver's first route.
+#[divan::bench]
+fn spawn(bencher: Bencher<'_, '_>) {
+    let mut env = PedestrianEnv::new(scenario("behavior"), Seed::root(1));
+    let mut episode = 0;
+    bencher.bench_local(|| {
+        env.begin(episode);
+        episode += 1;
+    });
+}
+
+/// The look-up on which CARLA's driver's decisions hang.
+#[divan::bench]
+fn nearest_lane(bencher: Bencher<'_, '_>) {
+    let scenario = scenario("behavior");
+    let place = scenario.town.pose(scenario.town.driving_lanes()[0].start).position();
+    bencher.bench_local(|| scenario.town.nearest_lane(divan::black_box(place), LaneFilter::Any));
+}
