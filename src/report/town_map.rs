@@ -1,35 +1,33 @@
 //! A town from above, with where episodes began and how they ended.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use crate::campaign::EpisodeRow;
 use crate::env::Ending;
-use crate::geometry::Point;
+use crate::geometry::{Point, Pose};
 use crate::road::{LaneKind, Road, Town};
 
 /// Spacing of the points of a lane's outline (m).
 const STEP: f64 = 2.0;
+/// Ground shown around the town (m).
+const MARGIN: f64 = 12.0;
+/// Height of the strip for the legend (m).
+const LEGEND: f64 = 14.0;
 
-/// Draws a town, and a dot for every episode where its pedestrian began: filled when it hit a moving car, ringed when
-/// it hit a standing one, faint when it did not.
+/// Draws a town, and a dot for every place where pedestrians began: the redder, the more of them hit a moving car, the
+/// bluer its ring, the more hit a standing one.
 pub fn town_map(town: &Town, rows: &[&EpisodeRow]) -> String {
     let (low, high) = town.bounds();
-    let margin = 12.0;
-    let (width, height) = (high.x - low.x + 2.0 * margin, high.y - low.y + 2.0 * margin);
+    let (width, height) = (high.x - low.x + 2.0 * MARGIN, high.y - low.y + 2.0 * MARGIN + LEGEND);
+    let (left, top) = (low.x - MARGIN, -high.y - MARGIN);
     let mut page = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{:.1} {:.1} {width:.1} {height:.1}\" width=\"1000\" font-family=\"sans-serif\">\n\
-         <title>{}</title>\n\
-         <style>.ground{{fill:#e8ebe4}}.sidewalk{{fill:#cfd1d4}}.lane{{fill:#8b9096}}.building{{fill:#b9a68c;stroke:#8f7c63;stroke-width:.3}}\
-         .moving{{fill:#b2182b;fill-opacity:.8}}.standing{{fill:none;stroke:#2166ac;stroke-width:.5}}.miss{{fill:#333;fill-opacity:.25}}</style>\n",
-        low.x - margin,
-        -high.y - margin,
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{left:.1} {top:.1} {width:.1} {height:.1}\" width=\"1000\" \
+         font-family=\"sans-serif\">\n<title>{}</title>\n\
+         <style>.ground{{fill:#e8ebe4}}.sidewalk{{fill:#cfd1d4}}.lane{{fill:#8b9096}}\
+         .building{{fill:#b9a68c;stroke:#8f7c63;stroke-width:.3}}.start{{stroke-width:.6}}</style>\n\
+         <rect class=\"ground\" x=\"{left:.1}\" y=\"{top:.1}\" width=\"{width:.1}\" height=\"{height:.1}\"/>\n",
         escape(&town.name),
-    );
-    let _ = writeln!(
-        page,
-        "<rect class=\"ground\" x=\"{:.1}\" y=\"{:.1}\" width=\"{width:.1}\" height=\"{height:.1}\"/>",
-        low.x - margin,
-        -high.y - margin
     );
     for (class, wanted) in [("sidewalk", false), ("lane", true)] {
         for road in &town.roads {
@@ -39,18 +37,75 @@ pub fn town_map(town: &Town, rows: &[&EpisodeRow]) -> String {
     for building in &town.obstacles {
         polygon(&mut page, "building", &building.corners());
     }
-    for row in rows {
-        let place = row.outcome.spawn.pedestrian;
-        let (class, radius) = match row.outcome.ending {
-            Ending::Collision { moving: true, .. } => ("moving", 1.0),
-            Ending::Collision { .. } => ("standing", 1.0),
-            _ => ("miss", 0.6),
-        };
-        let _ =
-            writeln!(page, "<circle class=\"{class}\" cx=\"{:.1}\" cy=\"{:.1}\" r=\"{radius}\"/>", place.x, -place.y);
+    for start in starts(rows) {
+        dot(&mut page, start.place.x, -start.place.y, start.share(start.moving), start.share(start.standing));
     }
+    legend(&mut page, left + MARGIN, top + height - LEGEND / 2.0, !rows.is_empty());
     page.push_str("</svg>\n");
     page
+}
+
+/// How the episodes that began at a place ended.
+struct Start {
+    place: Pose,
+    moving: u32,
+    standing: u32,
+    all: u32,
+}
+
+impl Start {
+    fn share(&self, count: u32) -> f64 {
+        f64::from(count) / f64::from(self.all.max(1))
+    }
+}
+
+fn starts(rows: &[&EpisodeRow]) -> Vec<Start> {
+    let mut starts: Vec<Start> = Vec::new();
+    let mut index: BTreeMap<(String, u32, u32), usize> = BTreeMap::new();
+    for row in rows {
+        let key = (row.policy.clone(), row.block, row.episode);
+        let place = *index.entry(key).or_insert_with(|| {
+            starts.push(Start { place: row.outcome.spawn.pedestrian, moving: 0, standing: 0, all: 0 });
+            starts.len() - 1
+        });
+        let start = &mut starts[place];
+        start.all += 1;
+        match row.outcome.ending {
+            Ending::Collision { moving: true, .. } => start.moving += 1,
+            Ending::Collision { .. } => start.standing += 1,
+            _ => {}
+        }
+    }
+    starts
+}
+
+fn dot(page: &mut String, x: f64, y: f64, moving: f64, standing: f64) {
+    let mix = |from: f64, to: f64, share: f64| (from + (to - from) * share).round();
+    let (r, g, b) = (mix(255.0, 178.0, moving), mix(255.0, 24.0, moving), mix(255.0, 43.0, moving));
+    let (sr, sg, sb) = (mix(120.0, 33.0, standing), mix(120.0, 102.0, standing), mix(120.0, 220.0, standing));
+    let _ = writeln!(
+        page,
+        "<circle class=\"start\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"1.2\" fill=\"rgb({r},{g},{b})\" stroke=\"rgb({sr},{sg},{sb})\"/>"
+    );
+}
+
+/// What the dots mean, and a bar of fifty metres.
+fn legend(page: &mut String, x: f64, y: f64, dots: bool) {
+    let label = |page: &mut String, x: f64, text: &str| {
+        let _ = writeln!(page, "<text x=\"{x:.1}\" y=\"{:.1}\" font-size=\"4.5\">{text}</text>", y + 1.6);
+    };
+    let _ = writeln!(page, "<rect x=\"{x:.1}\" y=\"{:.1}\" width=\"50\" height=\"1\" fill=\"#333\"/>", y - 0.5);
+    label(page, x + 52.0, "50 m");
+    if dots {
+        for (at, moving, standing, text) in [
+            (75.0, 0.0, 0.0, "began here: none hit"),
+            (130.0, 1.0, 0.0, "all hit, car moving"),
+            (182.0, 0.0, 1.0, "all hit, car standing"),
+        ] {
+            dot(page, x + at, y, moving, standing);
+            label(page, x + at + 3.0, text);
+        }
+    }
 }
 
 fn outline(page: &mut String, road: &Road, class: &str, wanted: &dyn Fn(LaneKind) -> bool) {

@@ -88,7 +88,7 @@ impl Arguments {
         choice, Value::Choice(word) => word, &'static str);
     getter!(/// A text or a path.
         text, Value::Text(text) => text, &str);
-    getter!(/// A point (x, y) [m].
+    getter!(/// A point (x, y), in metres.
         point, Value::Point(x, y) => (*x, *y), (f64, f64));
     getter!(/// Another declaration.
         reference, Value::Reference(id) => *id, DeclarationId);

@@ -49,7 +49,9 @@ fn ticks(bencher: Bencher<'_, '_>, policy: &str) {
     let scenario = scenario(policy);
     let run = || {
         let seed = Seed::root(1);
-        try_walker(&mut Random::default(), &scenario, 20, &seed, &seed.child("walker"), &mut |_| ControlFlow::Continue(()))
+        try_walker(&mut Random::default(), &scenario, 20, &seed, &seed.child("walker"), &mut |_| {
+            ControlFlow::Continue(())
+        })
     };
     let ticks: u32 = run().iter().map(|outcome| outcome.ticks).sum();
     bencher.counter(ItemsCount::new(ticks)).bench_local(run);
@@ -63,7 +65,8 @@ fn training(bencher: Bencher<'_, '_>) {
     let mut config = training.config.clone();
     config.total_steps = 3_000;
     bencher.counter(ItemsCount::new(3_000_u32)).bench_local(|| {
-        train(&training.scenario, 1, &config, &Seed::root(1), &mut |_| ControlFlow::Continue(())).expect("numbers stay finite")
+        train(&training.scenario, 1, &config, &Seed::root(1), &mut |_| ControlFlow::Continue(()))
+            .expect("numbers stay finite")
     });
 }
 
