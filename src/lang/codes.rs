@@ -10,6 +10,17 @@ fn quoted<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
     words.into_iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")
 }
 
+/// A thing with its article; what begins with a quote or `one of` has none.
+fn one(thing: impl std::fmt::Display) -> String {
+    let thing = thing.to_string();
+    match thing.chars().next() {
+        Some('`') => thing,
+        _ if thing.starts_with("one of") || thing.starts_with("text") => thing,
+        Some('a' | 'e' | 'i' | 'o') => format!("an {thing}"),
+        _ => format!("a {thing}"),
+    }
+}
+
 /// Points at an unknown word, offers the nearest known one or lists them all.
 fn unknown(code: &'static str, span: Span, what: &str, word: &str, known: &[&str]) -> Diagnostic {
     let diagnostic = Diagnostic::error(code, span, format!("unknown {what} `{word}`"));
@@ -89,7 +100,7 @@ pub fn unknown_kind(span: Span, form: &str, word: &str, kinds: &[&str]) -> Diagn
 
 /// A form needs a kind and has none.
 pub fn missing_kind(span: Span, form: &str, kinds: &[&str]) -> Diagnostic {
-    Diagnostic::error("missing-kind", span, format!("a {form} needs a kind"))
+    Diagnostic::error("missing-kind", span, format!("{} needs a kind", one(form)))
         .help(format!("write `{form} name = kind(…)`; the kinds are {}", quoted(kinds.iter().copied())))
 }
 
@@ -111,9 +122,9 @@ pub fn duplicate_key(span: Span, word: &str, first: Span) -> Diagnostic {
 /// A key without default is not given.
 pub fn missing_key(span: Span, owner: &str, param: &Param) -> Diagnostic {
     Diagnostic::error("missing-key", span, format!("`{owner}` needs the key `{}`", param.name)).help(format!(
-        "`{}` is a {}: {}",
+        "`{}` is {}: {}",
         param.name,
-        param.ty.describe(),
+        one(param.ty.describe()),
         param.doc
     ))
 }
@@ -161,13 +172,13 @@ pub fn unused(span: Span, form: &str, name: &str) -> Diagnostic {
 
 /// A value has another type than its key.
 pub fn wrong_type(span: Span, expected: &Type, found: &str) -> Diagnostic {
-    Diagnostic::error("wrong-type", span, format!("expected a {}, found {found}", expected.describe()))
+    Diagnostic::error("wrong-type", span, format!("expected {}, found {found}", one(expected.describe())))
 }
 
 /// A bare number stands where a unit is needed.
 pub fn missing_unit(span: Span, dimension: Dimension, written: &str) -> Diagnostic {
     let offers: Vec<String> = dimension.usual_units().iter().map(|unit| format!("`{written} {unit}`")).collect();
-    let diagnostic = Diagnostic::error("missing-unit", span, format!("a {dimension} needs a unit"));
+    let diagnostic = Diagnostic::error("missing-unit", span, format!("{} needs a unit", one(dimension)));
     match offers.as_slice() {
         [] => diagnostic,
         [one] => diagnostic.help(format!("write {one}")),
@@ -177,7 +188,7 @@ pub fn missing_unit(span: Span, dimension: Dimension, written: &str) -> Diagnost
 
 /// A quantity has another dimension than its key.
 pub fn wrong_unit(span: Span, expected: Dimension, found: Dimension) -> Diagnostic {
-    let diagnostic = Diagnostic::error("wrong-unit", span, format!("expected a {expected}, found a {found}"));
+    let diagnostic = Diagnostic::error("wrong-unit", span, format!("expected {}, found {}", one(expected), one(found)));
     match expected.usual_units() {
         [] if expected == Dimension::RATIO => diagnostic.help("write the number without a unit"),
         [] => diagnostic,
@@ -251,13 +262,14 @@ pub fn wrong_arity(span: Span, function: &str, expected: &str, found: usize) -> 
 
 /// Two sides of an operator, or two arguments, have different dimensions.
 pub fn mixed_dimensions(left: Span, first: Dimension, right: Span, second: Dimension) -> Diagnostic {
-    let diagnostic = Diagnostic::error("mixed-dimensions", right, format!("a {first} and a {second} do not mix"))
-        .here(format!("this is a {second}"))
-        .label(left, format!("this is a {first}"));
+    let diagnostic =
+        Diagnostic::error("mixed-dimensions", right, format!("{} and {} do not mix", one(first), one(second)))
+            .here(format!("this is {}", one(second)))
+            .label(left, format!("this is {}", one(first)));
     let quantity = if first == Dimension::RATIO { second } else { first };
     match quantity.usual_units().first() {
         Some(unit) if first == Dimension::RATIO || second == Dimension::RATIO => {
-            diagnostic.help(format!("to count a {quantity} in {unit} on purpose, write `… in {unit}`"))
+            diagnostic.help(format!("to count {} in {unit} on purpose, write `… in {unit}`", one(quantity)))
         }
         _ => diagnostic,
     }
@@ -265,7 +277,7 @@ pub fn mixed_dimensions(left: Span, first: Dimension, right: Span, second: Dimen
 
 /// A condition stands where a quantity is wanted, or the other way round.
 pub fn not_a(span: Span, wanted: &str, found: &str) -> Diagnostic {
-    Diagnostic::error("wrong-type", span, format!("expected a {wanted}, found a {found}"))
+    Diagnostic::error("wrong-type", span, format!("expected {}, found {}", one(wanted), one(found)))
 }
 
 /// A clause answers to an unknown event.

@@ -4,6 +4,7 @@ mod behavior_agent_reference;
 mod command_line;
 mod determinism;
 mod layers;
+mod learning;
 mod road_reference;
 mod scenarios;
 mod suite;

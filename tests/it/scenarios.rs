@@ -58,3 +58,25 @@ fn the_main_campaigns_survive_a_smoke_run() {
         }
     }
 }
+
+#[test]
+fn the_examples_in_the_documents_check() {
+    use falsify::compile::{Catalog, compile};
+    use falsify::diagnostic::Sources;
+    let top = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut blocks = 0;
+    for document in ["README.md", "grammar/README.md"] {
+        let text = std::fs::read_to_string(top.join(document)).unwrap();
+        for block in text.split("```scn\n").skip(1) {
+            let body = block.split("```").next().unwrap();
+            // Examples import from beside the shipped scenarios.
+            let root = top.join("scenarios/example.scn");
+            let read = |path: &Path| if path == root { Ok(body.to_string()) } else { std::fs::read_to_string(path) };
+            let compiled =
+                compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
+            assert_eq!(compiled.diagnostics, [], "{document}");
+            blocks += 1;
+        }
+    }
+    assert!(blocks >= 2);
+}

@@ -1,0 +1,44 @@
+//! The whole chain learns: text → scenario → training → trial.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use falsify::compile::{Catalog, Pedestrian, compile};
+use falsify::diagnostic::Sources;
+use falsify::env::Outcome;
+use falsify::falsifier::{Choosing, Random, TrainedWalker, Walker, train, try_walker};
+use falsify::seed::Seed;
+
+const SCENARIO: &str = r#"
+edition 1
+import "lib/paper.scn"
+import "lib/drivers.scn"
+import "lib/towns.scn"
+training half = ppo(steps: 30_000)
+campaign learning {
+  vehicle: plain_car  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: half
+  train { towns: [harbour] policies: [careful] rewards: [r1] runs: 1 }
+  evaluate { towns: [harbour] policies: [careful] pedestrians: [trained] }
+}
+"#;
+
+#[test]
+fn a_trained_pedestrian_hits_a_careful_car_far_more_often_than_a_random_one() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/learning.scn");
+    let read = |path: &Path| if path == root { Ok(SCENARIO.to_string()) } else { std::fs::read_to_string(path) };
+    let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
+    let plan = compiled.plan.unwrap();
+    let (training, evaluation) = (&plan.campaigns[0].trainings[0], &plan.campaigns[0].evaluations[0]);
+    assert_eq!(evaluation.pedestrian, Pedestrian::Trained(0));
+    let go_on = |_: &_| ControlFlow::Continue(());
+    let trained = train(&training.scenario, 1, &training.config, &Seed::root(3), &mut { go_on }).unwrap();
+    let rate = |walker: &mut dyn Walker| {
+        let (episodes, own) = (Seed::root(4), Seed::root(5));
+        let outcomes =
+            try_walker(walker, &evaluation.scenario, 200, &episodes, &own, &mut |_| ControlFlow::Continue(()));
+        outcomes.iter().filter(|outcome: &&Outcome| outcome.is_collision()).count()
+    };
+    let learnt = rate(&mut TrainedWalker::new(trained.actor_critic, Choosing::Mean));
+    let random = rate(&mut Random::default());
+    assert!(learnt > 120 && random < 40, "{learnt} and {random} of 200");
+}
