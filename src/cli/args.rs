@@ -8,6 +8,7 @@ Examples:
   falsify run --smoke scenarios/*.scn        see in seconds whether everything works
   falsify run --list scenarios/*.scn         see what would be run
   falsify check my.scn                       find mistakes without running anything
+  falsify map Town02.xodr --waypoints 2      draw a map, list what it holds
 
 Exit codes:
   0 done   1 internal error   2 wrong usage or missing file   3 errors in a scenario
@@ -33,6 +34,8 @@ pub enum Command {
     Run(RunOptions),
     /// Find mistakes in scenario files without running anything.
     Check(CheckOptions),
+    /// Draw a town, and say what its map holds and what was skipped.
+    Map(MapOptions),
     /// Print a completion script for a shell.
     Completions {
         /// The shell.
@@ -69,6 +72,25 @@ pub struct CheckOptions {
     /// Scenario files.
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
+}
+
+/// Options of `falsify map`.
+#[derive(Debug, Args)]
+pub struct MapOptions {
+    /// An OpenDRIVE map, or a scenario file with towns.
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// Folder for the picture, `NAME.svg`.
+    #[arg(long, short, default_value = ".", value_name = "DIR")]
+    pub out: PathBuf,
+    /// Also write the waypoints of all driving lanes, so many metres apart, as CARLA would: `NAME_waypoints.csv`.
+    #[arg(long, value_name = "METRES", value_parser = spacing)]
+    pub waypoints: Option<f64>,
+}
+
+fn spacing(text: &str) -> Result<f64, String> {
+    let spacing: f64 = text.parse().map_err(|_| "not a number".to_string())?;
+    if (0.01..=1000.0).contains(&spacing) { Ok(spacing) } else { Err("must be from 0.01 to 1000".into()) }
 }
 
 /// When to colour the output.

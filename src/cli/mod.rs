@@ -7,6 +7,7 @@ mod interrupt;
 mod progress;
 mod run;
 mod check;
+mod map;
 
 pub use args::Arguments;
 pub use exit_code::ExitCode;
@@ -28,6 +29,7 @@ pub fn main() -> ExitCode {
     match arguments.command {
         args::Command::Run(options) => run::run(&options),
         args::Command::Check(options) => check::check(&options),
+        args::Command::Map(options) => map::map(&options),
         args::Command::Completions { shell } => {
             clap_complete::generate(shell, &mut Arguments::command(), "falsify", &mut std::io::stdout());
             ExitCode::Done

@@ -77,11 +77,13 @@ impl Lowering<'_> {
     fn plan(&mut self) -> Plan {
         let program = self.program;
         // Towns of the named files are built even when nothing uses them: a library of towns is checked that way.
+        let mut towns = Vec::new();
         for declaration in program.of_form("town") {
-            self.town(declaration.id);
+            let built = self.town(declaration.id);
+            towns.extend(built.map(|built| NamedTown { name: declaration.name.clone(), town: built.town }));
         }
         let campaigns = program.of_form("campaign").map(|campaign| self.campaign(campaign)).collect();
-        Plan { campaigns }
+        Plan { campaigns, towns }
     }
 
     fn town(&mut self, id: DeclarationId) -> Option<BuiltTown> {

@@ -9,6 +9,8 @@ use crate::road::Town;
 pub struct Plan {
     /// The campaigns of the files the user named, in order.
     pub campaigns: Vec<Campaign>,
+    /// The towns that these files declare themselves, in order.
+    pub towns: Vec<NamedTown>,
 }
 
 /// A campaign: trainings, and evaluations of what they bring forth.

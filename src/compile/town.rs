@@ -1,11 +1,11 @@
 use std::path::Path;
 
-use crate::diagnostic::{Diagnostic, Sources};
-use crate::geometry::{OrientedBox, Point};
+use crate::diagnostic::{Diagnostic, Sources, Span};
+use crate::geometry::{OrientedBox, Point, Pose, Vector};
 use crate::lang::codes;
 use crate::lang::hir::{Block, Declaration};
 use crate::road::design::{BuildingRow, Node, Street, StreetProfile, TownDesign};
-use crate::road::{Town, opendrive};
+use crate::road::{LaneFilter, SpeedSign, Town, TownParts, opendrive};
 use crate::signature::{Form, Param, Signature, Type, Value};
 use crate::units::Dimension;
 
@@ -13,6 +13,12 @@ use crate::lang::Reader;
 
 /// Points of streets closer than this are one node (m).
 const SAME_NODE: f64 = 0.01;
+/// Half size of the box in which a speed sign takes effect (m): 0.35 of CARLA's lanes.
+const SIGN_HALF_SIZE: f64 = 1.4;
+/// Most trees of a grove.
+const MOST_TREES: f64 = 20_000.0;
+/// Step with which the ground under an obstacle is searched for lanes (m).
+const UNDER_STEP: f64 = 1.0;
 
 /// The form `town`.
 pub fn form() -> Form {
@@ -100,43 +106,72 @@ fn designed() -> Signature {
     }
 }
 
+/// What may stand in a town of either kind.
 fn obstacles() -> Vec<Signature> {
-    vec![Signature::new(
-        "building",
-        "A house, a wall, a parked van: it blocks walkers and sight.",
-        vec![
-            Param::required("corner", Type::Point, "One corner."),
-            Param::required("opposite", Type::Point, "The opposite corner."),
-        ],
-    )]
+    let length = || Type::positive(Dimension::LENGTH);
+    let corner = || Param::required("corner", Type::Point, "One corner.");
+    let opposite = || Param::required("opposite", Type::Point, "The opposite corner.");
+    let trunk = || Param::with_default("trunk", length(), "0.4 m", "Its thickness.");
+    vec![
+        Signature::new("building", "A house: it blocks walkers and sight.", vec![corner(), opposite()]),
+        Signature::new(
+            "wall",
+            "A wall or a fence along a straight line.",
+            vec![
+                Param::required("from", Type::Point, "One end."),
+                Param::required("to", Type::Point, "The other end."),
+                Param::with_default("thickness", length(), "0.3 m", "Its thickness."),
+            ],
+        ),
+        Signature::new(
+            "tree",
+            "A tree, a pole, a lamp post.",
+            vec![Param::required("at", Type::Point, "Its place."), trunk()],
+        ),
+        Signature::new(
+            "grove",
+            "Trees in rows over a rectangle.",
+            vec![
+                corner(),
+                opposite(),
+                Param::with_default(
+                    "spacing",
+                    Type::Quantity { dimension: Dimension::LENGTH, min: 1.0, max: 1000.0 },
+                    "7 m",
+                    "Distance between two trees.",
+                ),
+                trunk(),
+            ],
+        ),
+        Signature::new(
+            "parked_car",
+            "A car that stands for good.",
+            vec![
+                Param::required("at", Type::Pose, "Its middle and its heading."),
+                Param::with_default("length", length(), "4.5 m", "Its length."),
+                Param::with_default("width", length(), "1.9 m", "Its width."),
+            ],
+        ),
+        Signature::new(
+            "speed_sign",
+            "A limit that a car takes over when it passes.",
+            vec![
+                Param::required(
+                    "at",
+                    Type::Pose,
+                    "The middle of the lane where it takes effect, and the lane's heading.",
+                ),
+                Param::required("limit", Type::positive(Dimension::SPEED), "The limit."),
+            ],
+        ),
+    ]
 }
 
 /// Builds a town, saying what is wrong with it.
 pub fn lower(declaration: &Declaration, sources: &Sources, read: &Reader, said: &mut Vec<Diagnostic>) -> Option<Town> {
     let block = &declaration.block;
-    let parts = match declaration.kind {
-        "opendrive" => {
-            let path = block.arguments.text("file");
-            let unusable = |reason: String| codes::unusable_map(block.place("file"), path, &reason);
-            let folder = sources.get(declaration.source).path.parent().unwrap_or(Path::new("")).to_path_buf();
-            let text = match read(&folder.join(path)) {
-                Ok(text) => text,
-                Err(error) => {
-                    said.push(unusable(crate::lang::reason(&error)));
-                    return None;
-                }
-            };
-            match opendrive::read(&text, &declaration.name) {
-                Ok(mut parts) => {
-                    parts.obstacles.extend(buildings(block));
-                    parts
-                }
-                Err(error) => {
-                    said.push(unusable(error.to_string()));
-                    return None;
-                }
-            }
-        }
+    let mut parts = match declaration.kind {
+        "opendrive" => read_map(declaration, sources, read, said)?,
         _ => match design(declaration).build() {
             Ok(parts) => parts,
             Err(faults) => {
@@ -145,7 +180,111 @@ pub fn lower(declaration: &Declaration, sources: &Sources, read: &Reader, said: 
             }
         },
     };
-    Some(Town::new(parts))
+    let before = said.len();
+    let standing = standing(block, said);
+    // Rows of houses give way to what is placed by hand.
+    parts.obstacles.retain(|row| !standing.iter().any(|(_, own)| own.overlaps(row)));
+    parts.obstacles.extend(standing.iter().map(|(_, own)| *own));
+    for sign in block.nested("speed_sign") {
+        let half = SIGN_HALF_SIZE;
+        let trigger = OrientedBox::new(pose(sign.arguments.value("at")), half, half);
+        parts.speed_signs.push(SpeedSign { limit: sign.arguments.number("limit"), trigger });
+    }
+    let town = Town::new(parts);
+    for (place, own) in &standing {
+        if let Some(road) = road_under(&town, own) {
+            said.push(codes::unbuildable_town(*place, &format!("this stands on a driving lane of road {road}")));
+        }
+    }
+    (said.len() == before).then_some(town)
+}
+
+fn read_map(
+    declaration: &Declaration,
+    sources: &Sources,
+    read: &Reader,
+    said: &mut Vec<Diagnostic>,
+) -> Option<TownParts> {
+    let block = &declaration.block;
+    let path = block.arguments.text("file");
+    let folder = sources.get(declaration.source).path.parent().unwrap_or(Path::new("")).to_path_buf();
+    let text = read(&folder.join(path)).map_err(|error| crate::lang::reason(&error));
+    let parts = text.and_then(|text| opendrive::read(&text, &declaration.name).map_err(|error| error.to_string()));
+    parts.map_err(|reason| said.push(codes::unusable_map(block.place("file"), path, &reason))).ok()
+}
+
+/// Everything that stands in the town, each with the place where it is declared.
+fn standing(block: &Block, said: &mut Vec<Diagnostic>) -> Vec<(Span, OrientedBox)> {
+    let mut all = Vec::new();
+    for child in &block.children {
+        let arguments = &child.arguments;
+        let point = |key: &str| {
+            let (x, y) = arguments.point(key);
+            Point::new(x, y)
+        };
+        let tree = |at: Point| {
+            let half = arguments.number("trunk") / 2.0;
+            OrientedBox::new(Pose::new(at.x, at.y, 0.0), half, half)
+        };
+        match child.word {
+            "building" => all.push((child.head, OrientedBox::spanning(point("corner"), point("opposite")))),
+            "wall" => {
+                let (from, to) = (point("from"), point("to"));
+                let (middle, along) = (nalgebra::center(&from, &to), to - from);
+                let heading = libm::atan2(along.y, along.x);
+                let half = (along.norm() / 2.0, arguments.number("thickness") / 2.0);
+                all.push((child.head, OrientedBox::new(Pose::new(middle.x, middle.y, heading), half.0, half.1)));
+            }
+            "tree" => all.push((child.head, tree(point("at")))),
+            "grove" => {
+                let (a, b) = (point("corner"), point("opposite"));
+                let (low, high) = (a.inf(&b), a.sup(&b));
+                let spacing = arguments.number("spacing");
+                let count = |extent: f64| (extent / spacing).floor() + 1.0;
+                let (columns, rows) = (count(high.x - low.x), count(high.y - low.y));
+                if columns * rows > MOST_TREES {
+                    let reason = format!("this grove has {} trees; at most {MOST_TREES} grow", columns * rows);
+                    said.push(codes::unbuildable_town(child.head, &reason));
+                    continue;
+                }
+                for index in 0..(columns * rows) as u32 {
+                    let (column, row) = (f64::from(index) % columns, (f64::from(index) / columns).floor());
+                    all.push((child.head, tree(Point::new(low.x + column * spacing, low.y + row * spacing))));
+                }
+            }
+            "parked_car" => {
+                let half = (arguments.number("length") / 2.0, arguments.number("width") / 2.0);
+                all.push((child.head, OrientedBox::new(pose(arguments.value("at")), half.0, half.1)));
+            }
+            _ => {}
+        }
+    }
+    all
+}
+
+/// The road on one of whose driving lanes a box stands.
+fn road_under(town: &Town, own: &OrientedBox) -> Option<u32> {
+    let steps = |half: f64| (2.0 * half / UNDER_STEP).ceil().max(1.0) as u32;
+    let (along, across) = (steps(own.half.x), steps(own.half.y));
+    let places = (0..=along).flat_map(|i| (0..=across).map(move |j| (f64::from(i), f64::from(j))));
+    places
+        .map(|(i, j)| {
+            let share = Vector::new(2.0 * i / f64::from(along) - 1.0, 2.0 * j / f64::from(across) - 1.0);
+            own.pose.to_world(own.half.component_mul(&share))
+        })
+        .find_map(|place| {
+            let lane = town.nearest_lane(place, LaneFilter::Driving)?;
+            let beside = town.pose(lane).to_local(place);
+            let inside = beside.y.abs() < town.lane_width(lane) / 2.0 && beside.x.abs() < UNDER_STEP;
+            inside.then(|| town.roads[lane.road.0 as usize].id)
+        })
+}
+
+fn pose(value: &Value) -> Pose {
+    match value {
+        Value::Pose(x, y, yaw) => Pose::new(*x, *y, *yaw),
+        other => panic!("checked: a pose, not {other:?}"),
+    }
 }
 
 fn design(declaration: &Declaration) -> TownDesign {
@@ -187,7 +326,6 @@ fn design(declaration: &Declaration) -> TownDesign {
         name: declaration.name.clone(),
         nodes,
         streets,
-        buildings: buildings(block),
         profile: StreetProfile {
             lane_width: number("lane_width"),
             shoulder: number("shoulder"),
@@ -204,12 +342,4 @@ fn design(declaration: &Declaration) -> TownDesign {
 fn legs(streets: &[Street], node: usize) -> usize {
     let pieces = streets.iter().flat_map(|street| street.nodes.windows(2));
     pieces.map(|ends| ends.iter().filter(|end| **end == node).count()).sum()
-}
-
-fn buildings(block: &Block) -> Vec<OrientedBox> {
-    let corners = |building: &Block| {
-        let (a, b) = (building.arguments.point("corner"), building.arguments.point("opposite"));
-        OrientedBox::spanning(Point::new(a.0, a.1), Point::new(b.0, b.1))
-    };
-    block.nested("building").map(corners).collect()
 }

@@ -119,7 +119,7 @@ impl ReportFolder {
         let Self { place, draft } = self;
         let draft = draft.keep();
         let failed = |source| WriteError::File { path: place.clone(), source };
-        set_readable(&draft).map_err(failed)?;
+        set_mode(&draft, 0o755).map_err(failed)?;
         let old = draft.with_extension("old");
         if place.exists() {
             if !is_report(&place) {
@@ -141,18 +141,45 @@ impl ReportFolder {
     }
 }
 
+/// Writes a file that stands alone; it appears whole or not at all.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    let failed = |source| WriteError::File { path: path.to_path_buf(), source };
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    fs::create_dir_all(folder).map_err(failed)?;
+    let mut draft = tempfile::NamedTempFile::new_in(folder).map_err(failed)?;
+    draft.write_all(bytes).map_err(failed)?;
+    set_mode(draft.path(), 0o644).map_err(failed)?;
+    draft.persist(path).map(|_| ()).map_err(|error| failed(error.error))
+}
+
+/// Writes a table that stands alone as CSV.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_csv(path: &Path, table: &DataFrame) -> Result<(), WriteError> {
+    let mut bytes = Vec::new();
+    let name = || path.display().to_string();
+    CsvWriter::new(&mut bytes)
+        .finish(&mut table.clone())
+        .map_err(|source| WriteError::Table { name: name(), source })?;
+    write_file(path, &bytes)
+}
+
 fn is_report(place: &Path) -> bool {
     place.join(MARK).is_file() || fs::read_dir(place).is_ok_and(|mut entries| entries.next().is_none())
 }
 
-/// Temporary folders are for their owner alone; a report is for everyone who may read its parent.
+/// What is made as temporary is for its owner alone; a report is for everyone who may read its parent.
 #[cfg(unix)]
-fn set_readable(folder: &Path) -> io::Result<()> {
+fn set_mode(path: &Path, mode: u32) -> io::Result<()> {
     use std::os::unix::fs::PermissionsExt;
-    fs::set_permissions(folder, fs::Permissions::from_mode(0o755))
+    fs::set_permissions(path, fs::Permissions::from_mode(mode))
 }
 
 #[cfg(not(unix))]
-fn set_readable(_: &Path) -> io::Result<()> {
+fn set_mode(_: &Path, _: u32) -> io::Result<()> {
     Ok(())
 }

@@ -1,11 +1,13 @@
-//! Two cubics of a parameter as CARLA draws them: a table of places half a metre apart, and straight lines between.
+//! Cubic curves as CARLA draws them: a table of places less than half a metre apart, and straight lines between.
 
 use crate::geometry::Vector;
 
-/// The distance between two places of a table (m).
+/// The distance between two places of a curve over a parameter (m).
 const INTERVAL: f64 = 0.5;
-/// How many intervals a table has at least and at most.
+/// How many intervals such a table has at least and at most.
 const INTERVALS: (f64, f64) = (5.0, 20_000.0);
+/// The step straight ahead between two places of a cubic (m).
+const STEP_AHEAD: f64 = 0.3;
 
 /// A place of the table.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,7 +20,7 @@ struct Entry {
 /// The places of a curve over its length.
 ///
 /// # Source
-/// CARLA `road/element/Geometry.cpp`, `GeometryParamPoly3::PreComputeSpline`.
+/// CARLA `road/element/Geometry.cpp`, `PreComputeSpline` of `GeometryParamPoly3` and `GeometryPoly3`.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct CurveTable {
     entries: Vec<Entry>,
@@ -28,15 +30,27 @@ impl CurveTable {
     /// Tabulates a curve, given its place and tangent over a parameter from 0 to `range`.
     pub fn new(length: f64, range: f64, curve: impl Fn(f64) -> (Vector, Vector)) -> Self {
         let count = (length / INTERVAL).floor().clamp(INTERVALS.0, INTERVALS.1);
-        let mut distance = 0.0;
-        let mut last = curve(0.0).0;
-        let entry = |index: u32| {
-            let (place, tangent) = curve(range * f64::from(index) / count);
-            distance += (place - last).norm();
-            last = place;
-            Entry { distance, place, tangent }
-        };
-        Self { entries: (0..=count as u32).map(entry).collect() }
+        let mut table = Self { entries: Vec::with_capacity(count as usize + 1) };
+        (0..=count as u32).for_each(|index| table.push(curve(range * f64::from(index) / count)));
+        table
+    }
+
+    /// Tabulates a curve, given its place and tangent over the distance straight ahead, until it is long enough.
+    pub fn ahead(length: f64, curve: impl Fn(f64) -> (Vector, Vector)) -> Self {
+        let step = STEP_AHEAD.max(length / INTERVALS.1);
+        let mut table = Self { entries: Vec::new() };
+        table.push(curve(0.0));
+        let mut index = 0_u32;
+        while index == 0 || table.entries[index as usize].distance < length + step {
+            index += 1;
+            table.push(curve(step * f64::from(index)));
+        }
+        table
+    }
+
+    fn push(&mut self, (place, tangent): (Vector, Vector)) {
+        let distance = self.entries.last().map_or(0.0, |last| last.distance + (place - last.place).norm());
+        self.entries.push(Entry { distance, place, tangent });
     }
 
     /// The place and the tangent at a distance (m); beyond the end it goes straight on.
@@ -74,6 +88,14 @@ mod tests {
             let ((place, tangent), (exact, along)) = (table.at(distance), circle(distance));
             assert!((place - exact).norm() < 5e-3, "{place} {exact}");
             assert!((tangent.normalize() - along).norm() < 1e-3);
+        }
+    }
+
+    #[test]
+    fn a_slanted_line_is_followed_by_its_length() {
+        let table = CurveTable::ahead(10.0, |u| (Vector::new(u, 0.75 * u), Vector::new(1.0, 0.75)));
+        for distance in [0.0, 1.0, 9.99] {
+            assert!((table.at(distance).0 - Vector::new(0.8, 0.6) * distance).norm() < 1e-12);
         }
     }
 

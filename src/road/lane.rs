@@ -32,20 +32,24 @@ pub enum LaneKind {
 }
 
 impl LaneKind {
-    /// Reads a type as written in OpenDRIVE; unknown ones become [`LaneKind::None`].
+    /// Reads a type as written in OpenDRIVE, whatever its case; unknown ones become [`LaneKind::None`].
+    ///
+    /// # Source
+    /// CARLA `opendrive/parser/RoadParser.cpp`, `StringToLaneType`, which knows OpenDRIVE 1.4: what came later (`curb`, `bus`,
+    /// `taxi`, `HOV`, …) is nothing to it. We add `walking`, the name of sidewalks since 1.8.
     pub fn from_opendrive(text: &str) -> Self {
-        match text {
+        match text.to_ascii_lowercase().as_str() {
             "driving" => Self::Driving,
             "sidewalk" | "walking" => Self::Sidewalk,
             "shoulder" => Self::Shoulder,
-            "border" | "curb" => Self::Border,
+            "border" => Self::Border,
             "biking" => Self::Biking,
             "parking" => Self::Parking,
             "median" => Self::Median,
             "stop" => Self::Stop,
             "bidirectional" => Self::Bidirectional,
-            "special1" | "special2" | "special3" | "roadWorks" | "tram" | "rail" | "entry" | "exit" | "offRamp"
-            | "onRamp" | "restricted" | "bus" | "taxi" | "HOV" => Self::Special,
+            "special1" | "special2" | "special3" | "roadworks" | "tram" | "rail" | "entry" | "exit" | "offramp"
+            | "onramp" | "restricted" => Self::Special,
             _ => Self::None,
         }
     }

@@ -7,7 +7,7 @@ use rstar::{PointDistance, RTree};
 
 use super::lane_network::{LaneNetwork, LaneSlot, NetworkLane};
 use super::{LaneKind, Road, Waypoint};
-use crate::geometry::{Point, Pose, Vector};
+use crate::geometry::{Point, Vector};
 
 /// How far the heading turns before the next chord begins (rad).
 const TURN: f64 = std::f64::consts::PI / 100.0;
@@ -42,7 +42,7 @@ impl LaneFilter {
     }
 }
 
-/// A straight piece between two places on a lane's centre.
+/// A straight piece between two places on a lane's centre, seen from above.
 #[derive(Debug, Clone, Copy)]
 struct Chord {
     from: Point,
@@ -50,6 +50,9 @@ struct Chord {
     length: f64,
     from_s: f64,
     to_s: f64,
+    /// How high it begins, and how much it rises (m).
+    height: f64,
+    rise: f64,
     slot: LaneSlot,
 }
 
@@ -62,9 +65,33 @@ impl Chord {
     fn distance_squared(&self, point: Point) -> f64 {
         (self.from + self.along * self.project(point) - point).norm_squared()
     }
+
+    fn end(&self) -> Point {
+        self.from + self.along * self.length
+    }
+
+    /// How far along the chord, rise and all, the place nearest to a point at a height is (m).
+    fn project_in_space(&self, point: Point, height: f64) -> f64 {
+        let whole = (self.length * self.length + self.rise * self.rise).sqrt();
+        if whole == 0.0 {
+            return 0.0;
+        }
+        let dot = (point - self.from).dot(&self.along) * self.length + (height - self.height) * self.rise;
+        (dot / whole).clamp(0.0, whole)
+    }
+
+    /// The place so many metres along (CARLA counts metres along the chord as metres along the reference line).
+    fn s(&self, moved: f64) -> f64 {
+        if self.to_s >= self.from_s {
+            (self.from_s + moved).min(self.to_s)
+        } else {
+            (self.from_s - moved).max(self.to_s)
+        }
+    }
 }
 
 type Leaf = GeomWithData<Line<[f64; 2]>, u32>;
+type LeafInSpace = GeomWithData<Line<[f64; 3]>, u32>;
 
 /// The chords of lane centres, with an index over those of each filter.
 ///
@@ -75,6 +102,9 @@ pub(super) struct LaneIndex {
     driving: OnceLock<ChordGrid>,
     sidewalk: OnceLock<ChordGrid>,
     any: OnceLock<ChordGrid>,
+    /// Whether all chords lie at one height, so that height does not matter.
+    level: bool,
+    in_space: [OnceLock<RTree<LeafInSpace>>; 3],
 }
 
 impl LaneIndex {
@@ -82,16 +112,31 @@ impl LaneIndex {
     pub fn new(roads: &[Road], network: &LaneNetwork) -> Self {
         let mut chords = Vec::new();
         for (lane, slot) in network.lanes().iter().zip(0..) {
-            chords_of(roads, network, lane, |from_s, to_s, from, to| {
-                let (from, whole) = (from.position(), to.position() - from.position());
-                let length = whole.norm();
-                if from.x.is_finite() && from.y.is_finite() && length.is_finite() {
+            chords_of(roads, network, lane, |begin, end| {
+                let whole = end.place - begin.place;
+                let (length, rise) = (whole.norm(), end.height - begin.height);
+                let (from, height) = (begin.place, begin.height);
+                if [from.x, from.y, height, length, rise].iter().all(|number| number.is_finite()) {
                     let along = if length > 0.0 { whole / length } else { Vector::zeros() };
-                    chords.push(Chord { from, along, length, from_s, to_s, slot });
+                    chords.push(Chord { from, along, length, from_s: begin.s, to_s: end.s, height, rise, slot });
                 }
             });
         }
-        Self { chords, driving: OnceLock::new(), sidewalk: OnceLock::new(), any: OnceLock::new() }
+        chords.shrink_to_fit();
+        let height = chords.first().map_or(0.0, |chord| chord.height);
+        Self {
+            level: chords.iter().all(|chord| chord.height == height && chord.rise == 0.0),
+            chords,
+            driving: OnceLock::new(),
+            sidewalk: OnceLock::new(),
+            any: OnceLock::new(),
+            in_space: Default::default(),
+        }
+    }
+
+    /// The chords of a filter, by their places in the list.
+    fn admitted(&self, network: &LaneNetwork, filter: LaneFilter) -> impl Iterator<Item = (&Chord, u32)> {
+        self.chords.iter().zip(0..).filter(move |(chord, _)| filter.admits(network.lane(chord.slot).kind))
     }
 
     /// The grid of a filter, made when it is asked for first.
@@ -101,11 +146,7 @@ impl LaneIndex {
             LaneFilter::Sidewalk => &self.sidewalk,
             LaneFilter::Any => &self.any,
         };
-        grid.get_or_init(|| {
-            let admitted =
-                self.chords.iter().zip(0..).filter(|(chord, _)| filter.admits(network.lane(chord.slot).kind));
-            ChordGrid::new(&self.chords, admitted.map(|(_, index)| index))
-        })
+        grid.get_or_init(|| ChordGrid::new(&self.chords, self.admitted(network, filter).map(|(_, index)| index)))
     }
 
     /// The place on the nearest chord; none without lanes of that sort, or for a point that is not finite.
@@ -115,14 +156,33 @@ impl LaneIndex {
         }
         let grid = self.grid(network, filter);
         let chord = &self.chords[grid.nearest(&self.chords, point)? as usize];
-        // Metres along the chord count as metres along the reference line, as CARLA does it.
-        let moved = chord.project(point);
-        let s = if chord.to_s >= chord.from_s {
-            (chord.from_s + moved).min(chord.to_s)
-        } else {
-            (chord.from_s - moved).max(chord.to_s)
-        };
-        Some(network.lane(chord.slot).waypoint(s))
+        Some(network.lane(chord.slot).waypoint(chord.s(chord.project(point))))
+    }
+
+    /// The place on the chord nearest in space; none without lanes of that sort, or for a place that is not finite.
+    pub fn nearest_in_space(
+        &self,
+        network: &LaneNetwork,
+        point: Point,
+        height: f64,
+        filter: LaneFilter,
+    ) -> Option<Waypoint> {
+        if self.level || !height.is_finite() {
+            return self.nearest(network, point, filter).filter(|_| height.is_finite());
+        }
+        let tree = self.in_space[filter as usize].get_or_init(|| {
+            let leaf = |(chord, index): (&Chord, u32)| {
+                let end = chord.end();
+                let ends = [[chord.from.x, chord.from.y, chord.height], [end.x, end.y, chord.height + chord.rise]];
+                LeafInSpace::new(Line::new(ends[0], ends[1]), index)
+            };
+            RTree::bulk_load(self.admitted(network, filter).map(leaf).collect())
+        });
+        if !point.x.is_finite() || !point.y.is_finite() {
+            return None;
+        }
+        let chord = &self.chords[tree.nearest_neighbor([point.x, point.y, height])?.data as usize];
+        Some(network.lane(chord.slot).waypoint(chord.s(chord.project_in_space(point, height))))
     }
 }
 
@@ -153,7 +213,7 @@ impl ChordGrid {
     fn new(chords: &[Chord], admitted: impl Iterator<Item = u32>) -> Self {
         let leaf = |index: u32| {
             let chord = &chords[index as usize];
-            let to = chord.from + chord.along * chord.length;
+            let to = chord.end();
             Leaf::new(Line::new([chord.from.x, chord.from.y], [to.x, to.y]), index)
         };
         let leaves: Vec<Leaf> = admitted.map(leaf).collect();
@@ -226,30 +286,62 @@ impl std::fmt::Debug for LaneIndex {
     }
 }
 
-/// Tells the chords of a lane, in driving direction.
-fn chords_of(roads: &[Road], network: &LaneNetwork, lane: &NetworkLane, mut tell: impl FnMut(f64, f64, Pose, Pose)) {
+/// A place on a lane's centre where a chord may end.
+#[derive(Clone, Copy)]
+struct ChordEnd {
+    s: f64,
+    place: Point,
+    height: f64,
+    forward: Vector,
+    /// Sine and cosine of the pitch.
+    steep: (f64, f64),
+}
+
+impl ChordEnd {
+    /// The angle between the headings of two places (rad).
+    fn turned(&self, other: &Self) -> f64 {
+        let ((up, flat), (other_up, other_flat)) = (self.steep, other.steep);
+        let (perp, dot) = (self.forward.perp(&other.forward), self.forward.dot(&other.forward));
+        if up == 0.0 && other_up == 0.0 {
+            return libm::atan2(perp.abs(), dot);
+        }
+        let aside = other.forward * (up * other_flat) - self.forward * (flat * other_up);
+        let across = flat * other_flat * perp;
+        libm::atan2((aside.norm_squared() + across * across).sqrt(), flat * other_flat * dot + up * other_up)
+    }
+}
+
+/// Tells the chords of a lane, in driving direction. Pitch counts as a turn.
+fn chords_of(roads: &[Road], network: &LaneNetwork, lane: &NetworkLane, mut tell: impl FnMut(&ChordEnd, &ChordEnd)) {
     let (first, last) = lane.driving_ends();
     let length = (last - first).abs() - MARGIN;
     if length <= MARGIN || length.is_nan() {
         return;
     }
     let sign = if lane.forward() { 1.0 } else { -1.0 };
-    let pose = |along: f64| network.pose(roads, lane, first + sign * along);
+    let level = roads[lane.road.0 as usize].plan_view.elevation().cubics().is_empty();
+    let end_at = |along: f64| {
+        let s = first + sign * along;
+        let pose = network.pose(roads, lane, s);
+        let (height, steep) = if level {
+            (0.0, (0.0, 1.0))
+        } else {
+            (network.elevation(roads, lane, s), libm::sincos(network.pitch(roads, lane, s)))
+        };
+        ChordEnd { s, place: pose.position(), height, forward: pose.forward(), steep }
+    };
     if lane.straight {
-        tell(first, first + sign * length, pose(0.0), pose(length));
+        tell(&end_at(0.0), &end_at(length));
         return;
     }
     let step = STEP.max(length / MAX_STEPS);
-    let (mut from, mut from_pose, mut along) = (0.0, pose(0.0), 0.0);
-    let mut from_direction = from_pose.forward();
+    let (mut begun, mut begin, mut along) = (0.0, end_at(0.0), 0.0);
     while along < length {
         let next = (along + step).min(length);
-        let next_pose = pose(next);
-        let next_direction = next_pose.forward();
-        let turned = libm::atan2(from_direction.perp(&next_direction), from_direction.dot(&next_direction)).abs();
-        if turned > TURN || next - from > LONGEST || next >= length {
-            tell(first + sign * from, first + sign * next, from_pose, next_pose);
-            (from, from_pose, from_direction) = (next, next_pose, next_direction);
+        let end = end_at(next);
+        if begin.turned(&end) > TURN || next - begun > LONGEST || next >= length {
+            tell(&begin, &end);
+            (begun, begin) = (next, end);
         }
         along = next;
     }

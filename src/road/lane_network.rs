@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::hash_order::hash_order;
 use super::plan_view::CurvePoint;
 use super::{Junction, Lane, LaneId, LaneKind, Profile, Road, RoadIndex, RoadLink, Waypoint};
 use crate::geometry::{Point, Pose, wrap_angle};
@@ -69,7 +70,8 @@ impl LaneNetwork {
     ///
     /// # Source
     /// CARLA `road/MapBuilder.cpp`: which end of the next road one enters is told by the sign of the lane's number there,
-    /// not by the file's contact points; what lies before a lane is what leads to it.
+    /// not by the file's contact points; a link holds for the nearest section that has a lane of that number; what lies
+    /// before a lane is what leads to it.
     pub fn new(roads: &[Road], junctions: &[Junction]) -> Self {
         let mut network =
             Self { lanes: Vec::new(), ids: Vec::new(), roads: Vec::new(), sections: Vec::new(), links: Vec::new() };
@@ -103,7 +105,10 @@ impl LaneNetwork {
     }
 
     fn link(&mut self, roads: &[Road], junctions: &[Junction]) {
-        let ways: Vec<Vec<LaneSlot>> = self.lanes.iter().map(|lane| self.ways_on(lane, roads, junctions)).collect();
+        let orders: Vec<Vec<usize>> =
+            junctions.iter().map(|junction| hash_order(0..junction.connections.len() as u32)).collect();
+        let ways: Vec<Vec<LaneSlot>> =
+            self.lanes.iter().map(|lane| self.ways_on(lane, roads, junctions, &orders)).collect();
         let mut back = vec![Vec::new(); ways.len()];
         for (from, to) in ways.iter().zip(0..).flat_map(|(ways, from)| ways.iter().map(move |to| (from, *to))) {
             back[to as usize].push(from);
@@ -121,23 +126,40 @@ impl LaneNetwork {
         self.links = links;
     }
 
-    fn ways_on(&self, lane: &NetworkLane, roads: &[Road], junctions: &[Junction]) -> Vec<LaneSlot> {
+    /// The lanes one comes to; at a fork in CARLA's order, whose connections are in a hash table by their numbers. `orders`
+    /// gives it for each junction.
+    fn ways_on(
+        &self,
+        lane: &NetworkLane,
+        roads: &[Road],
+        junctions: &[Junction],
+        orders: &[Vec<usize>],
+    ) -> Vec<LaneSlot> {
         let road = &roads[lane.road.0 as usize];
         let Some(own) = road.sections[lane.section as usize].lane(lane.id) else { return Vec::new() };
-        let (linked, beyond, section) = if lane.forward() {
-            (own.successor, road.successor, (lane.section as usize + 1 < road.sections.len()).then(|| lane.section + 1))
-        } else {
-            (own.predecessor, road.predecessor, lane.section.checked_sub(1))
+        let (linked, beyond) =
+            if lane.forward() { (own.successor, road.successor) } else { (own.predecessor, road.predecessor) };
+        // Sections may begin at one place, one for each side of the road; those are not one after the other.
+        let after = road.sections.partition_point(|section| section.start <= lane.start) as u32;
+        let before = road.sections.partition_point(|section| section.start < lane.start) as u32;
+        let inside = |id| {
+            if lane.forward() {
+                (after..road.sections.len() as u32).find_map(|section| self.slot_of(lane.road, section, id))
+            } else {
+                (0..before).rev().find_map(|section| self.slot_of(lane.road, section, id))
+            }
         };
-        if let Some(section) = section {
-            return linked.and_then(|id| self.slot_of(lane.road, section, id)).into_iter().collect();
+        if if lane.forward() { (after as usize) < road.sections.len() } else { before > 0 } {
+            return linked.and_then(inside).into_iter().collect();
         }
         match beyond {
             Some(RoadLink::Road(next, _)) => linked.and_then(|id| self.edge(roads, next, id)).into_iter().collect(),
             Some(RoadLink::Junction(junction)) => {
                 let connections = junctions.get(junction.0 as usize).map_or(&[][..], |found| &found.connections);
+                let order = orders.get(junction.0 as usize).map_or(&[][..], Vec::as_slice);
                 let mut ways: Vec<LaneSlot> = Vec::new();
-                for connection in connections.iter().filter(|each| each.incoming == lane.road) {
+                let connections = order.iter().filter_map(|place| connections.get(*place));
+                for connection in connections.filter(|each| each.incoming == lane.road) {
                     for (_, to) in connection.lane_links.iter().filter(|(from, _)| *from == lane.id) {
                         ways.extend(self.edge(roads, connection.connecting, *to).filter(|slot| !ways.contains(slot)));
                     }
@@ -148,10 +170,12 @@ impl LaneNetwork {
         }
     }
 
-    /// The lane at which one enters a road: a right lane at the road's beginning, a left one at its end.
+    /// The lane at which one enters a road: the first right lane of a number from the road's beginning, the first left one
+    /// from its end.
     fn edge(&self, roads: &[Road], road: RoadIndex, id: LaneId) -> Option<LaneSlot> {
-        let sections = roads.get(road.0 as usize)?.sections.len();
-        self.slot_of(road, if id < 0 { 0 } else { (sections as u32).checked_sub(1)? }, id)
+        let mut sections = 0..roads.get(road.0 as usize)?.sections.len() as u32;
+        let slot = |section| self.slot_of(road, section, id);
+        if id < 0 { sections.find_map(slot) } else { sections.rev().find_map(slot) }
     }
 
     /// All lanes.
@@ -202,6 +226,20 @@ impl LaneNetwork {
         Pose { x: place.x, y: place.y, yaw: heading(&line, lane.id, slope) }
     }
 
+    /// How high a lane lies (m).
+    pub fn elevation(&self, roads: &[Road], lane: &NetworkLane, s: f64) -> f64 {
+        roads[lane.road.0 as usize].plan_view.elevation().value(s)
+    }
+
+    /// The angle at which a lane rises in its driving direction (rad).
+    ///
+    /// # Source
+    /// CARLA `road/Road.cpp`, `GetDirectedPointIn`: the slope is taken for the angle.
+    pub fn pitch(&self, roads: &[Road], lane: &NetworkLane, s: f64) -> f64 {
+        let slope = roads[lane.road.0 as usize].plan_view.elevation().slope(s);
+        if lane.forward() { slope } else { -slope }
+    }
+
     /// The edges of a lane: left and right of its centre along the reference line.
     pub fn edges(&self, roads: &[Road], lane: &NetworkLane, s: f64) -> [Point; 2] {
         let line = roads[lane.road.0 as usize].plan_view.point(s);
@@ -229,13 +267,15 @@ fn centre(road: &Road, lanes: &[Lane], id: LaneId, start: f64, end: f64) -> Prof
     Profile::sum(&terms, start, end)
 }
 
-/// Whether CARLA takes the lanes of a section for straight: one straight piece under it, and no curved offset anywhere.
+/// Whether CARLA takes the lanes of a section for straight: one straight piece under it, and no vertical curve anywhere on
+/// the road.
 ///
 /// # Source
-/// CARLA `road/Lane.cpp`, `IsStraight`; changing widths do not count there.
+/// CARLA `road/Lane.cpp`, `IsStraight`; changing widths do not count there, nor do offsets, which are looked for in the wrong
+/// place.
 fn is_straight(road: &Road, start: f64, end: f64) -> bool {
     let on_line = road.plan_view.piece_at(start).is_some_and(|piece| {
         matches!(piece.shape, super::Shape::Line) && start >= piece.s && end <= piece.s + piece.length
     });
-    on_line && road.lane_offset.cubics().iter().all(|cubic| cubic.c == 0.0 && cubic.d == 0.0)
+    on_line && road.plan_view.elevation().cubics().iter().all(|cubic| cubic.c == 0.0 && cubic.d == 0.0)
 }

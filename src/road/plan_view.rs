@@ -1,3 +1,4 @@
+use super::Profile;
 use super::curve_table::CurveTable;
 use super::spiral::{integral, spiral};
 use crate::geometry::{Point, Pose, Vector, wrap_angle};
@@ -117,9 +118,17 @@ impl Geometry {
     }
 
     fn table(&self) -> Option<CurveTable> {
-        let Shape::ParamPoly3 { u, v, normalized } = self.shape else { return None };
-        let curve = |p| (Vector::new(value(u, p), value(v, p)), Vector::new(slope(u, p), slope(v, p)));
-        Some(CurveTable::new(self.length, if normalized { 1.0 } else { self.length }, curve))
+        match self.shape {
+            Shape::Poly3(cubic) => {
+                let curve = |u| (Vector::new(u, value(cubic, u)), Vector::new(1.0, slope(cubic, u)));
+                Some(CurveTable::ahead(self.length, curve))
+            }
+            Shape::ParamPoly3 { u, v, normalized } => {
+                let curve = |p| (Vector::new(value(u, p), value(v, p)), Vector::new(slope(u, p), slope(v, p)));
+                Some(CurveTable::new(self.length, if normalized { 1.0 } else { self.length }, curve))
+            }
+            Shape::Line | Shape::Arc(_) | Shape::Spiral(..) => None,
+        }
     }
 
     fn placed(&self, local: Vector, forward: Vector, turn: f64) -> CurvePoint {
@@ -163,14 +172,15 @@ fn parameter(ds: f64, share: f64, range: f64, speed: impl Fn(f64) -> f64) -> f64
     p
 }
 
-/// The reference line of a road in the plane.
+/// The reference line of a road: a curve in the plane, and how high it lies.
 ///
-/// Pieces of form [`Shape::ParamPoly3`] are drawn as CARLA draws them, with straight lines between places half a metre
+/// Pieces of form [`Shape::Poly3`] and [`Shape::ParamPoly3`] are drawn as CARLA draws them, with straight lines between places half a metre
 /// apart: a few millimetres off the exact curve that [`Geometry::pose`] knows.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PlanView {
     pieces: Vec<Geometry>,
     tables: Vec<Option<CurveTable>>,
+    elevation: Profile,
 }
 
 impl PlanView {
@@ -178,7 +188,17 @@ impl PlanView {
     pub fn new(mut pieces: Vec<Geometry>) -> Self {
         pieces.sort_by(|a, b| a.s.total_cmp(&b.s));
         let tables = pieces.iter().map(Geometry::table).collect();
-        Self { pieces, tables }
+        Self { pieces, tables, elevation: Profile::default() }
+    }
+
+    /// Lays it at a height (m) over the distance along it, for all of the road's width.
+    pub fn with_elevation(self, elevation: Profile) -> Self {
+        Self { elevation, ..self }
+    }
+
+    /// How high it lies (m); an empty profile is level at 0.
+    pub fn elevation(&self) -> &Profile {
+        &self.elevation
     }
 
     /// The pieces.

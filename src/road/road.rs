@@ -75,6 +75,13 @@ impl Road {
         self.sections.partition_point(|section| section.start <= s).saturating_sub(1)
     }
 
+    /// All sections that hold at `s` (m): more than one where the two sides of the road have their own.
+    pub fn sections_at(&self, s: f64) -> std::ops::Range<usize> {
+        let after = self.sections.partition_point(|section| section.start <= s).max(1).min(self.sections.len());
+        let start = self.sections.get(after.saturating_sub(1)).map_or(0.0, |section| section.start);
+        self.sections.partition_point(|section| section.start < start)..after
+    }
+
     /// The centre of a lane at `s` (m), heading along its driving direction (right-hand traffic).
     ///
     /// None when the section has no such lane.

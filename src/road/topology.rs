@@ -1,5 +1,6 @@
 //! Moving along lanes: what comes next, what came before, and how lanes hang together.
 
+use super::hash_order::hash_order;
 use super::lane_network::{LaneSlot, NetworkLane};
 use super::{LaneKind, RoadIndex, Town, Waypoint};
 
@@ -61,18 +62,24 @@ impl Town {
     }
 
     /// Pairs of waypoints: the beginning of each driving lane of each section with each of its successors, or with its own
-    /// end where there is none.
+    /// end where there is none, in the order in which CARLA's client library for Linux gives them.
     ///
     /// # Source
-    /// CARLA `road/Map.cpp`, `GenerateTopology`.
+    /// CARLA `road/Map.cpp`, `GenerateTopology`; roads are in a hash table there, lanes are ordered by their numbers.
     pub fn topology(&self) -> Vec<(Waypoint, Waypoint)> {
         let mut pairs = Vec::new();
-        for lane in self.network.lanes().iter().filter(|lane| lane.kind == LaneKind::Driving) {
-            let start = lane.waypoint(entry(lane, Way::Ahead));
-            let before = pairs.len();
-            pairs.extend(self.successors(start).map(|next| (start, next)));
-            if pairs.len() == before {
-                pairs.push((start, lane.waypoint(entry(lane, Way::Back))));
+        for road in hash_order(self.roads.iter().map(|road| road.id)) {
+            for (section, number) in self.roads[road].sections.iter().zip(0..) {
+                for lane in section.lanes.iter().rev().filter(|lane| lane.kind == LaneKind::Driving) {
+                    let slot = self.network.slot_of(RoadIndex(road as u32), number, lane.id);
+                    let Some(lane) = slot.map(|slot| self.network.lane(slot)) else { continue };
+                    let start = lane.waypoint(entry(lane, Way::Ahead));
+                    let before = pairs.len();
+                    pairs.extend(self.successors(start).map(|next| (start, next)));
+                    if pairs.len() == before {
+                        pairs.push((start, lane.waypoint(entry(lane, Way::Back))));
+                    }
+                }
             }
         }
         pairs
@@ -91,15 +98,16 @@ impl Town {
             let mut s = EPSILON;
             // The sum is rounded as CARLA's is, which decides about a last waypoint where the length is a multiple of the step.
             while s < road.length - EPSILON {
-                let section = road.section_at(s);
-                let lanes = road.sections.get(section).map_or(&[][..], |section| &section.lanes);
-                let driving = lanes.iter().filter(|lane| lane.kind == LaneKind::Driving && lane.id != 0);
-                waypoints.extend(driving.map(|lane| Waypoint {
-                    road: RoadIndex(index),
-                    section: section as u32,
-                    lane: lane.id,
-                    s,
-                }));
+                for section in road.sections_at(s) {
+                    let lanes = road.sections[section].lanes.iter();
+                    let driving = lanes.filter(|lane| lane.kind == LaneKind::Driving && lane.id != 0);
+                    waypoints.extend(driving.map(|lane| Waypoint {
+                        road: RoadIndex(index),
+                        section: section as u32,
+                        lane: lane.id,
+                        s,
+                    }));
+                }
                 s += step;
             }
         }

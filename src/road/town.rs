@@ -1,8 +1,10 @@
+use std::sync::{Arc, Mutex, PoisonError};
+
 use super::lane_index::{LaneFilter, LaneIndex};
 use super::lane_network::LaneNetwork;
 use super::opendrive::OpenDriveWarning;
 use super::{
-    Junction, JunctionIndex, LaneId, LaneKind, LaneStretch, PosedWaypoint, Road, SpeedSign, TrafficLight, Waypoint,
+    Junction, JunctionIndex, LaneId, LaneKind, LaneStretch, PosedWaypoint, Road, RoutePlanner, SpeedSign, TrafficLight, Waypoint,
 };
 use crate::geometry::{OrientedBox, Point, Pose};
 
@@ -48,6 +50,7 @@ pub struct Town {
     index: LaneIndex,
     driving_lanes: Vec<LaneStretch>,
     bounds: (Point, Point),
+    route_planners: Mutex<Vec<Arc<RoutePlanner>>>,
 }
 
 impl Town {
@@ -75,6 +78,7 @@ impl Town {
             index,
             driving_lanes,
             bounds,
+            route_planners: Mutex::default(),
         }
     }
 
@@ -86,6 +90,22 @@ impl Town {
             return self.network.pose(&self.roads, self.network.lane(slot), waypoint.s);
         }
         self.roads.get(waypoint.road.0 as usize).map_or_else(Pose::default, |road| road.plan_view.pose(waypoint.s))
+    }
+
+    /// How high the road lies at a waypoint (m), for all of its width; 0 for a road that does not exist.
+    pub fn elevation(&self, waypoint: Waypoint) -> f64 {
+        self.roads.get(waypoint.road.0 as usize).map_or(0.0, |road| road.plan_view.elevation().value(waypoint.s))
+    }
+
+    /// The angle at which the lane at a waypoint rises (rad), positive uphill in driving direction; 0 for a lane that does not
+    /// exist.
+    ///
+    /// # Source
+    /// CARLA `road/Road.cpp`, `GetDirectedPointIn`: the slope is taken for the angle.
+    pub fn pitch(&self, waypoint: Waypoint) -> f64 {
+        self.network.slot(waypoint).map_or(0.0, |slot| {
+            self.network.pitch(&self.roads, self.network.lane(slot), waypoint.s)
+        })
     }
 
     /// A waypoint together with its pose.
@@ -129,12 +149,21 @@ impl Town {
         self.network.slot_of(waypoint.road, waypoint.section, lane).map(|_| Waypoint { lane, ..waypoint })
     }
 
-    /// The place on the lane whose centre line is nearest, whatever the lanes' widths.
+    /// The place on the lane whose centre line is nearest as seen from above, whatever the lanes' widths.
     ///
     /// # Source
-    /// CARLA `road/Map.cpp`, `GetClosestWaypointOnRoad`, in the plane.
+    /// CARLA `road/Map.cpp`, `GetClosestWaypointOnRoad`, in the plane: the same answers where all roads are level.
     pub fn nearest_lane(&self, point: Point, filter: LaneFilter) -> Option<Waypoint> {
         self.index.nearest(&self.network, point, filter)
+    }
+
+    /// The place on the lane whose centre line is nearest to a point at a height (m), whatever the lanes' widths: where roads
+    /// cross on two levels, the one of the point's level.
+    ///
+    /// # Source
+    /// CARLA `road/Map.cpp`, `GetClosestWaypointOnRoad`.
+    pub fn nearest_lane_in_space(&self, point: Point, height: f64, filter: LaneFilter) -> Option<Waypoint> {
+        self.index.nearest_in_space(&self.network, point, height, filter)
     }
 
     /// All driving lanes of all sections outside junctions.
@@ -147,6 +176,17 @@ impl Town {
         let moved = distance.clamp(0.0, stretch.length.max(0.0));
         let s = stretch.start.s + if stretch.start.lane < 0 { moved } else { -moved };
         Waypoint { s, ..stretch.start }
+    }
+
+    /// The planner of routes with a point every `sampling` (m), made when it is asked for first.
+    pub fn route_planner(&self, sampling: f64) -> Arc<RoutePlanner> {
+        let mut planners = self.route_planners.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(planner) = planners.iter().find(|planner| planner.sampling() == sampling) {
+            return Arc::clone(planner);
+        }
+        let planner = Arc::new(RoutePlanner::new(self, sampling));
+        planners.push(Arc::clone(&planner));
+        planner
     }
 
     /// Opposite corners of the smallest upright rectangle around all lanes and obstacles: the south-west one and the

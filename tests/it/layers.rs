@@ -21,7 +21,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("campaign", &["seed", "rl", "env", "compile", "falsifier"]),
     ("analysis", &["env", "campaign"]),
     ("report", &["geometry", "road", "av", "rl", "env", "compile", "campaign", "analysis"]),
-    ("cli", &["diagnostic", "seed", "lang", "rl", "compile", "campaign", "report", "analysis"]),
+    ("cli", &["diagnostic", "seed", "road", "lang", "rl", "compile", "campaign", "report", "analysis"]),
 ];
 
 /// Crates that only one module may name.

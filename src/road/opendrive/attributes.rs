@@ -6,6 +6,8 @@ use super::{OpenDriveProblem, OpenDriveWarning};
 
 /// No length, coordinate or coefficient of a town is larger than that.
 const LARGEST: f64 = 1e9;
+/// How many warnings are kept; more than that say nothing new.
+const MOST_WARNINGS: usize = 10_000;
 
 /// What the parts of the reader share: the road at hand, where lines begin, and the warnings so far.
 pub(super) struct Context {
@@ -23,6 +25,9 @@ impl Context {
 
     /// Notes a problem with an element.
     pub fn warn(&mut self, node: Node, problem: OpenDriveProblem) {
+        if self.warnings.len() >= MOST_WARNINGS {
+            return;
+        }
         let line = self.line_starts.partition_point(|start| *start <= node.range().start) as u32;
         self.warnings.push(OpenDriveWarning { road: self.road.clone(), line, problem });
     }

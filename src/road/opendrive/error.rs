@@ -86,9 +86,21 @@ pub enum OpenDriveProblem {
     /// Lane sections are not in order, or begin beyond the road's end.
     #[error("lane sections out of order or beyond the road's end; put in order")]
     SectionOrder,
-    /// Roads rise or fall.
-    #[error("roads rise or fall here; taken as flat")]
-    Elevation,
+    /// A road is driven on the left.
+    #[error("left-hand traffic; lanes are driven as in right-hand traffic, the wrong way")]
+    LeftHandTraffic,
+    /// A link names a junction by a number that a road has too, or the other way round.
+    #[error("`{element}` should lead to a {wanted}, but there is a {found} {id}, and CARLA takes that")]
+    AmbiguousLink {
+        /// The element.
+        element: &'static str,
+        /// What the file says it leads to.
+        wanted: &'static str,
+        /// What it is taken for.
+        found: &'static str,
+        /// The number of both.
+        id: String,
+    },
     /// A number stands for two things.
     #[error("`{element}` {id} is there twice; the first one counts")]
     Duplicate {

@@ -1,7 +1,7 @@
-use roxmltree::{Document, Node};
+use roxmltree::{Document, ParsingOptions};
 
-use super::attributes::{Context, child, children};
-use super::{OpenDriveError, OpenDriveProblem, junctions, roads, signals, traffic_lights};
+use super::attributes::{Context, children};
+use super::{OpenDriveError, junctions, roads, signals, traffic_lights};
 use crate::road::TownParts;
 use crate::road::lane_network::LaneNetwork;
 
@@ -18,7 +18,9 @@ use crate::road::lane_network::LaneNetwork;
 /// assert_eq!(error, OpenDriveError::NotOpenDrive { found: "map".to_owned() });
 /// ```
 pub fn read(xml: &str, name: &str) -> Result<TownParts, OpenDriveError> {
-    let document = Document::parse(xml).map_err(|error| {
+    // A document type without entities cannot make a small file big.
+    let options = ParsingOptions { allow_dtd: !xml.contains("<!ENTITY"), ..ParsingOptions::default() };
+    let document = Document::parse_with_options(xml, options).map_err(|error| {
         let at = error.pos();
         let message = error.to_string();
         let said = message.strip_suffix(&format!(" at {at}")).unwrap_or(&message);
@@ -32,9 +34,6 @@ pub fn read(xml: &str, name: &str) -> Result<TownParts, OpenDriveError> {
     let mut roads = roads::read(&mut context, root);
     if roads.roads.is_empty() {
         return Err(OpenDriveError::NoRoads { found: children(root, "road").count() });
-    }
-    if let Some(slope) = first_slope(root) {
-        context.warn(slope, OpenDriveProblem::Elevation);
     }
     let junctions = junctions::read(&mut context, root, &roads);
     roads.link(&mut context, &junctions.by_id);
@@ -50,14 +49,4 @@ pub fn read(xml: &str, name: &str) -> Result<TownParts, OpenDriveError> {
         obstacles: Vec::new(),
         warnings: context.warnings,
     })
-}
-
-/// The first entry of an elevation profile that is not level.
-fn first_slope<'a, 'x: 'a>(root: Node<'a, 'x>) -> Option<Node<'a, 'x>> {
-    let profiles = children(root, "road").filter_map(|road| child(road, "elevationProfile"));
-    let is_level = |node: &Node| {
-        let coefficients = ["b", "c", "d"].map(|name| node.attribute(name).unwrap_or("0"));
-        coefficients.iter().all(|text| text.trim().parse().is_ok_and(|slope: f64| slope == 0.0))
-    };
-    profiles.flat_map(|profile| children(profile, "elevation")).find(|node| !is_level(node))
 }

@@ -26,8 +26,9 @@ pub(super) fn sections(context: &mut Context, lanes: Node, length: f64) -> Vec<L
         starts.retain(|(s, _)| *s < length);
         starts.sort_by(|a, b| a.0.total_cmp(&b.0));
     }
-    let ends: Vec<f64> = starts.iter().skip(1).map(|(s, _)| *s).chain([length]).collect();
-    starts.into_iter().zip(ends).map(|((start, node), end)| section(context, node, start, end)).collect()
+    // Sections that begin at one place (one for each side of the road) end at one place too.
+    let end = |start: f64| starts.get(starts.partition_point(|(s, _)| *s <= start)).map_or(length, |(s, _)| *s);
+    starts.iter().map(|(start, node)| section(context, *node, *start, end(*start))).collect()
 }
 
 fn section(context: &mut Context, node: Node, start: f64, end: f64) -> LaneSection {
@@ -83,7 +84,8 @@ fn width(context: &mut Context, lane: Node, id: LaneId, inner: &Profile, start: 
     Profile::sum(&[(&Profile::new(borders), outward), (inner, -1.0)], start, end)
 }
 
-fn cubic(context: &mut Context, node: Node, place: &'static str, origin: f64) -> Cubic {
+/// Reads a cubic whose place is counted from an origin (m).
+pub(super) fn cubic(context: &mut Context, node: Node, place: &'static str, origin: f64) -> Cubic {
     let start = origin + context.number_or_zero(node, place);
     let [a, b, c, d] = context.coefficients(node, ["a", "b", "c", "d"]);
     Cubic { start, a, b, c, d }

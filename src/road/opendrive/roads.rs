@@ -4,7 +4,7 @@ use roxmltree::Node;
 
 use super::attributes::{Context, child, children};
 use super::{OpenDriveProblem, lanes, plan_view};
-use crate::road::{JunctionIndex, Profile, Road, RoadEnd, RoadIndex, RoadLink};
+use crate::road::{Cubic, JunctionIndex, Profile, Road, RoadEnd, RoadIndex, RoadLink};
 
 /// Roads longer than that are taken for errors (m).
 const LONGEST: f64 = 1e6;
@@ -57,6 +57,9 @@ fn road(context: &mut Context, node: Node) -> Option<Road> {
         context.warn(node, OpenDriveProblem::NoReferenceLine);
         return None;
     }
+    if node.attribute("rule").is_some_and(|rule| rule.trim().eq_ignore_ascii_case("LHT")) {
+        context.warn(node, OpenDriveProblem::LeftHandTraffic);
+    }
     let lanes = child(node, "lanes");
     let sections = lanes.map(|lanes| lanes::sections(context, lanes, length)).unwrap_or_default();
     if sections.is_empty() {
@@ -68,7 +71,7 @@ fn road(context: &mut Context, node: Node) -> Option<Road> {
         name: node.attribute("name").unwrap_or_default().to_owned(),
         length,
         junction: None,
-        plan_view,
+        plan_view: plan_view.with_elevation(elevation(context, node)),
         lane_offset: lanes.map_or_else(|| Profile::constant(0.0), |lanes| lanes::offset(context, lanes)),
         sections,
         predecessor: None,
@@ -76,8 +79,21 @@ fn road(context: &mut Context, node: Node) -> Option<Road> {
     })
 }
 
+/// Reads the height of a road; empty where it is level at 0.
+fn elevation(context: &mut Context, road: Node) -> Profile {
+    let profiles = child(road, "elevationProfile");
+    let cubics = profiles.into_iter().flat_map(|profile| children(profile, "elevation"));
+    let cubics: Vec<Cubic> = cubics.map(|node| lanes::cubic(context, node, "s", 0.0)).collect();
+    let level = cubics.iter().all(|cubic| [cubic.a, cubic.b, cubic.c, cubic.d].iter().all(|number| *number == 0.0));
+    if level { Profile::default() } else { Profile::new(cubics) }
+}
+
 impl Roads<'_, '_> {
     /// Resolves what the roads are linked to, and the junctions they lie in.
+    ///
+    /// # Source
+    /// CARLA `road/MapBuilder.cpp`, `GetLaneNext`: a link leads to the road of that number if there is one, and to the junction
+    /// otherwise, whatever its `elementType`.
     pub fn link(&mut self, context: &mut Context, junctions: &BTreeMap<&str, JunctionIndex>) {
         for (road, node) in self.roads.iter_mut().zip(&self.nodes) {
             context.road = node.attribute("id").map(str::to_owned);
@@ -87,10 +103,17 @@ impl Roads<'_, '_> {
                 let node = child(link, name)?;
                 let id = node.attribute("elementId").unwrap_or_default();
                 let end = contact(node).unwrap_or(default);
-                let found = match node.attribute("elementType") {
-                    Some("junction") => junctions.get(id).copied().map(RoadLink::Junction),
-                    _ => self.by_id.get(id).map(|road| RoadLink::Road(*road, end)),
+                let road = self.by_id.get(id).map(|road| RoadLink::Road(*road, end));
+                let found = road.or_else(|| junctions.get(id).copied().map(RoadLink::Junction));
+                let (wanted, other) = match (node.attribute("elementType"), found) {
+                    (Some("junction"), Some(RoadLink::Road(..))) => ("junction", "road"),
+                    (Some("road"), Some(RoadLink::Junction(_))) => ("road", "junction"),
+                    _ => ("", ""),
                 };
+                if wanted != other {
+                    let id = id.to_owned();
+                    context.warn(node, OpenDriveProblem::AmbiguousLink { element: name, wanted, found: other, id });
+                }
                 if found.is_none() {
                     context
                         .warn(node, OpenDriveProblem::UnknownReference { element: name.to_owned(), id: id.to_owned() });

@@ -1,0 +1,84 @@
+use std::path::Path;
+
+use super::args::MapOptions;
+use super::{ExitCode, front};
+use crate::lang::reason;
+use crate::report;
+use crate::road::{LaneKind, Town, opendrive};
+
+/// `falsify map`
+pub fn map(options: &MapOptions) -> ExitCode {
+    let is_scenario = options.file.extension().is_some_and(|extension| extension == "scn");
+    let towns = if is_scenario {
+        match front::compile_files(std::slice::from_ref(&options.file)) {
+            Ok((plan, _)) => plan.towns.into_iter().map(|named| named.town).collect(),
+            Err(code) => return code,
+        }
+    } else {
+        match read(&options.file) {
+            Ok(town) => vec![std::sync::Arc::new(town)],
+            Err(code) => return code,
+        }
+    };
+    if towns.is_empty() {
+        front::fail("the file holds no town");
+        return ExitCode::Nothing;
+    }
+    for town in &towns {
+        describe(town);
+        if let Err(error) = write(town, options) {
+            front::fail(&error.to_string());
+            return ExitCode::WriteFailed;
+        }
+    }
+    ExitCode::Done
+}
+
+fn read(file: &Path) -> Result<Town, ExitCode> {
+    let text = std::fs::read_to_string(file).map_err(|error| {
+        front::fail(&format!("cannot read `{}`: {}", file.display(), reason(&error)));
+        ExitCode::Usage
+    })?;
+    let name = file.file_stem().unwrap_or_default().to_string_lossy();
+    opendrive::read(&text, &name).map(Town::new).map_err(|error| {
+        front::fail(&format!("cannot use the map `{}`: {error}", file.display()));
+        ExitCode::Scenario
+    })
+}
+
+/// Says what a town holds and what was skipped of its file.
+fn describe(town: &Town) {
+    let (low, high) = town.bounds();
+    let kilometres = |kind: LaneKind| {
+        let lanes = town.roads.iter().flat_map(|road| &road.sections).flat_map(|section| {
+            let length = section.end - section.start;
+            section.lanes.iter().filter(move |lane| lane.id != 0 && lane.kind == kind).map(move |_| length)
+        });
+        lanes.sum::<f64>() / 1000.0
+    };
+    let inside = town.roads.iter().filter(|road| road.junction.is_some()).count();
+    anstream::println!("town {}", town.name);
+    anstream::println!("  extent          {:.0} m × {:.0} m", high.x - low.x, high.y - low.y);
+    anstream::println!("  roads           {} ({inside} inside {} junctions)", town.roads.len(), town.junctions.len());
+    anstream::println!("  driving lanes   {:.2} km", kilometres(LaneKind::Driving));
+    anstream::println!("  sidewalks       {:.2} km", kilometres(LaneKind::Sidewalk));
+    anstream::println!("  traffic lights  {}", town.traffic_lights.len());
+    anstream::println!("  speed signs     {}", town.speed_signs.len());
+    anstream::println!("  obstacles       {}", town.obstacles.len());
+    anstream::println!("  warnings        {}", town.warnings.len());
+    for warning in &town.warnings {
+        anstream::println!("    {warning}");
+    }
+}
+
+fn write(town: &Town, options: &MapOptions) -> Result<(), report::WriteError> {
+    let picture = options.out.join(format!("{}.svg", town.name));
+    report::write_file(&picture, report::town_map(town, &[]).as_bytes())?;
+    anstream::println!("  {}", picture.display());
+    if let Some(spacing) = options.waypoints {
+        let table = options.out.join(format!("{}_waypoints.csv", town.name));
+        report::write_csv(&table, &report::waypoints(town, spacing))?;
+        anstream::println!("  {}", table.display());
+    }
+    Ok(())
+}

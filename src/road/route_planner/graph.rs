@@ -1,0 +1,128 @@
+use std::collections::BTreeMap;
+
+use super::segment::{Place, Segment};
+use crate::geometry::Vector;
+use crate::road::{LaneId, RoadIndex, Town, Waypoint};
+
+/// The place of a node in the graph.
+pub(super) type Node = u32;
+
+/// A segment in the graph.
+#[derive(Debug, Clone)]
+pub(super) struct Edge {
+    /// Where it leads.
+    pub to: Node,
+    /// Its points, both ends included.
+    pub places: Vec<Place>,
+    /// Whether it begins in a junction.
+    pub junction: bool,
+    /// Where it heads at its end, and from its beginning to its end; unknown of loose ends.
+    pub directions: Option<(Vector, Vector)>,
+}
+
+impl Edge {
+    fn new(to: Node, segment: Segment, loose: bool) -> Self {
+        let (entry, exit) = (segment.entry(), segment.exit());
+        let (x, y) = entry.location.to(exit.location);
+        let directions = (!loose).then(|| (exit.point.pose.forward(), Vector::new(x, y)));
+        Self { to, junction: entry.point.is_junction, directions, places: segment.places }
+    }
+
+    /// What it costs to pass (points).
+    pub fn cost(&self) -> f64 {
+        (self.places.len() - 1) as f64
+    }
+}
+
+type LaneKey = (RoadIndex, u32, LaneId);
+
+fn lane_key(waypoint: Waypoint) -> LaneKey {
+    (waypoint.road, waypoint.section, waypoint.lane)
+}
+
+/// Where segments begin and end, and the segments between.
+///
+/// Two ends in the same square metre are one node, and of two segments between the same nodes the later one is kept: in
+/// tight junctions one goes where CARLA thinks one goes.
+#[derive(Debug, Default)]
+pub(super) struct RouteGraph {
+    /// Of each node the place in whole metres.
+    nodes: Vec<(f64, f64)>,
+    /// Of each node the segments that begin there, in order of their first appearance.
+    edges: Vec<Vec<Edge>>,
+    /// Of each lane the nodes between which it lies.
+    lanes: BTreeMap<LaneKey, (Node, Node)>,
+}
+
+impl RouteGraph {
+    /// Cuts a town into segments with a point every `sampling` (m).
+    pub fn new(town: &Town, sampling: f64) -> Self {
+        let mut graph = Self::default();
+        let mut known = BTreeMap::new();
+        let mut exits = Vec::new();
+        for (entry, exit) in town.topology() {
+            let Some(segment) = Segment::new(town, entry, exit, sampling) else { continue };
+            let [from, to] = [segment.entry(), segment.exit()].map(|end| {
+                let whole = end.location.whole();
+                *known.entry(whole).or_insert_with(|| graph.add_node((whole.0 as f64, whole.1 as f64)))
+            });
+            exits.push((*segment.exit(), to));
+            graph.lanes.insert(lane_key(entry), (from, to));
+            graph.put(from, Edge::new(to, segment, false));
+        }
+        for (exit, from) in exits {
+            if graph.lanes.contains_key(&lane_key(exit.point.waypoint)) {
+                continue;
+            }
+            let loose = Segment::loose_end(town, exit, sampling);
+            let end = loose.as_ref().map_or(exit.location, |segment| segment.exit().location);
+            let (x, y) = super::client_location::ClientLocation::default().to(end);
+            let to = graph.add_node((x, y));
+            graph.lanes.insert(lane_key(exit.point.waypoint), (from, to));
+            if let Some(segment) = loose {
+                graph.put(from, Edge::new(to, segment, true));
+            }
+        }
+        graph
+    }
+
+    fn add_node(&mut self, place: (f64, f64)) -> Node {
+        self.nodes.push(place);
+        self.edges.push(Vec::new());
+        (self.nodes.len() - 1) as Node
+    }
+
+    fn put(&mut self, from: Node, edge: Edge) {
+        let edges = &mut self.edges[from as usize];
+        match edges.iter_mut().find(|other| other.to == edge.to) {
+            Some(other) => *other = edge,
+            None => edges.push(edge),
+        }
+    }
+
+    /// How many nodes there are.
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// The segments that begin at a node.
+    pub fn edges(&self, node: Node) -> &[Edge] {
+        &self.edges[node as usize]
+    }
+
+    /// The segment from one node to another.
+    pub fn edge(&self, from: Node, to: Node) -> Option<&Edge> {
+        self.edges(from).iter().find(|edge| edge.to == to)
+    }
+
+    /// The straight line between two nodes (m).
+    pub fn distance(&self, a: Node, b: Node) -> f64 {
+        let ((ax, ay), (bx, by)) = (self.nodes[a as usize], self.nodes[b as usize]);
+        ((ax - bx) * (ax - bx) + (ay - by) * (ay - by)).sqrt()
+    }
+
+    /// The nodes between which the lane of a waypoint lies.
+    pub fn ends(&self, waypoint: Waypoint) -> Option<(Node, Node)> {
+        self.lanes.get(&lane_key(waypoint)).copied()
+    }
+}

@@ -1,0 +1,378 @@
+//! A small pedestrian world whose every equation is written down, against recordings of the same world in Python.
+//!
+//! It is no part of the program. It is what the learner and stable-baselines3 are compared on.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI};
+use std::path::{Path, PathBuf};
+
+use falsify::geometry::wrap_angle;
+use falsify::rl::{Env, Step};
+use falsify::seed::{Seed, Stream};
+use rand::Rng;
+use serde_json::Value;
+
+/// The length of a tick (s).
+const TICK: f64 = 0.05;
+/// The ticks of an episode that is cut off.
+const TICKS: u32 = 600;
+/// The ticks for which a decision holds.
+const HOLD: u32 = 20;
+/// Half the length and width of the car (m).
+const CAR: [f64; 2] = [2.35, 0.925];
+/// The radius of the pedestrian (m).
+const PEDESTRIAN: f64 = 0.3;
+/// The car's speed on a straight line and in a turn (m/s).
+const CRUISE: f64 = 8.0;
+const IN_TURN: f64 = 4.0;
+/// How fast the car gains and loses speed (m/s²).
+const GAIN: f64 = 2.0;
+const BRAKE: f64 = 6.0;
+/// Half the width of the strip the car watches, and the distance it keeps (m).
+const CORRIDOR: f64 = 1.75;
+const MARGIN: f64 = 2.0;
+/// The pedestrian's highest speed (m/s).
+const WALK: f64 = 3.5;
+/// A hit within so much of dead ahead is a frontal one (rad).
+const FRONT: f64 = FRAC_PI_3;
+
+/// Where the car drives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Road {
+    /// A straight line for ever.
+    Straight,
+    /// A line, a quarter arc to the left or right, a line for ever.
+    Tee,
+}
+
+/// The units of observations or actions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Units {
+    /// Radians, metres, metres per second.
+    Raw,
+    /// About one.
+    Scaled,
+}
+
+/// What a hit is worth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reward {
+    /// One.
+    R1,
+    /// More for a frontal and a fast one.
+    R2,
+}
+
+/// When an episode is over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// At a hit or after thirty seconds.
+    Paper,
+    /// Also when the car has got away, which is a terminal state.
+    Lost,
+}
+
+/// A variant of the world.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Rules {
+    pub road: Road,
+    pub obs: Units,
+    pub act: Units,
+    pub reward: Reward,
+    pub end: End,
+}
+
+/// The beginning of an episode.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Start {
+    /// How far along its route the car stands (m).
+    pub s: f64,
+    /// Whether the arc turns left.
+    pub left: bool,
+    /// The distance from the car to the pedestrian (m).
+    pub distance: f64,
+    /// The direction from the car to the pedestrian, relative to the car's heading (rad).
+    pub bearing: f64,
+    /// The pedestrian's heading in the world (rad).
+    pub heading: f64,
+}
+
+/// A collision.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    pub front: bool,
+    pub moving: bool,
+}
+
+/// The world in mid-episode.
+#[derive(Debug, Clone)]
+pub struct PedWorld {
+    rules: Rules,
+    starts: Stream,
+    left: bool,
+    tick: u32,
+    s: f64,
+    speed: f64,
+    /// x, y and heading.
+    car: [f64; 3],
+    pedestrian: [f64; 3],
+    hit: Option<Hit>,
+}
+
+impl PedWorld {
+    /// Makes a world whose episodes begin at random.
+    pub fn new(rules: Rules, starts: Stream) -> Self {
+        let (car, pedestrian) = ([0.0; 3], [0.0; 3]);
+        Self { rules, starts, left: true, tick: 0, s: 0.0, speed: 0.0, car, pedestrian, hit: None }
+    }
+
+    /// Begins an episode here.
+    pub fn begin(&mut self, start: &Start, obs: &mut [f64]) {
+        (self.s, self.left, self.speed, self.tick, self.hit) = (start.s, start.left, 0.0, 0, None);
+        self.car = self.pose(start.s);
+        let direction = self.car[2] + start.bearing;
+        self.pedestrian = [
+            self.car[0] + start.distance * libm::cos(direction),
+            self.car[1] + start.distance * libm::sin(direction),
+            start.heading,
+        ];
+        self.observe(obs);
+    }
+
+    /// The collision that ended the episode.
+    pub fn hit(&self) -> Option<Hit> {
+        self.hit
+    }
+
+    fn draw(&mut self, low: f64, high: f64) -> f64 {
+        let unit = (self.starts.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+        low + (high - low) * unit
+    }
+
+    /// The radius of the arc and the length of the line before it (m).
+    fn arc(&self) -> (f64, f64) {
+        let radius = if self.left { 9.5 } else { 6.0 };
+        (radius, 30.0 - radius)
+    }
+
+    fn pose(&self, s: f64) -> [f64; 3] {
+        if self.rules.road == Road::Straight {
+            return [s, 0.0, 0.0];
+        }
+        let ((radius, line), turn) = (self.arc(), if self.left { 1.0 } else { -1.0 });
+        let angle = (s - line) / radius;
+        if s <= line {
+            [-30.0 + s, -1.75, 0.0]
+        } else if angle <= FRAC_PI_2 {
+            let (sin, cos) = (libm::sin(angle), libm::cos(angle));
+            [-30.0 + line + radius * sin, -1.75 + turn * radius * (1.0 - cos), turn * angle]
+        } else {
+            let beyond = s - line - radius * PI / 2.0;
+            [-30.0 + line + radius, -1.75 + turn * (radius + beyond), turn * PI / 2.0]
+        }
+    }
+
+    fn speed_limit(&self) -> f64 {
+        let (radius, line) = self.arc();
+        let near_arc = line - 6.0 <= self.s && self.s <= line + radius * PI / 2.0;
+        if self.rules.road == Road::Tee && near_arc { IN_TURN } else { CRUISE }
+    }
+
+    /// The pedestrian ahead and to the left of the car's centre (m).
+    fn from_car(&self) -> [f64; 2] {
+        let (dx, dy) = (self.pedestrian[0] - self.car[0], self.pedestrian[1] - self.car[1]);
+        let (sin, cos) = (libm::sin(self.car[2]), libm::cos(self.car[2]));
+        [cos * dx + sin * dy, -sin * dx + cos * dy]
+    }
+
+    fn observe(&self, obs: &mut [f64]) {
+        let (dx, dy) = (self.car[0] - self.pedestrian[0], self.car[1] - self.pedestrian[1]);
+        let bearing = wrap_angle(libm::atan2(dy, dx) - self.pedestrian[2]);
+        let heading = wrap_angle(self.car[2] - self.pedestrian[2]);
+        let distance = (dx * dx + dy * dy).sqrt();
+        obs.copy_from_slice(&match self.rules.obs {
+            Units::Raw => [bearing, distance, heading, self.speed],
+            Units::Scaled => [bearing / PI, distance / 30.0, heading / PI, self.speed / CRUISE],
+        });
+    }
+
+    fn drive(&mut self, [ahead, aside]: [f64; 2]) {
+        let stop = self.speed * self.speed / (2.0 * BRAKE) + self.speed * TICK + MARGIN;
+        let limit = self.speed_limit();
+        let blocked = ahead > 0.0 && aside.abs() <= CORRIDOR && ahead - CAR[0] - PEDESTRIAN <= stop;
+        if blocked || self.speed > limit + 0.1 {
+            self.speed = (self.speed - BRAKE * TICK).max(0.0);
+        } else if self.speed < limit {
+            self.speed = (self.speed + GAIN * TICK).min(limit);
+        }
+        self.s += self.speed * TICK;
+        self.car = self.pose(self.s);
+    }
+
+    fn contact(&self, [ahead, aside]: [f64; 2]) -> Option<Hit> {
+        let (x, y) = ((ahead.abs() - CAR[0]).max(0.0), (aside.abs() - CAR[1]).max(0.0));
+        (x * x + y * y <= PEDESTRIAN * PEDESTRIAN)
+            .then(|| Hit { front: libm::atan2(aside, ahead).abs() <= FRONT, moving: self.speed > 0.1 })
+    }
+}
+
+impl Env for PedWorld {
+    fn obs_dim(&self) -> usize {
+        4
+    }
+
+    fn action_bounds(&self) -> Vec<(f64, f64)> {
+        match self.rules.act {
+            Units::Raw => vec![(-PI, PI), (0.0, WALK)],
+            Units::Scaled => vec![(-1.0, 1.0); 2],
+        }
+    }
+
+    fn reset(&mut self, obs: &mut [f64]) {
+        let (mut s, mut left) = (0.0, true);
+        if self.rules.road == Road::Tee {
+            s = self.draw(0.0, 15.0);
+            left = self.draw(0.0, 1.0) < 0.5;
+        }
+        let distance = self.draw(7.0, 30.0);
+        let bearing = self.draw(-FRONT, FRONT);
+        let heading = self.draw(-PI, PI);
+        self.begin(&Start { s, left, distance, bearing, heading }, obs);
+    }
+
+    fn step(&mut self, action: &[f64], obs: &mut [f64]) -> Step {
+        let (turn, pace) = match self.rules.act {
+            Units::Raw => (action[0], action[1]),
+            Units::Scaled => (PI * action[0], 0.5 * WALK * (action[1] + 1.0)),
+        };
+        self.pedestrian[2] = wrap_angle(self.pedestrian[2] + turn);
+        let (sin, cos) = (libm::sin(self.pedestrian[2]), libm::cos(self.pedestrian[2]));
+        let pace = [pace * cos * TICK, pace * sin * TICK];
+        let mut place = self.from_car();
+        for _ in 0..HOLD {
+            self.tick += 1;
+            self.drive(place);
+            self.pedestrian[0] += pace[0];
+            self.pedestrian[1] += pace[1];
+            place = self.from_car();
+            self.hit = self.contact(place);
+            if self.hit.is_some() {
+                break;
+            }
+        }
+        self.observe(obs);
+        let reward = match (self.hit, self.rules.reward) {
+            (None, _) => 0.0,
+            (Some(_), Reward::R1) => 1.0,
+            (Some(hit), Reward::R2) if hit.front => (1.5 * self.speed).max(3.0),
+            (Some(_), Reward::R2) => (0.5 * self.speed).max(1.0),
+        };
+        let (ahead, aside) = (place[0], place[1]);
+        let far = ahead * ahead + aside * aside > 3600.0;
+        let away = far || (ahead < -10.0 && self.speed > 3.5);
+        let over = self.tick >= TICKS;
+        let lost = self.rules.end == End::Lost && !over && away;
+        let terminated = self.hit.is_some() || lost;
+        Step { reward, terminated, truncated: over && !terminated }
+    }
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().expect("a list").iter().map(|x| x.as_f64().expect("a number")).collect()
+}
+
+/// Every recording of the world below the reference folder.
+fn recordings() -> Vec<PathBuf> {
+    let root = std::env::var_os("FALSIFY_REFERENCE_DIR")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"), PathBuf::from);
+    let mut folders = vec![root];
+    let mut found = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+            match entry.file_type() {
+                Ok(kind) if kind.is_dir() => folders.push(entry.path()),
+                _ if entry.file_name() == "golden.json" => found.push(entry.path()),
+                _ => {}
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn ped_world_reference() {
+    let recordings = recordings();
+    if recordings.is_empty() {
+        eprintln!("SKIPPED: no golden.json below the reference folder; set FALSIFY_REFERENCE_DIR");
+        return;
+    }
+    let (mut decisions, mut hits, mut worst) = (0, 0, 0.0f64);
+    for path in recordings {
+        let episodes: Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
+        for (number, episode) in episodes.as_array().unwrap().iter().enumerate() {
+            let first = &episode["start"];
+            let start = Start {
+                s: first["s0"].as_f64().unwrap_or(0.0),
+                left: first["turn"].as_i64().unwrap_or(1) > 0,
+                distance: first["r"].as_f64().unwrap(),
+                bearing: first["phi"].as_f64().unwrap(),
+                heading: first["psi_p"].as_f64().unwrap(),
+            };
+            let road = if episode["world"] == "tee" { Road::Tee } else { Road::Straight };
+            let raw = Rules { road, obs: Units::Raw, act: Units::Raw, reward: Reward::R2, end: End::Paper };
+            let other = Rules { obs: Units::Scaled, act: Units::Scaled, reward: Reward::R1, end: End::Lost, ..raw };
+            let mut world = PedWorld::new(raw, Seed::root(0).stream());
+            let mut twin = PedWorld::new(other, Seed::root(0).stream());
+            let (mut obs, mut scaled) = ([0.0; 4], [0.0; 4]);
+            world.begin(&start, &mut obs);
+            twin.begin(&start, &mut scaled);
+            let mut twin_ended = false;
+            // Python hands out observations in single precision.
+            let close = |what: &str, step: usize, ours: &[f64], theirs: &[f64], worst: &mut f64| {
+                assert_eq!(ours.len(), theirs.len());
+                for (ours, theirs) in ours.iter().zip(theirs) {
+                    let difference = (ours - theirs).abs();
+                    *worst = worst.max(difference);
+                    assert!(difference <= 1e-12, "episode {number}, step {step}, {what}: {ours} is not {theirs}");
+                }
+            };
+            let single = |obs: &[f64]| obs.iter().map(|x| f64::from(*x as f32)).collect::<Vec<_>>();
+            close("first observation", 0, &single(&obs), &numbers(&episode["obs0"]), &mut worst);
+            let steps = episode["steps"].as_array().unwrap();
+            for (i, row) in steps.iter().enumerate() {
+                let action = numbers(&row["act"]);
+                let step = world.step(&action, &mut obs);
+                let mut check = |what: &str, ours: &[f64], theirs: &[f64]| close(what, i, ours, theirs, &mut worst);
+                check("s and v", &[world.s, world.speed], &[row["s"].as_f64().unwrap(), row["v"].as_f64().unwrap()]);
+                check("car", &world.car, &numbers(&row["car"]));
+                check("pedestrian", &world.pedestrian, &numbers(&row["ped"]));
+                check("observation", &single(&obs), &numbers(&row["obs"]));
+                check("reward", &[step.reward], &[row["reward_R2"].as_f64().unwrap()]);
+                assert_eq!(u64::from(world.tick), row["tick"].as_u64().unwrap());
+                let hit = world.hit();
+                assert_eq!(hit.is_some(), row["hit"].as_bool().unwrap());
+                assert_eq!(hit.is_some_and(|hit| hit.front), row["front"].as_bool().unwrap());
+                assert_eq!(hit.is_some_and(|hit| hit.moving), row["moving"].as_bool().unwrap());
+                assert_eq!(step.terminated, hit.is_some());
+                assert_eq!(step.truncated, i + 1 == steps.len() && hit.is_none());
+
+                // The other half of the choices, which the recordings do not show, follows from the first half.
+                if !twin_ended {
+                    let step = twin.step(&[action[0] / PI, 2.0 * action[1] / WALK - 1.0], &mut scaled);
+                    let wanted = [obs[0] / PI, obs[1] / 30.0, obs[2] / PI, obs[3] / 8.0];
+                    for (scaled, wanted) in scaled.iter().zip(wanted) {
+                        assert!((scaled - wanted).abs() < 1e-9);
+                    }
+                    let [ahead, _] = world.from_car();
+                    let away = hit.is_none() && (obs[1] > 60.0 || (ahead < -10.0 && obs[3] > 3.5));
+                    assert_eq!(step.reward, if hit.is_some() { 1.0 } else { 0.0 });
+                    assert_eq!(step.terminated, hit.is_some() || (away && world.tick < TICKS));
+                    twin_ended = step.done();
+                }
+                decisions += 1;
+                hits += usize::from(hit.is_some());
+            }
+        }
+    }
+    eprintln!("{decisions} decisions with {hits} hits agree; the largest difference is {worst:e}");
+    assert!(hits > 0 && decisions > 100, "the recordings show too little");
+}

@@ -1,0 +1,165 @@
+//! Routes against those of CARLA's own planner.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use falsify::geometry::Point;
+use falsify::road::{RoadOption, RoutePlanner, RoutePoint, Town, opendrive};
+
+/// The spacing of the recorded routes (m).
+const SAMPLING: f64 = 2.0;
+/// Agreement of points (m).
+const TOLERANCE: f64 = 1e-3;
+
+fn reference() -> PathBuf {
+    std::env::var_os("FALSIFY_REFERENCE_DIR")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"), PathBuf::from)
+}
+
+/// A route as recorded, in CARLA's left-handed axes.
+#[derive(Default)]
+struct Recorded {
+    origin: [f64; 2],
+    goal: [f64; 2],
+    /// Position, road, lane and option of each point.
+    points: Vec<([f64; 2], u32, i32, String)>,
+}
+
+fn read_routes(text: &str) -> BTreeMap<u32, Recorded> {
+    let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let header = lines.next().expect("a table has a header");
+    let column = |name: &str| header.iter().position(|other| *other == name).unwrap_or_else(|| panic!("no {name}"));
+    let columns = ["route", "origin_x", "origin_y", "goal_x", "goal_y", "x", "y", "road_id", "lane_id", "option"];
+    let columns = columns.map(column);
+    let mut routes: BTreeMap<u32, Recorded> = BTreeMap::new();
+    for row in lines {
+        let [route, origin_x, origin_y, goal_x, goal_y, x, y, road, lane, option] = columns.map(|index| row[index]);
+        let number = |text: &str| text.parse::<f64>().unwrap_or_else(|_| panic!("{text} in {row:?}"));
+        let route = routes.entry(number(route) as u32).or_default();
+        route.origin = [number(origin_x), number(origin_y)];
+        route.goal = [number(goal_x), number(goal_y)];
+        let place = [number(x), number(y)];
+        route.points.push((place, number(road) as u32, number(lane) as i32, option.to_owned()));
+    }
+    routes
+}
+
+fn place([x, y]: [f64; 2]) -> Point {
+    Point::new(x, -y)
+}
+
+fn name(option: RoadOption) -> &'static str {
+    match option {
+        RoadOption::LaneFollow => "LANEFOLLOW",
+        RoadOption::Left => "LEFT",
+        RoadOption::Right => "RIGHT",
+        RoadOption::Straight => "STRAIGHT",
+    }
+}
+
+/// How a route differs from the recorded one; empty if it does not.
+fn difference(town: &Town, recorded: &Recorded, ours: &[RoutePoint]) -> String {
+    for (index, (theirs, ours)) in recorded.points.iter().zip(ours).enumerate() {
+        let (at, road, lane, option) = theirs;
+        let off = (place(*at) - ours.pose.position()).norm();
+        let id = town.roads[ours.waypoint.road.0 as usize].id;
+        if off > TOLERANCE || off.is_nan() || option != name(ours.option) || (id, ours.waypoint.lane) != (*road, *lane) {
+            return format!(
+                "point {index} of {}: {at:?} on road {road}, lane {lane}, {option}; ours is {off:.4} m off on road {id}, lane {}, s {:.3}, {}",
+                recorded.points.len(),
+                ours.waypoint.lane,
+                ours.waypoint.s,
+                name(ours.option)
+            );
+        }
+    }
+    if recorded.points.len() == ours.len() {
+        String::new()
+    } else {
+        format!("{} points, ours has {}", recorded.points.len(), ours.len())
+    }
+}
+
+#[test]
+fn routes_agree_with_the_reference() {
+    let folder = reference().join("reference").join("behavior_agent_traces");
+    let Ok(entries) = fs::read_dir(&folder) else {
+        eprintln!("SKIPPED: no recorded routes in {}", folder.display());
+        return;
+    };
+    let mut files: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+    files.sort();
+    let (mut agreeing, mut all) = (0, 0);
+    for file in files {
+        let Some(file_name) = file.file_name().and_then(|name| name.to_str()) else { continue };
+        if file_name.ends_with("_routes.csv.gz") {
+            eprintln!("SKIPPED: {file_name} is compressed; unpack it to compare");
+        }
+        let Some(town_name) = file_name.strip_suffix("_routes.csv") else { continue };
+        let Ok(map) = fs::read_to_string(reference().join("maps").join(format!("{town_name}.xodr"))) else {
+            eprintln!("SKIPPED: {file_name}, for want of its map");
+            continue;
+        };
+        let town = Town::new(opendrive::read(&map, town_name).expect("the map of recorded routes is readable"));
+        let planner = RoutePlanner::new(&town, SAMPLING);
+        let routes = read_routes(&fs::read_to_string(&file).unwrap());
+        let mut wrong = 0;
+        for (number, recorded) in &routes {
+            let ours = planner.trace(&town, place(recorded.origin), place(recorded.goal)).unwrap_or_default();
+            let difference = difference(&town, recorded, &ours);
+            if !difference.is_empty() {
+                wrong += 1;
+                eprintln!("  {town_name}, route {number}: {difference}");
+            }
+        }
+        let points: usize = routes.values().map(|route| route.points.len()).sum();
+        eprintln!("{town_name}: {} of {} routes agree, {points} points", routes.len() - wrong, routes.len());
+        agreeing += routes.len() - wrong;
+        all += routes.len();
+    }
+    if all == 0 {
+        eprintln!("SKIPPED: no readable routes in {}", folder.display());
+    }
+    assert_eq!(agreeing, all, "routes that agree with CARLA's");
+}
+
+/// What is first at a fork decides where CARLA's driver without a destination goes.
+#[test]
+fn topology_and_branches_are_in_the_order_of_the_reference() {
+    let folder = reference().join("maps");
+    let Ok(entries) = fs::read_dir(folder.join("oracle")) else {
+        eprintln!("SKIPPED: no topologies in {}", folder.display());
+        return;
+    };
+    let mut files: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+    files.sort();
+    for file in files {
+        let Some(town_name) = file.file_name().and_then(|name| name.to_str()?.strip_suffix("_topology.csv")) else {
+            continue;
+        };
+        let Ok(map) = fs::read_to_string(folder.join(format!("{town_name}.xodr"))) else {
+            eprintln!("SKIPPED: the topology of {town_name}, for want of its map");
+            continue;
+        };
+        let town = Town::new(opendrive::read(&map, town_name).expect("the map of a topology is readable"));
+        let text = fs::read_to_string(&file).unwrap();
+        let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
+        let header = lines.next().expect("a table has a header");
+        let columns = ["entry_road_id", "entry_section_id", "entry_lane_id", "exit_road_id", "exit_section_id", "exit_lane_id"]
+            .map(|name| header.iter().position(|other| *other == name).unwrap_or_else(|| panic!("no {name}")));
+        let theirs: Vec<[i64; 6]> =
+            lines.map(|row| columns.map(|column| row[column].parse().expect("numbers are whole"))).collect();
+        let ours = town.topology().into_iter().map(|ends| {
+            let [(a, b, c), (d, e, f)] = [ends.0, ends.1].map(|end| {
+                (i64::from(town.roads[end.road.0 as usize].id), i64::from(end.section), i64::from(end.lane))
+            });
+            [a, b, c, d, e, f]
+        });
+        // CARLA loses some dead ends, which we keep.
+        let dead_end = |pair: &[i64; 6]| pair[..3] == pair[3..];
+        let ours: Vec<[i64; 6]> = ours.filter(|pair| !dead_end(pair) || theirs.contains(pair)).collect();
+        eprintln!("{town_name}: {} pairs in order", theirs.len());
+        assert!(ours == theirs, "{town_name}: first difference {:?}", theirs.iter().zip(&ours).find(|(a, b)| a != b));
+    }
+}
