@@ -15,21 +15,25 @@ const BEGINNINGS: u64 = 10;
 pub struct Clusters {
     /// The cluster of each point, from 0.
     pub labels: Vec<usize>,
-    /// How well the partitions agree that k-means finds on the even and on the odd points, as adjusted Rand index; 1 for
+    /// How well the partitions agree that k-means finds on the two halves, as adjusted Rand index; 1 for
     /// a single cluster.
     pub stability: f64,
 }
 
-/// Partitions points of equal dimension into as many clusters as two halves of them agree on.
+/// Partitions points of equal dimension into as many clusters as two halves of them agree on: those of even and those of
+/// odd groups, so that points which belong together stay in one half.
 ///
 /// Features are standardised first.
-pub fn clusters(points: &[Vec<f64>]) -> Clusters {
+pub fn clusters(points: &[Vec<f64>], groups: &[u32]) -> Clusters {
     let single = Clusters { labels: vec![0; points.len()], stability: 1.0 };
     if points.len() < LEAST {
         return single;
     }
     let points = standardised(points);
-    let half = |rest: usize| points.iter().skip(rest).step_by(2).cloned().collect::<Vec<_>>();
+    let half = |rest: u32| {
+        let members = points.iter().zip(groups).filter(|(_, group)| **group % 2 == rest);
+        members.map(|(point, _)| point.clone()).collect::<Vec<_>>()
+    };
     let (even, odd) = (half(0), half(1));
     let attempt = |k: usize| {
         let stability = adjusted_rand(&partition(&even, &points, k)?, &partition(&odd, &points, k)?);
@@ -42,6 +46,9 @@ pub fn clusters(points: &[Vec<f64>]) -> Clusters {
 /// Fits `k` centres to some points, from many beginnings, and says which centre is nearest to each of others; none when a
 /// centre stays empty.
 fn partition(fit: &[Vec<f64>], points: &[Vec<f64>], k: usize) -> Option<Vec<usize>> {
+    if fit.len() < k {
+        return None;
+    }
     let matrix = |rows: &[Vec<f64>]| DenseMatrix::from_2d_vec(&rows.to_vec()).ok();
     let (data, others) = (matrix(fit)?, matrix(points)?);
     let attempt = |seed| {
@@ -118,13 +125,14 @@ mod tests {
 
     #[test]
     fn three_heaps_are_found_and_one_is_not_split() {
-        let found = clusters(&around(&[0.0, 10.0, 20.0], 30));
+        let groups: Vec<u32> = (0..90).collect();
+        let found = clusters(&around(&[0.0, 10.0, 20.0], 30), &groups);
         assert_eq!(found.labels.iter().max(), Some(&2), "{found:?}");
         assert!(found.stability > 0.99);
         for (i, label) in found.labels.iter().enumerate() {
             assert_eq!(*label, found.labels[i % 3], "a heap is one cluster");
         }
-        let few = clusters(&around(&[0.0, 10.0], 5));
+        let few = clusters(&around(&[0.0, 10.0], 5), &groups[..10]);
         assert!(few.labels.iter().all(|label| *label == 0));
     }
 

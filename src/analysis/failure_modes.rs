@@ -81,7 +81,9 @@ pub fn failure_modes(rows: &[EpisodeRow]) -> Vec<FailureMode> {
         });
         let spawn = &row.outcome.spawn;
         let start = spawn.ego.to_local(spawn.pedestrian.position());
-        let features = vec![start.norm(), libm::atan2(start.y, start.x), row.outcome.duration, impact_speed];
+        let distance = start.norm();
+        // A bearing as a point on the unit circle: ±180° are neighbours.
+        let features = vec![distance, start.x / distance, start.y / distance, row.outcome.duration, impact_speed];
         cells[index].1.entry((impact(front, bearing), moving)).or_default().push(Failure { row, features });
     }
     cells.into_iter().flat_map(|(_, classes)| modes(classes)).collect()
@@ -101,7 +103,8 @@ fn modes(classes: Classes<'_>) -> Vec<FailureMode> {
     let mut modes = Vec::new();
     for ((impact, moving), failures) in classes {
         let features: Vec<Vec<f64>> = failures.iter().map(|failure| failure.features.clone()).collect();
-        let found = clusters(&features);
+        let groups: Vec<u32> = failures.iter().map(|failure| failure.row.episode).collect();
+        let found = clusters(&features, &groups);
         for cluster in 0..=found.labels.iter().copied().max().unwrap_or(0) {
             let members: Vec<&Failure<'_>> = failures
                 .iter()
@@ -109,13 +112,13 @@ fn modes(classes: Classes<'_>) -> Vec<FailureMode> {
                 .filter(|(_, label)| **label == cluster)
                 .map(|(failure, _)| failure)
                 .collect();
-            let means: Vec<f64> = (0..4)
+            let means: Vec<f64> = (0..5)
                 .map(|axis| members.iter().map(|member| member.features[axis]).sum::<f64>() / members.len() as f64)
                 .collect();
             let far = |failure: &Failure<'_>| {
                 // Metres, tenths of a radian, seconds and metres a second are of one order here.
-                let scale = [1.0, 10.0, 1.0, 1.0];
-                (0..4).map(|axis| ((failure.features[axis] - means[axis]) * scale[axis]).powi(2)).sum::<f64>()
+                let scale = [1.0, 10.0, 10.0, 1.0, 1.0];
+                (0..5).map(|axis| ((failure.features[axis] - means[axis]) * scale[axis]).powi(2)).sum::<f64>()
             };
             let Some(example) = members.iter().min_by(|a, b| far(a).total_cmp(&far(b))) else { continue };
             modes.push(FailureMode {
@@ -126,9 +129,9 @@ fn modes(classes: Classes<'_>) -> Vec<FailureMode> {
                 failures: members.len(),
                 share: members.len() as f64 / all as f64,
                 distance: means[0],
-                bearing: means[1],
-                length: means[2],
-                impact_speed: means[3],
+                bearing: libm::atan2(means[2], means[1]),
+                length: means[3],
+                impact_speed: means[4],
                 stability: found.stability,
             });
         }

@@ -1,5 +1,5 @@
-use super::{Actor, DrivingMode, DrivingPolicy, Path, Perception, lane_keeping};
-use crate::geometry::wrap_angle;
+use super::{DrivingMode, DrivingPolicy, Path, Perception, lane_keeping};
+use crate::geometry::{Point, wrap_angle};
 use crate::seed::Stream;
 use crate::signature::{Arguments, Param, Signature, Type};
 use crate::sim::{Control, LightColour};
@@ -51,7 +51,7 @@ impl Idm {
         let acceleration = || Type::positive(Dimension::ACCELERATION);
         Signature::new(
             "idm",
-            "The Intelligent Driver Model along its lane, with an emergency brake for whoever is in its way.",
+            "The Intelligent Driver Model along its lane, with an emergency brake for whoever is in its way. It does not see through buildings.",
             vec![
                 Param::with_default(
                     "limit_share",
@@ -128,19 +128,23 @@ impl Idm {
     fn leader(&self, perception: &Perception<'_>) -> Option<Leader> {
         let ego = &perception.ego;
         let corridor = ego.half.y + self.margin;
+        let here = ego.pose.position();
         let actors = perception.pedestrians.iter().chain(perception.vehicles);
         let bodies = actors.filter_map(|actor| {
-            let (along, heading) = self.along(actor, corridor)?;
+            if !perception.in_sight(actor) {
+                return None;
+            }
+            let (along, heading) = self.place(here, actor.pose.position(), corridor + actor.half.y)?;
             let gap = along - ego.half.x - actor.half.x;
             let speed = actor.velocity.dot(&crate::geometry::Vector::new(libm::cos(heading), libm::sin(heading)));
             (gap > -ego.half.x).then_some(Leader { gap: gap.max(0.0), speed: speed.max(0.0), light: false })
         });
         let lights = perception.lights.iter().filter(|light| light.colour == LightColour::Red).filter_map(|light| {
-            let here = light.trigger.position();
-            if (here - ego.pose.position()).norm_squared() > 40.0 * 40.0 {
+            let line = light.trigger.position();
+            if (line - here).norm_squared() > 40.0 * 40.0 {
                 return None;
             }
-            let (along, heading) = self.place(here, 1.0)?;
+            let (along, heading) = self.place(here, line, 1.0)?;
             let same_way = wrap_angle(heading - light.trigger.yaw).abs() < 1.0;
             (same_way && along > 0.0).then_some(Leader {
                 gap: (along - ego.half.x + 1.0).max(0.0),
@@ -151,23 +155,25 @@ impl Idm {
         bodies.chain(lights).min_by(|a, b| a.gap.total_cmp(&b.gap))
     }
 
-    /// How far along the path an actor's middle is, and the path's heading there, if it touches the corridor.
-    fn along(&self, actor: &Actor, corridor: f64) -> Option<(f64, f64)> {
-        self.place(actor.pose.position(), corridor + actor.half.y)
-    }
-
-    fn place(&self, place: crate::geometry::Point, beside: f64) -> Option<(f64, f64)> {
-        let mut along = 0.0;
-        let mut before: Option<&crate::geometry::Pose> = None;
-        for point in self.path.points() {
-            if let Some(last) = before {
-                along += (point.pose.position() - last.position()).norm();
+    /// How far along the path from abeam the ego a place is, and the path's heading there, if it is at most so far beside it.
+    fn place(&self, ego: Point, place: Point, beside: f64) -> Option<(f64, f64)> {
+        let mut points = self.path.points().map(|point| &point.pose);
+        let mut last = points.next()?;
+        // The path's first point is the nearest to the ego, not abeam it.
+        let mut along = -last.to_local(ego).x;
+        for next in points {
+            let (chord, offset) = (next.position() - last.position(), place - last.position());
+            let length = chord.norm();
+            let share = offset.dot(&chord) / (length * length);
+            // A little overlap closes the wedges at the outside of bends.
+            if (-0.05..1.05).contains(&share) {
+                let aside = chord.perp(&offset) / length;
+                if aside.abs() <= beside {
+                    return Some((along + share * length, last.yaw));
+                }
             }
-            let local = point.pose.to_local(place);
-            if local.y.abs() <= beside && local.x.abs() <= 0.6 {
-                return Some((along + local.x, point.pose.yaw));
-            }
-            before = Some(&point.pose);
+            along += length;
+            last = next;
         }
         None
     }
@@ -208,7 +214,7 @@ impl DrivingPolicy for Idm {
         };
         let pedals = perception.blueprint.pedals_for(acceleration.max(-self.hardest), speed);
         // At rest and not wanting to move: hold the car.
-        let brake = if speed < 0.05 && acceleration <= 0.0 { 1.0 } else { pedals.brake };
+        let brake = if speed < 0.05 && (acceleration <= 0.0 || wanted < 0.1) { 1.0 } else { pedals.brake };
         Control { throttle: pedals.throttle, brake, steer }
     }
 

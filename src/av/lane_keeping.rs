@@ -41,6 +41,8 @@ pub fn speed_for_bends(path: &Path, wanted: f64, lateral: f64, braking: f64) -> 
         }
         before = Some(&point.pose);
     }
-    // A path shorter than the braking distance ends where the road ends.
-    allowed.min(2.0 * braking * (along - 3.0).max(0.0)).sqrt()
+    if path.ends() {
+        allowed = allowed.min(2.0 * braking * (along - 3.0).max(0.0));
+    }
+    allowed.sqrt()
 }

@@ -54,9 +54,9 @@ impl Path {
         far.or_else(|| self.points.back())
     }
 
-    /// How far along the path its last point is (m); grows as one drives, until the road ends.
-    pub fn length(&self) -> f64 {
-        self.points.len().saturating_sub(1) as f64 * STEP
+    /// Whether the road ends within the path.
+    pub fn ends(&self) -> bool {
+        self.points.len() < HORIZON
     }
 
     fn extend(&mut self, town: &Town) {

@@ -1,4 +1,4 @@
-use crate::geometry::{OrientedBox, Pose, Vector};
+use crate::geometry::{Obstacles, OrientedBox, Pose, Vector};
 use crate::road::Town;
 use crate::sim::{LightColour, VehicleBlueprint, World};
 
@@ -51,14 +51,25 @@ pub struct Perception<'a> {
     pub ego: Actor,
     /// The limit that holds for the ego (m/s).
     pub speed_limit: f64,
-    /// Pedestrians in sight.
+    /// All pedestrians; [`Perception::in_sight`] tells who is hidden.
     pub pedestrians: &'a [Actor],
-    /// Other vehicles in sight.
+    /// All other vehicles.
     pub vehicles: &'a [Actor],
+    /// What blocks sight.
+    pub obstacles: &'a Obstacles,
     /// All traffic lights.
     pub lights: &'a [Light],
     /// The light in whose trigger box the ego stands: its place in `lights`.
     pub affecting_light: Option<usize>,
+}
+
+impl Perception<'_> {
+    /// Whether nothing stands between the middles of the ego and of an actor.
+    ///
+    /// CARLA's driver does not ask: it reads the world's list of actors.
+    pub fn in_sight(&self, actor: &Actor) -> bool {
+        !self.obstacles.blocks_sight(self.ego.pose.position(), actor.pose.position())
+    }
 }
 
 /// The memory that perceptions borrow from, so that a tick allocates nothing.
@@ -69,7 +80,7 @@ pub struct Sensors {
 }
 
 impl Sensors {
-    /// Sees everything in a world, exactly and at once.
+    /// Perceives a world exactly and at once.
     pub fn perceive<'a>(&'a mut self, world: &'a World) -> Perception<'a> {
         let (ego, body) = (&world.ego, &world.body);
         self.pedestrians.clear();
@@ -98,6 +109,7 @@ impl Sensors {
             speed_limit: world.speed_limit,
             pedestrians: &self.pedestrians,
             vehicles: &[],
+            obstacles: &world.obstacles,
             lights: &self.lights,
             affecting_light: world.affecting_light(),
         }

@@ -3,6 +3,11 @@ use crate::rl::UpdateLog;
 
 /// Hears what a running campaign does; called from many threads.
 pub trait Observer: Sync {
+    /// A training begins. The number is its place in the campaign.
+    fn training_begun(&self, training: usize) {
+        let _ = training;
+    }
+
     /// A training has finished an update. The number is its place in the campaign.
     fn trained(&self, training: usize, plan: &Training, log: &UpdateLog) {
         let _ = (training, plan, log);

@@ -42,6 +42,7 @@ pub fn run(campaign: &Campaign, seed: &Seed, observer: &dyn Observer) -> Finishe
             if observer.stop() {
                 return None;
             }
+            observer.training_begun(index);
             let result = carry_out(index, training, seed, observer);
             observer.training_ended(index, &result);
             Some(result)

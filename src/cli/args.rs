@@ -33,6 +33,7 @@ pub enum Command {
     #[command(after_help = EXAMPLES)]
     Run(RunOptions),
     /// Find mistakes in scenario files without running anything.
+    #[command(after_help = EXAMPLES)]
     Check(CheckOptions),
     /// Draw a town, and say what its map holds and what was skipped.
     Map(MapOptions),
@@ -53,15 +54,15 @@ pub struct RunOptions {
     #[arg(long, short, default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
     pub out: PathBuf,
     /// Number from which everything random follows.
-    #[arg(long, default_value_t = 1, value_name = "N")]
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub seed: u64,
     /// Threads that work; results do not depend on it. 0: one for every core.
-    #[arg(long, short = 'j', default_value_t = 0, env = "FALSIFY_THREADS", value_name = "N")]
-    pub threads: usize,
+    #[arg(long, short = 'j', default_value_t = 0, env = "FALSIFY_THREADS", value_name = "N", value_parser = clap::value_parser!(u16).range(..=256), allow_negative_numbers = true)]
+    pub threads: u16,
     /// Say what would be run, and stop.
     #[arg(long)]
     pub list: bool,
-    /// Run only enough to see that everything works: one run, two updates, five episodes.
+    /// Run only enough to see that everything works: one run, two updates, five episodes. Reports go to NAME-smoke.
     #[arg(long)]
     pub smoke: bool,
 }

@@ -1,5 +1,7 @@
 //! Files → plan, with everything that is to be said about them on the error stream.
 
+use std::cell::RefCell;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anstyle::{AnsiColor, Style};
@@ -8,21 +10,35 @@ use super::ExitCode;
 use crate::compile::{Catalog, Plan, compile};
 use crate::diagnostic::{Colour, Severity, Sources, render};
 use crate::lang::reason;
+use crate::report::FileRecord;
 
 const ERROR: Style = AnsiColor::Red.on_default().bold();
+
+/// Most diagnostics that are shown at once.
+const SHOWN: usize = 50;
 
 /// Says that something went wrong, in the manner of the diagnostics.
 pub fn fail(message: &str) {
     anstream::eprintln!("{ERROR}error{ERROR:#}: {message}");
 }
 
-/// Reads, checks and compiles files.
+/// Prints a line for the user. A reader that has gone away, as after `| head`, is no mistake.
+pub fn say(line: &str) {
+    let _ = writeln!(anstream::stdout(), "{line}");
+}
+
+/// Reads, checks and compiles files; gives the plan and a record of every file that was read.
 ///
 /// # Errors
 /// The exit code, after the reason has been printed.
-pub fn compile_files(files: &[PathBuf]) -> Result<(Plan, Sources), ExitCode> {
+pub fn compile_files(files: &[PathBuf]) -> Result<(Plan, Vec<FileRecord>), ExitCode> {
     let mut sources = Sources::default();
-    let read = |path: &Path| std::fs::read_to_string(path);
+    let records = RefCell::new(Vec::new());
+    let read = |path: &Path| {
+        let text = std::fs::read_to_string(path)?;
+        records.borrow_mut().push(FileRecord::new(path.display().to_string(), &text));
+        Ok(text)
+    };
     let compiled = match compile(files, &Catalog::builtin(), &read, &mut sources) {
         Ok(compiled) => compiled,
         Err((path, error)) => {
@@ -30,13 +46,16 @@ pub fn compile_files(files: &[PathBuf]) -> Result<(Plan, Sources), ExitCode> {
             return Err(ExitCode::Usage);
         }
     };
-    for diagnostic in &compiled.diagnostics {
+    for diagnostic in compiled.diagnostics.iter().take(SHOWN) {
         // The stream strips the colours where they are not wanted.
         anstream::eprintln!("{}\n", render(diagnostic, &sources, Colour::Always));
     }
+    if compiled.diagnostics.len() > SHOWN {
+        anstream::eprintln!("… and {} more\n", compiled.diagnostics.len() - SHOWN);
+    }
     let errors = compiled.diagnostics.iter().filter(|each| each.severity == Severity::Error).count();
     match compiled.plan {
-        Some(plan) => Ok((plan, sources)),
+        Some(plan) => Ok((plan, records.into_inner())),
         None => {
             let plural = if errors == 1 { "" } else { "s" };
             fail(&format!("{errors} error{plural} found; nothing was run"));

@@ -1,16 +1,25 @@
 //! Ctrl-C: the first one asks for a clean end, the second one ends at once.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use super::ExitCode;
 
 static ASKED: AtomicUsize = AtomicUsize::new(0);
+static HELD: AtomicBool = AtomicBool::new(false);
+
+/// While held, a second Ctrl-C waits: a report is being put in its place.
+pub fn hold(held: bool) {
+    HELD.store(held, Ordering::Relaxed);
+}
 
 /// Begins to listen.
 pub fn listen() {
     // Without the handler Ctrl-C ends the program at once, which loses the campaign in hand and nothing else.
     let _ = ctrlc::set_handler(|| {
         if ASKED.fetch_add(1, Ordering::Relaxed) > 0 {
+            if HELD.load(Ordering::Relaxed) {
+                return;
+            }
             std::process::exit(ExitCode::Interrupted as i32);
         }
         anstream::eprintln!("\nstopping after the work in hand; once more to stop at once");

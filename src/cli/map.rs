@@ -57,28 +57,28 @@ fn describe(town: &Town) {
         lanes.sum::<f64>() / 1000.0
     };
     let inside = town.roads.iter().filter(|road| road.junction.is_some()).count();
-    anstream::println!("town {}", town.name);
-    anstream::println!("  extent          {:.0} m × {:.0} m", high.x - low.x, high.y - low.y);
-    anstream::println!("  roads           {} ({inside} inside {} junctions)", town.roads.len(), town.junctions.len());
-    anstream::println!("  driving lanes   {:.2} km", kilometres(LaneKind::Driving));
-    anstream::println!("  sidewalks       {:.2} km", kilometres(LaneKind::Sidewalk));
-    anstream::println!("  traffic lights  {}", town.traffic_lights.len());
-    anstream::println!("  speed signs     {}", town.speed_signs.len());
-    anstream::println!("  obstacles       {}", town.obstacles.len());
-    anstream::println!("  warnings        {}", town.warnings.len());
+    front::say(&format!("town {}", town.name));
+    front::say(&format!("  extent          {:.0} m × {:.0} m", high.x - low.x, high.y - low.y));
+    front::say(&format!("  roads           {} ({inside} inside {} junctions)", town.roads.len(), town.junctions.len()));
+    front::say(&format!("  driving lanes   {:.2} km", kilometres(LaneKind::Driving)));
+    front::say(&format!("  sidewalks       {:.2} km", kilometres(LaneKind::Sidewalk)));
+    front::say(&format!("  traffic lights  {}", town.traffic_lights.len()));
+    front::say(&format!("  speed signs     {}", town.speed_signs.len()));
+    front::say(&format!("  obstacles       {}", town.obstacles.len()));
+    front::say(&format!("  warnings        {}", town.warnings.len()));
     for warning in &town.warnings {
-        anstream::println!("    {warning}");
+        front::say(&format!("    {warning}"));
     }
 }
 
 fn write(town: &Town, options: &MapOptions) -> Result<(), report::WriteError> {
     let picture = options.out.join(format!("{}.svg", town.name));
     report::write_file(&picture, report::town_map(town, &[]).as_bytes())?;
-    anstream::println!("  {}", picture.display());
+    front::say(&format!("  {}", picture.display()));
     if let Some(spacing) = options.waypoints {
         let table = options.out.join(format!("{}_waypoints.csv", town.name));
         report::write_csv(&table, &report::waypoints(town, spacing))?;
-        anstream::println!("  {}", table.display());
+        front::say(&format!("  {}", table.display()));
     }
     Ok(())
 }

@@ -14,8 +14,15 @@ pub use exit_code::ExitCode;
 
 use clap::{CommandFactory, Parser};
 
-/// Runs the program with the arguments of the process.
+/// Runs the program with the arguments of the process. A bug ends in [`ExitCode::Internal`].
 pub fn main() -> ExitCode {
+    std::panic::catch_unwind(run_command).unwrap_or_else(|_| {
+        front::fail("this is a bug in falsify; what was finished before is not lost");
+        ExitCode::Internal
+    })
+}
+
+fn run_command() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => {
@@ -31,7 +38,9 @@ pub fn main() -> ExitCode {
         args::Command::Check(options) => check::check(&options),
         args::Command::Map(options) => map::map(&options),
         args::Command::Completions { shell } => {
-            clap_complete::generate(shell, &mut Arguments::command(), "falsify", &mut std::io::stdout());
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Arguments::command(), "falsify", &mut script);
+            front::say(String::from_utf8_lossy(&script).trim_end());
             ExitCode::Done
         }
     }

@@ -5,7 +5,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use super::interrupt;
 use crate::campaign::{Observer, TrainingResult};
@@ -28,8 +28,11 @@ impl Progress {
         let target = || if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr_with_hz(5) };
         let bar = |length: u64, what: &str| {
             let bar = ProgressBar::with_draw_target(Some(length), target());
-            let form = "{msg:10} {bar:36.cyan/blue} {human_pos}/{human_len} {per_sec} {eta} left";
-            bar.set_style(ProgressStyle::with_template(form).expect("the template is fixed"));
+            let form = "{msg:9} {wide_bar:.cyan/blue} {human_pos}/{human_len} {rate} {eta} left";
+            let rate = |state: &ProgressState, out: &mut dyn std::fmt::Write| {
+                let _ = write!(out, "{:.0}/s", state.per_sec());
+            };
+            bar.set_style(ProgressStyle::with_template(form).expect("the template is fixed").with_key("rate", rate));
             bar.set_message(what.to_string());
             bar
         };
@@ -62,12 +65,17 @@ impl Progress {
 }
 
 impl Observer for Progress {
+    fn training_begun(&self, training: usize) {
+        let mut times = self.times.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        times[training].0 = Some(Instant::now());
+    }
+
     fn trained(&self, training: usize, _: &Training, log: &UpdateLog) {
         let before = self.done[training].swap(log.steps, Ordering::Relaxed);
         self.trainings.inc(log.steps.saturating_sub(before));
         let mut times = self.times.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let (begun, time) = &mut times[training];
-        *time = begun.get_or_insert_with(Instant::now).elapsed();
+        *time = begun.map_or(Duration::ZERO, |begun| begun.elapsed());
     }
 
     fn training_ended(&self, _: usize, result: &TrainingResult) {

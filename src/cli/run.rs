@@ -1,4 +1,5 @@
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::time::Instant;
 
 use super::args::RunOptions;
@@ -7,13 +8,12 @@ use super::{ExitCode, front, interrupt};
 use crate::analysis::failure_modes;
 use crate::campaign::{self, EpisodeRow, Finished};
 use crate::compile::{Campaign, Pedestrian};
-use crate::diagnostic::Sources;
 use crate::report::{self, FileRecord, Manifest, ReportFolder, TrainingRecord, WriteError};
 use crate::seed::Seed;
 
 /// `falsify run`
 pub fn run(options: &RunOptions) -> ExitCode {
-    let (mut plan, sources) = match front::compile_files(&options.files) {
+    let (mut plan, files) = match front::compile_files(&options.files) {
         Ok(compiled) => compiled,
         Err(code) => return code,
     };
@@ -28,7 +28,7 @@ pub fn run(options: &RunOptions) -> ExitCode {
         plan.campaigns.iter().for_each(list);
         return ExitCode::Done;
     }
-    let pool = match rayon::ThreadPoolBuilder::new().num_threads(options.threads).build() {
+    let pool = match rayon::ThreadPoolBuilder::new().num_threads(options.threads.into()).build() {
         Ok(pool) => pool,
         Err(error) => {
             front::fail(&format!("cannot start {} threads: {error}", options.threads));
@@ -38,11 +38,11 @@ pub fn run(options: &RunOptions) -> ExitCode {
     interrupt::listen();
     let mut worst = ExitCode::Done;
     for campaign in &plan.campaigns {
-        match pool.install(|| carry_out(campaign, options, &sources)) {
+        match pool.install(|| carry_out(campaign, options, &files)) {
             Ok(ExitCode::Done) => {}
             Ok(code) => worst = code,
-            Err(error) => {
-                front::fail(&error.to_string());
+            Err(message) => {
+                front::fail(&message);
                 return ExitCode::WriteFailed;
             }
         }
@@ -55,17 +55,14 @@ pub fn run(options: &RunOptions) -> ExitCode {
 
 /// Says what a campaign would run.
 fn list(campaign: &Campaign) {
-    anstream::println!("campaign {}", campaign.name);
+    front::say(&format!("campaign {}", campaign.name));
     for training in &campaign.trainings {
         let key = &training.key;
         let decisions = training.config.total_steps;
-        anstream::println!(
+        front::say(&format!(
             "  train  {} in {} against {}, run {}: {decisions} decisions",
-            key.reward,
-            key.town,
-            key.policy,
-            key.run
-        );
+            key.reward, key.town, key.policy, key.run
+        ));
     }
     for evaluation in &campaign.evaluations {
         let key = &evaluation.trained;
@@ -76,34 +73,60 @@ fn list(campaign: &Campaign) {
             other => format!("{} ({}, run {})", other.name(), key.reward, key.run),
         };
         let episodes = evaluation.episodes;
-        anstream::println!("  try    {who} in {} against {}: {episodes} episodes", evaluation.town, evaluation.policy);
+        front::say(&format!(
+            "  try    {who} in {} against {}: {episodes} episodes",
+            evaluation.town, evaluation.policy
+        ));
     }
 }
 
-fn carry_out(campaign: &Campaign, options: &RunOptions, sources: &Sources) -> Result<ExitCode, WriteError> {
-    let folder = ReportFolder::begin(&options.out, &campaign.name)?;
+/// Runs a campaign and writes its report; the error is the message to print.
+fn carry_out(campaign: &Campaign, options: &RunOptions, files: &[FileRecord]) -> Result<ExitCode, String> {
+    // A trial of the machinery never replaces results.
+    let name = if options.smoke { format!("{}-smoke", campaign.name) } else { campaign.name.clone() };
+    let folder = ReportFolder::begin(&options.out, &name).map_err(|error| error.to_string())?;
     let began = Instant::now();
     let progress = Progress::new(campaign);
     let finished = campaign::run(campaign, &Seed::root(options.seed), &progress);
     let times: Vec<f64> = progress.finish().iter().map(std::time::Duration::as_secs_f64).collect();
     let wall_time_s = began.elapsed().as_secs_f64();
     let failed = finished.trainings.iter().any(|training| training.result.is_err());
-    let manifest = manifest(campaign, options, sources, &finished, &times, wall_time_s);
-    if finished.interrupted && finished.rows.is_empty() {
-        front::fail("stopped before any episode was tried; nothing was written");
-        return Ok(ExitCode::Interrupted);
+    let manifest = manifest(campaign, options, files, &finished, &times, wall_time_s);
+    if finished.rows.is_empty() && finished.trainings.iter().all(|training| training.result.is_err()) {
+        front::fail("nothing was finished, so nothing was written");
+        return Ok(if finished.interrupted { ExitCode::Interrupted } else { ExitCode::RunFailed });
     }
-    write(&folder, campaign, &finished, &manifest)?;
-    let place = folder.finish()?;
-    print_cells(campaign, &finished)?;
-    anstream::println!("{}", place.join("summary.md").display());
-    Ok(if failed && !finished.interrupted { ExitCode::RunFailed } else { ExitCode::Done })
+    let broken = finished.rows.iter().filter(|row| !row.outcome.reward.is_finite());
+    if let Some(first) = broken.clone().next() {
+        front::fail(&format!(
+            "the reward `{}` was {} in {} episodes; the first is episode {} in {} against {}",
+            first.trained.reward,
+            first.outcome.reward,
+            broken.count(),
+            first.episode,
+            first.town,
+            first.policy
+        ));
+    }
+    interrupt::hold(true);
+    let written = write(&folder, campaign, &finished, &manifest);
+    let kept =
+        |error: WriteError, place: PathBuf| format!("{error}\n  what was written is kept in `{}`", place.display());
+    let place = match written {
+        Ok(()) => folder.finish(manifest.complete).map_err(|(error, place)| kept(error, place))?,
+        Err(error) => return Err(kept(error, folder.keep())),
+    };
+    interrupt::hold(false);
+    print_cells(campaign, &finished).map_err(|error| error.to_string())?;
+    front::say(&place.join("summary.md").display().to_string());
+    let whole = manifest.complete || finished.interrupted;
+    Ok(if failed || !whole { ExitCode::RunFailed } else { ExitCode::Done })
 }
 
 fn manifest(
     campaign: &Campaign,
     options: &RunOptions,
-    sources: &Sources,
+    files: &[FileRecord],
     finished: &Finished,
     times: &[f64],
     wall_time_s: f64,
@@ -130,16 +153,31 @@ fn manifest(
         campaign: campaign.name.clone(),
         seed: options.seed,
         smoke: options.smoke,
-        complete: all_trained && finished.rows.len() == planned,
+        complete: all_trained
+            && finished.rows.len() == planned
+            && finished.rows.iter().all(|row| row.outcome.reward.is_finite()),
+        stopped: finished.interrupted,
         threads: rayon::current_num_threads(),
         evaluation_ticks: finished.rows.iter().map(|row| u64::from(row.outcome.ticks)).sum(),
         wall_time_s,
-        files: sources
-            .iter()
-            .map(|(_, source)| FileRecord::new(source.path.display().to_string(), &source.text))
-            .collect(),
+        files: files.to_vec(),
+        vector_instructions: vector_instructions().into(),
         trainings: trainings.collect(),
     }
+}
+
+/// The vector instructions that the networks' products may use, on which the last bits of a training depend.
+fn vector_instructions() -> &'static str {
+    #[cfg(target_arch = "x86_64")]
+    {
+        if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+            return "avx2, fma";
+        }
+        if is_x86_feature_detected!("avx") {
+            return "avx";
+        }
+    }
+    std::env::consts::ARCH
 }
 
 fn pedestrian_file(key: &crate::compile::TrainingKey) -> String {
@@ -197,6 +235,6 @@ fn print_cells(campaign: &Campaign, finished: &Finished) -> Result<(), WriteErro
     let failed = |source| WriteError::Table { name: "cells".into(), source };
     let cells =
         report::metrics(&report::episodes(&finished.rows)).and_then(|metrics| metrics.cells()).map_err(failed)?;
-    anstream::print!("{}", report::table(&campaign.name, &cells));
+    front::say(report::table(&campaign.name, &cells).trim_end());
     Ok(())
 }

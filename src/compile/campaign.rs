@@ -29,7 +29,7 @@ pub fn form() -> Form {
             Param::required("policies", names("policy"), "Drivers to try them against."),
             Param::with_default(
                 "episodes",
-                count(10_000_000),
+                count(1_000_000),
                 "200",
                 "Episodes of each; all pedestrians meet the same beginnings.",
             ),

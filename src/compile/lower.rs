@@ -46,6 +46,8 @@ pub fn compile(
         Lowering { program: &program, catalog, sources, read, said: &mut diagnostics, towns: BTreeMap::new() };
     let plan = lowering.plan();
     lowering.warn_of_unused();
+    // One mistake may show in many cells.
+    lang::once(&mut diagnostics);
     let plan = (!diagnostics.iter().any(is_error)).then_some(plan);
     Ok(Compiled { plan, diagnostics })
 }
@@ -66,6 +68,9 @@ struct Lowering<'a> {
     towns: BTreeMap<DeclarationId, Option<BuiltTown>>,
 }
 
+/// Most decisions between two updates, over all environments.
+const MOST_DECISIONS: usize = 1 << 22;
+
 /// A member of one axis of a grid.
 #[derive(Clone)]
 struct Axis<T> {
@@ -82,8 +87,20 @@ impl Lowering<'_> {
             let built = self.town(declaration.id);
             towns.extend(built.map(|built| NamedTown { name: declaration.name.clone(), town: built.town }));
         }
+        self.forbid_equal_names();
         let campaigns = program.of_form("campaign").map(|campaign| self.campaign(campaign)).collect();
         Plan { campaigns, towns }
+    }
+
+    /// Campaigns of different files may share a name as far as the language goes, but their reports may not.
+    fn forbid_equal_names(&mut self) {
+        let mut seen: BTreeMap<&str, &Declaration> = BTreeMap::new();
+        for campaign in self.program.of_form("campaign") {
+            if let Some(first) = seen.insert(&campaign.name, campaign) {
+                let (here, there) = (campaign.block.head, first.block.head);
+                self.said.push(codes::duplicate_declaration(here, "campaign", &campaign.name, there));
+            }
+        }
     }
 
     fn town(&mut self, id: DeclarationId) -> Option<BuiltTown> {
@@ -137,6 +154,11 @@ impl Lowering<'_> {
             episode::lower(&length.block.arguments),
         );
         let (config, environments) = training::lower(&referred("training").block.arguments);
+        if config.rollout_steps.saturating_mul(environments) > MOST_DECISIONS {
+            let place = referred("training").block.place("steps_per_update");
+            let message = format!("an update of more than {MOST_DECISIONS} decisions does not fit in memory");
+            self.said.push(codes::contradiction(place, message));
+        }
         let mut campaign = Campaign {
             name: declaration.name.clone(),
             docs: declaration.docs.clone(),
@@ -156,11 +178,13 @@ impl Lowering<'_> {
                 episode: base.2.clone(),
             })
         };
+        let corner = base.0.half_length * base.0.half_length + base.0.half_width * base.0.half_width;
+        let car = corner.sqrt() + base.1.body.radius;
         let mut rules: BTreeMap<String, RewardRule> = BTreeMap::new();
         for train in block.nested("train") {
             let spawn = self.spawn(block, train);
             let (towns, policies, rewards) = (self.towns(train), self.policies(train), self.rewards(train));
-            self.probe(block, train, &towns, &spawn);
+            self.probe(block, train, &towns, &spawn, car);
             for town in &towns {
                 note_town(&mut campaign.towns, town);
                 for policy in &policies {
@@ -181,11 +205,16 @@ impl Lowering<'_> {
                 }
             }
         }
-        self.warn_of_repeated_trainings(block, &campaign);
+        self.forbid_repeated_trainings(block, &campaign);
+        if campaign.trainings.is_empty() {
+            let message = "this campaign has no `train` block, so there is nobody to try".to_string();
+            self.said.push(codes::contradiction(block.head, message));
+        }
+
         for (number, evaluate) in block.nested("evaluate").enumerate() {
             let spawn = self.spawn(block, evaluate);
             let (towns, policies) = (self.towns(evaluate), self.policies(evaluate));
-            self.probe(block, evaluate, &towns, &spawn);
+            self.probe(block, evaluate, &towns, &spawn, car);
             let words: Vec<&Value> = evaluate.arguments.list("pedestrians").iter().collect();
             for town in &towns {
                 note_town(&mut campaign.towns, town);
@@ -211,9 +240,17 @@ impl Lowering<'_> {
         campaign
     }
 
-    /// Makes sure that somebody can be placed in every town.
-    fn probe(&mut self, campaign: &Block, block: &Block, towns: &[Axis<BuiltTown>], spawn: &SpawnRule) {
+    /// Makes sure that somebody can be placed in every town, and not inside the car, whose corners reach so far (m).
+    fn probe(&mut self, campaign: &Block, block: &Block, towns: &[Axis<BuiltTown>], spawn: &SpawnRule, car: f64) {
         let owner = if block.arguments.has("spawn") { block } else { campaign };
+        if spawn.distance.0 <= car {
+            let message = format!(
+                "a pedestrian {} m from the middle of the car may stand inside it: its corners reach {car:.2} m",
+                spawn.distance.0
+            );
+            self.said.push(codes::contradiction(owner.place("spawn"), message));
+            return;
+        }
         for town in towns {
             let mut stream = Seed::root(0).child("probe").stream();
             if let Err(error) = spawn.probe(&town.value.town, &town.value.obstacles, &mut stream) {
@@ -222,7 +259,7 @@ impl Lowering<'_> {
         }
     }
 
-    fn warn_of_repeated_trainings(&mut self, block: &Block, campaign: &Campaign) {
+    fn forbid_repeated_trainings(&mut self, block: &Block, campaign: &Campaign) {
         let mut seen = BTreeSet::new();
         for training in &campaign.trainings {
             if !seen.insert(&training.key) {
@@ -259,8 +296,8 @@ fn note_town(towns: &mut Vec<NamedTown>, town: &Axis<BuiltTown>) {
     }
 }
 
-/// Who is tried: every trained pedestrian, and for every training one of each untrained kind, so that all have as many
-/// runs. Untrained ones know no town of training, so those of different towns would be the same: each is taken once.
+/// Who is tried: every trained pedestrian, and for every run of a reward a random one, which draws anew in each; the
+/// intercepting one draws nothing, so it is tried once for each reward.
 fn pedestrians(words: &[&Value], trainings: &[Training]) -> Vec<(Pedestrian, TrainingKey)> {
     let mut all = Vec::new();
     for word in words {
@@ -277,6 +314,9 @@ fn pedestrians(words: &[&Value], trainings: &[Training]) -> Vec<(Pedestrian, Tra
             if matches!(pedestrian, Pedestrian::Random | Pedestrian::Intercept) {
                 key.town = String::new();
                 key.policy = String::new();
+            }
+            if pedestrian == Pedestrian::Intercept {
+                key.run = 0;
             }
             if seen.insert((pedestrian, key.clone())) {
                 all.push((pedestrian, key));

@@ -58,7 +58,12 @@ fn designed() -> Signature {
                 "Distance of the fronts from the sidewalk.",
             ),
             Param::with_default("depth", length(), "10 m", "Extent away from the street."),
-            Param::with_default("length", length(), "16 m", "Extent along the street."),
+            Param::with_default(
+                "length",
+                Type::Quantity { dimension: Dimension::LENGTH, min: 3.0, max: 1000.0 },
+                "16 m",
+                "Extent along the street.",
+            ),
             Param::with_default("gap", Type::non_negative(Dimension::LENGTH), "4 m", "Distance between two houses."),
         ],
     );
@@ -181,6 +186,9 @@ pub fn lower(declaration: &Declaration, sources: &Sources, read: &Reader, said: 
         },
     };
     let before = said.len();
+    if let Some(second) = block.nested("row_houses").nth(1) {
+        said.push(codes::contradiction(second.head, "this town has `row_houses` already".into()));
+    }
     let standing = standing(block, said);
     // Rows of houses give way to what is placed by hand.
     parts.obstacles.retain(|row| !standing.iter().any(|(_, own)| own.overlaps(row)));
@@ -209,8 +217,20 @@ fn read_map(
     let path = block.arguments.text("file");
     let folder = sources.get(declaration.source).path.parent().unwrap_or(Path::new("")).to_path_buf();
     let text = read(&folder.join(path)).map_err(|error| crate::lang::reason(&error));
-    let parts = text.and_then(|text| opendrive::read(&text, &declaration.name).map_err(|error| error.to_string()));
-    parts.map_err(|reason| said.push(codes::unusable_map(block.place("file"), path, &reason))).ok()
+    let place = block.place("file");
+    match text.and_then(|text| opendrive::read(&text, &declaration.name).map_err(|error| error.to_string())) {
+        Ok(parts) => {
+            let warnings: Vec<String> = parts.warnings.iter().map(ToString::to_string).collect();
+            if !warnings.is_empty() {
+                said.push(codes::map_warning(place, path, &warnings));
+            }
+            Some(parts)
+        }
+        Err(reason) => {
+            said.push(codes::unusable_map(place, path, &reason));
+            None
+        }
+    }
 }
 
 /// Everything that stands in the town, each with the place where it is declared.
@@ -227,7 +247,14 @@ fn standing(block: &Block, said: &mut Vec<Diagnostic>) -> Vec<(Span, OrientedBox
             OrientedBox::new(Pose::new(at.x, at.y, 0.0), half, half)
         };
         match child.word {
-            "building" => all.push((child.head, OrientedBox::spanning(point("corner"), point("opposite")))),
+            "building" => {
+                let own = OrientedBox::spanning(point("corner"), point("opposite"));
+                if own.half.min() < 0.05 {
+                    said.push(codes::unbuildable_town(child.head, "this building is thinner than 0.1 m"));
+                    continue;
+                }
+                all.push((child.head, own));
+            }
             "wall" => {
                 let (from, to) = (point("from"), point("to"));
                 let (middle, along) = (nalgebra::center(&from, &to), to - from);

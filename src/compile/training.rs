@@ -75,7 +75,8 @@ pub fn lower(arguments: &Arguments) -> (PpoConfig, usize) {
         total_steps: arguments.integer("steps") as u64,
         rollout_steps: count("steps_per_update"),
         epochs: count("epochs"),
-        batch_size: count("batch_size"),
+        // Never larger than what there is to draw from.
+        batch_size: count("batch_size").min(count("steps_per_update").saturating_mul(count("environments"))),
         learning_rate: arguments.number("learning_rate"),
         gamma: arguments.number("gamma"),
         gae_lambda: arguments.number("gae_lambda"),

@@ -41,7 +41,7 @@ fn params() -> Vec<Param> {
         ),
         Param::optional(
             "steering_response",
-            positive(Dimension::RATIO),
+            Type::Quantity { dimension: Dimension::RATIO, min: 0.01, max: 1.1 },
             "Share of the wheel angle that the tyres follow.",
         ),
     ]

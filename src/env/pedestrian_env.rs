@@ -77,7 +77,8 @@ impl PedestrianEnv {
         let mut stream = seed.child("spawn").stream();
         let first = scenario.adversary.first_heading;
         let spawn = scenario.spawn.sample(&scenario.town, &scenario.obstacles, first, &mut stream);
-        let light_phase = stream.random_range(0.0..1000.0);
+        // A whole number of cycles of groups with up to four turns.
+        let light_phase = stream.random_range(0.0..12.0 * LightCycle::default().turn());
         self.world.begin(&Scene {
             ego: spawn.ego,
             ego_speed: spawn.ego_speed,
@@ -156,8 +157,7 @@ impl PedestrianEnv {
         };
         self.episode.reward += earned;
         if let Some(ending) = ending {
-            let before = f64::from(self.world.ticks - 1) * self.world.dt;
-            let duration = contact.map_or(self.world.elapsed(), |contact| before + contact.fraction * self.world.dt);
+            let duration = self.elapsed(contact.as_ref());
             self.episode.outcome = Some(Outcome {
                 spawn: self.episode.spawn,
                 ending,
@@ -183,10 +183,16 @@ impl PedestrianEnv {
             distance: (ahead * ahead + aside * aside).sqrt(),
             ahead,
             aside,
-            ego_speed: ego.speed,
+            ego_speed: contact.map_or(ego.speed, |contact| contact.impact_speed),
             walking_speed: pedestrian.speed(),
-            elapsed: self.world.elapsed(),
+            elapsed: self.elapsed(contact),
         }
+    }
+
+    /// Time until now, or until a touch within the last tick (s).
+    fn elapsed(&self, contact: Option<&Contact>) -> f64 {
+        let before = f64::from(self.world.ticks.saturating_sub(1)) * self.world.dt;
+        contact.map_or(self.world.elapsed(), |contact| before + contact.fraction * self.world.dt)
     }
 
     fn record(&mut self) {

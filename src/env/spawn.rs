@@ -6,7 +6,7 @@ use rand::RngExt;
 
 use super::FirstHeading;
 use crate::geometry::{Obstacles, Point, Pose, Vector, wrap_angle};
-use crate::road::{LaneStretch, Town};
+use crate::road::{LaneFilter, LaneStretch, Town};
 use crate::seed::Stream;
 
 /// What is uniform when a place in the sector is drawn.
@@ -61,6 +61,20 @@ pub enum SpawnError {
     /// The town has no lane to begin on.
     #[error("the town has no driving lane outside junctions")]
     NoLane,
+    /// A listed pose of the ego lies on no lane, or against it.
+    #[error(
+        "the pose at ({x} m, {y} m) is {apart:.1} m from the nearest driving lane and turned by {degrees:.0} degrees from it"
+    )]
+    OffLane {
+        /// Where (m).
+        x: f64,
+        /// Where (m).
+        y: f64,
+        /// Distance from the middle of the nearest lane (m).
+        apart: f64,
+        /// Angle from its heading to the lane's (degrees).
+        degrees: f64,
+    },
     /// Too few places are free of obstacles.
     #[error(
         "only {accepted} of {tried} places of the sector are {clearance} m clear of obstacles (constraint `clearance`)"
@@ -75,32 +89,55 @@ pub enum SpawnError {
     },
 }
 
-/// Tries of [`SpawnRule::probe`].
+/// Places that [`SpawnRule::probe`] tries for each listed pose of the ego, or in all.
 const PROBES: u32 = 400;
-/// Tries of one [`SpawnRule::sample`]; after a successful probe all fail less often than once in 1e40.
-const TRIES: u32 = 10_000;
+/// A probe passes when one place in so many is free.
+const ONE_IN: u32 = 100;
+/// Places that one [`SpawnRule::sample`] tries around one pose of the ego; then the ego moves on.
+const TRIES: u32 = 1000;
+/// Poses of the ego that one [`SpawnRule::sample`] tries.
+const EGOS: u32 = 1000;
 
 impl SpawnRule {
-    /// Makes sure that the rule can place somebody: at least one place in a hundred must be free.
+    /// Makes sure that the rule can place somebody: at least one place in a hundred must be free, around every pose that
+    /// is listed.
     ///
     /// # Errors
     /// Says what stands in the way.
     pub fn probe(&self, town: &Town, obstacles: &Obstacles, stream: &mut Stream) -> Result<(), SpawnError> {
-        if self.ego_start == EgoStart::Anywhere && town.driving_lanes().is_empty() {
-            return Err(SpawnError::NoLane);
+        let around = |ego: &mut dyn FnMut(&mut Stream) -> Pose, stream: &mut Stream| {
+            let free = |_: &u32| {
+                let ego = ego(stream);
+                self.place(&ego, obstacles, stream).is_some()
+            };
+            let accepted = (0..PROBES).filter(free).count() as u32;
+            let crowded = SpawnError::Crowded { accepted, tried: PROBES, clearance: self.clearance };
+            if accepted * ONE_IN < PROBES { Err(crowded) } else { Ok(()) }
+        };
+        match &self.ego_start {
+            EgoStart::Anywhere if town.driving_lanes().is_empty() => Err(SpawnError::NoLane),
+            EgoStart::Anywhere => around(&mut |stream| anywhere(town, stream), stream),
+            EgoStart::Poses(poses) => poses.iter().try_for_each(|pose| {
+                on_a_lane(town, pose)?;
+                around(&mut |_| *pose, stream)
+            }),
         }
-        let accepted = (0..PROBES).filter(|_| self.candidate(town, obstacles, stream).is_some()).count() as u32;
-        if accepted * 100 < PROBES {
-            return Err(SpawnError::Crowded { accepted, tried: PROBES, clearance: self.clearance });
-        }
-        Ok(())
     }
 
     /// Draws a beginning; the rule must have passed [`SpawnRule::probe`].
+    ///
+    /// The ego's pose is drawn once, so crowded places are as likely as free ones; only where not one of a thousand
+    /// places is free it is drawn again.
     pub fn sample(&self, town: &Town, obstacles: &Obstacles, first: FirstHeading, stream: &mut Stream) -> Spawn {
-        let (ego, place) = (0..TRIES)
-            .find_map(|_| self.candidate(town, obstacles, stream))
-            .expect("checked: the probe found free places");
+        let beginning = (0..EGOS).find_map(|_| {
+            let ego = match &self.ego_start {
+                EgoStart::Poses(poses) => poses[stream.random_range(0..poses.len())],
+                EgoStart::Anywhere => anywhere(town, stream),
+            };
+            let place = (0..TRIES).find_map(|_| self.place(&ego, obstacles, stream))?;
+            Some((ego, place))
+        });
+        let (ego, place) = beginning.expect("checked: the probe found free places");
         let turn = stream.random_range(-std::f64::consts::PI..std::f64::consts::PI);
         let yaw = match first {
             FirstHeading::Random => wrap_angle(turn),
@@ -110,11 +147,8 @@ impl SpawnRule {
         Spawn { ego, ego_speed, pedestrian: Pose::new(place.x, place.y, yaw) }
     }
 
-    fn candidate(&self, town: &Town, obstacles: &Obstacles, stream: &mut Stream) -> Option<(Pose, Point)> {
-        let ego = match &self.ego_start {
-            EgoStart::Poses(poses) => poses[stream.random_range(0..poses.len())],
-            EgoStart::Anywhere => anywhere(town, stream),
-        };
+    /// Draws a place in the sector about the ego; none when it is not clear of obstacles.
+    fn place(&self, ego: &Pose, obstacles: &Obstacles, stream: &mut Stream) -> Option<Point> {
         let bearing = between(self.bearing, stream);
         let (near, far) = self.distance;
         let distance = match self.measure {
@@ -122,8 +156,20 @@ impl SpawnRule {
             Measure::Area => between((near * near, far * far), stream).sqrt(),
         };
         let place = ego.to_world(Vector::new(distance * libm::cos(bearing), distance * libm::sin(bearing)));
-        (obstacles.clearance(place, self.clearance) >= self.clearance).then_some((ego, place))
+        (obstacles.clearance(place, self.clearance) >= self.clearance).then_some(place)
     }
+}
+
+/// Makes sure that a car can begin at a pose: near the middle of a driving lane and about along it.
+fn on_a_lane(town: &Town, pose: &Pose) -> Result<(), SpawnError> {
+    let lane = town.nearest_lane(pose.position(), LaneFilter::Driving).ok_or(SpawnError::NoLane)?;
+    let middle = town.pose(lane);
+    let (apart, turned) = ((middle.position() - pose.position()).norm(), wrap_angle(middle.yaw - pose.yaw));
+    if apart > town.lane_width(lane).max(2.0) || turned.abs() > std::f64::consts::FRAC_PI_2 {
+        let (x, y, degrees) = (pose.x, pose.y, turned.to_degrees());
+        return Err(SpawnError::OffLane { x, y, apart, degrees });
+    }
+    Ok(())
 }
 
 fn anywhere(town: &Town, stream: &mut Stream) -> Pose {

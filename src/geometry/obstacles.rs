@@ -69,7 +69,8 @@ impl Obstacles {
                 continue;
             }
             // A centre exactly on the surface has no direction of its own; the way from the box's middle will do.
-            let direction = if distance > 1e-9 { outward / distance } else { local.normalize() };
+            let middle = local.try_normalize(1e-9).unwrap_or_else(Vector::x);
+            let direction = if distance > 1e-9 { outward / distance } else { middle };
             centre = obstacle.pose.to_world(surface + direction * radius);
         }
         centre

@@ -15,7 +15,13 @@ pub fn scan(source: SourceId, text: &str) -> Result<(), Box<Diagnostic>> {
     while index < bytes.len() {
         match bytes[index] {
             b'/' if bytes.get(index + 1) == Some(&b'/') => index = end_of(bytes, index, b"\n"),
-            b'/' if bytes.get(index + 1) == Some(&b'*') => index = end_of(bytes, index + 2, b"*/"),
+            b'/' if bytes.get(index + 1) == Some(&b'*') => {
+                let opened = index;
+                index = end_of(bytes, index + 2, b"*/");
+                if index >= bytes.len() {
+                    return Err(Box::new(codes::unclosed_comment(at(opened))));
+                }
+            }
             b'"' => {
                 index = bytes[index + 1..]
                     .iter()

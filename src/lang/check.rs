@@ -1,6 +1,6 @@
 //! AST → HIR: forms, kinds, keys, references, defaults.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::ast::{self, Entry};
 use super::formula::{Scope, Sort, formula};
@@ -34,15 +34,14 @@ pub fn check(
         }
     }
     // A clash inside an imported file is found again by every file that imports it.
-    let mut said = Vec::new();
-    diagnostics.retain(|diagnostic| {
-        let new = !said.contains(diagnostic);
-        if new {
-            said.push(diagnostic.clone());
-        }
-        new
-    });
+    once(&mut diagnostics);
     (program, diagnostics)
+}
+
+/// Drops what has been said before.
+pub fn once(diagnostics: &mut Vec<Diagnostic>) {
+    let mut said = BTreeSet::new();
+    diagnostics.retain(|each| said.insert((each.primary.span, each.code, each.message.clone())));
 }
 
 fn number_declarations(files: &[ast::File]) -> BTreeMap<SourceId, Vec<DeclarationId>> {

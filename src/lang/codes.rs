@@ -58,6 +58,16 @@ pub fn too_deep(span: Span, limit: usize) -> Diagnostic {
     Diagnostic::error("too-deep", span, format!("brackets nest deeper than {limit} levels"))
 }
 
+/// An expression is too long.
+pub fn too_long(span: Span, limit: usize) -> Diagnostic {
+    Diagnostic::error("too-long", span, format!("this expression has more than {limit} terms and signs"))
+}
+
+/// A comment is never closed.
+pub fn unclosed_comment(span: Span) -> Diagnostic {
+    Diagnostic::error("unclosed-comment", span, "this comment is never closed").help("close it with `*/`")
+}
+
 /// A file is too large.
 pub fn too_large(span: Span, bytes: usize, limit: usize) -> Diagnostic {
     Diagnostic::error("too-large", span, format!("the file has {bytes} bytes; at most {limit} are read"))
@@ -234,6 +244,11 @@ pub fn empty_list(span: Span) -> Diagnostic {
     Diagnostic::error("empty-list", span, "this list is empty").help("name at least one member")
 }
 
+/// A list names something twice.
+pub fn repeated_member(span: Span, written: &str, first: Span) -> Diagnostic {
+    Diagnostic::error("repeated-member", span, format!("`{written}` is in this list twice")).label(first, "first here")
+}
+
 /// A word is not among the choices.
 pub fn unknown_choice(span: Span, word: &str, words: &[&str]) -> Diagnostic {
     unknown("unknown-choice", span, "choice", word, words)
@@ -309,6 +324,17 @@ pub fn unbuildable_town(span: Span, reason: &str) -> Diagnostic {
 /// Values that are fine alone contradict each other.
 pub fn contradiction(span: Span, message: String) -> Diagnostic {
     Diagnostic::error("contradiction", span, message)
+}
+
+/// Parts of a map were skipped or guessed.
+pub fn map_warning(span: Span, path: &str, warnings: &[String]) -> Diagnostic {
+    let parts = if warnings.len() == 1 { "one part".to_string() } else { format!("{} parts", warnings.len()) };
+    let mut diagnostic =
+        Diagnostic::warning("map-warning", span, format!("{parts} of the map `{path}` were skipped or guessed"));
+    for warning in warnings.iter().take(3) {
+        diagnostic = diagnostic.help(warning.clone());
+    }
+    diagnostic.help(format!("`falsify map {path}` lists them all"))
 }
 
 /// Nobody can be placed where an episode should begin.

@@ -53,6 +53,8 @@ impl Loader<'_> {
             return Ok(*source);
         }
         let text = (self.read)(path)?;
+        // Some editors begin files with a byte order mark.
+        let text = text.strip_prefix('\u{feff}').map_or(text.clone(), str::to_string);
         let source = self.sources.add(path, text.clone());
         self.known.push((key, source));
         let (mut file, mut diagnostics) = parse(source, &text);

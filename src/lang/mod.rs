@@ -20,6 +20,6 @@ pub mod codes;
 pub mod hir;
 mod suggest;
 
-pub use check::check;
+pub use check::{check, once};
 pub use load::{Loaded, Reader, load, reason};
 pub use parse::parse;

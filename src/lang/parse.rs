@@ -23,6 +23,9 @@ use rules::{Rule, ScenarioParser};
 /// The longest file that is read (bytes).
 const MAX_BYTES: usize = 4 << 20;
 
+/// Most terms and operators of one expression; later phases walk it recursively.
+const MAX_TERMS: usize = 500;
+
 /// Reads a file's text into a tree, with everything that could be read and one diagnostic for each statement that
 /// could not.
 pub fn parse(source: SourceId, text: &str) -> (File, Vec<Diagnostic>) {
@@ -175,7 +178,12 @@ impl Reader {
     }
 
     fn expression(&mut self, pair: Pair<Rule>) -> Expression {
+        let span = self.span(&pair);
         let pairs = pair.into_inner();
+        if pairs.len() > MAX_TERMS {
+            self.diagnostics.push(codes::too_long(span, MAX_TERMS));
+            return Expression { kind: ExpressionKind::Number { value: 0.0, unit: None }, span };
+        }
         let reader = std::cell::RefCell::new(self);
         PRATT
             .map_primary(|term| reader.borrow_mut().term(term))
@@ -203,6 +211,10 @@ impl Reader {
             }
         }
         let mut expression = result.expect("a term has a value");
+        if prefixes.len() > MAX_TERMS {
+            self.diagnostics.push(codes::too_long(prefixes[0].1, MAX_TERMS));
+            return expression;
+        }
         for (sign, span) in prefixes.into_iter().rev() {
             let span = span.to(expression.span);
             let kind = match (sign, expression.kind) {

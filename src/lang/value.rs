@@ -35,7 +35,17 @@ pub(super) fn value(
             }
             let values: Vec<Option<Value>> =
                 members.iter().map(|member| value(member, item, context, diagnostics)).collect();
-            values.into_iter().collect::<Option<_>>().map(Value::List)
+            let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
+            if matches!(**item, Type::Reference(_) | Type::Choice(_)) {
+                for (index, again) in values.iter().enumerate() {
+                    if let Some(first) = values[..index].iter().position(|earlier| earlier == again) {
+                        let (place, before) = (members[index].span, members[first].span);
+                        diagnostics.push(codes::repeated_member(place, context.sources.text(place), before));
+                        return None;
+                    }
+                }
+            }
+            Some(Value::List(values))
         }
         (Type::List(item), _) => value(expression, item, context, diagnostics).map(|one| Value::List(vec![one])),
         (Type::Range { dimension, min, max }, ExpressionKind::Range(low, high)) => {

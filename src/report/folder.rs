@@ -10,6 +10,8 @@ use tempfile::TempDir;
 
 /// The file whose presence marks a folder as a finished report.
 const MARK: &str = "manifest.toml";
+/// The tables of a report, as CSV and Parquet.
+const TABLES: [&str; 5] = ["episodes", "runs", "cells", "failure_modes", "learning_curve"];
 
 /// Why a report could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -23,9 +25,9 @@ pub enum WriteError {
         source: io::Error,
     },
     /// Something else stands where the report is to go.
-    #[error("`{path}` holds files that are no report of this program; move it away or choose another folder with --out", path = path.display())]
+    #[error("`{path}` is in the way, which is no part of a report of this program; move it away or choose another folder with --out", path = path.display())]
     Occupied {
-        /// The place.
+        /// What stands there.
         path: PathBuf,
     },
     /// A file cannot be written.
@@ -49,7 +51,8 @@ pub enum WriteError {
 /// A report in the making: files gather beside the place where it is to stand, and take it in one step when all are there.
 #[derive(Debug)]
 pub struct ReportFolder {
-    place: PathBuf,
+    out: PathBuf,
+    name: String,
     draft: TempDir,
 }
 
@@ -61,17 +64,9 @@ impl ReportFolder {
     pub fn begin(out: &Path, name: &str) -> Result<Self, WriteError> {
         let folder = |source| WriteError::Folder { path: out.to_path_buf(), source };
         fs::create_dir_all(out).map_err(folder)?;
-        let place = out.join(name);
-        if place.exists() && !is_report(&place) {
-            return Err(WriteError::Occupied { path: place });
-        }
+        make_way(&out.join(name))?;
         let draft = tempfile::Builder::new().prefix(&format!(".{name}-")).tempdir_in(out).map_err(folder)?;
-        Ok(Self { place, draft })
-    }
-
-    /// Where the report will stand.
-    pub fn place(&self) -> &Path {
-        &self.place
+        Ok(Self { out: out.to_path_buf(), name: name.to_string(), draft })
     }
 
     /// Adds a file under a path relative to the report.
@@ -111,33 +106,40 @@ impl ReportFolder {
         file.sync_all().map_err(failed)
     }
 
-    /// Puts the report in its place; an earlier report there gives way.
+    /// Gives up, but keeps the files that are there already; says where.
+    pub fn keep(self) -> PathBuf {
+        self.draft.keep()
+    }
+
+    /// Puts the report in its place; an earlier report there gives way. An incomplete one gets a place of its own,
+    /// `name-partial`, so that it never replaces a complete one.
     ///
     /// # Errors
-    /// The folders cannot be moved. The files then stay where they were gathered.
-    pub fn finish(self) -> Result<PathBuf, WriteError> {
-        let Self { place, draft } = self;
-        let draft = draft.keep();
-        let failed = |source| WriteError::File { path: place.clone(), source };
-        set_mode(&draft, 0o755).map_err(failed)?;
+    /// The folders cannot be moved; the files then stay where they were gathered, which is the second part of the error.
+    pub fn finish(self, complete: bool) -> Result<PathBuf, (WriteError, PathBuf)> {
+        let place = if complete { self.out.join(&self.name) } else { self.out.join(format!("{}-partial", self.name)) };
+        let draft = self.draft.keep();
+        Self::swap(&draft, &place).map(|()| place).map_err(|error| (error, draft))
+    }
+
+    fn swap(draft: &Path, place: &Path) -> Result<(), WriteError> {
+        let failed = |source| WriteError::File { path: place.to_path_buf(), source };
+        make_way(place)?;
+        set_mode(draft, 0o755).map_err(failed)?;
         let old = draft.with_extension("old");
         if place.exists() {
-            if !is_report(&place) {
-                return Err(WriteError::Occupied { path: place });
-            }
-            fs::rename(&place, &old).map_err(failed)?;
+            fs::rename(place, &old).map_err(failed)?;
         }
-        if let Err(error) = fs::rename(&draft, &place) {
+        if let Err(error) = fs::rename(draft, place) {
             // The earlier report is better than none.
             if old.exists() {
-                let _ = fs::rename(&old, &place);
+                let _ = fs::rename(&old, place);
             }
             return Err(failed(error));
         }
-        if old.exists() {
-            fs::remove_dir_all(&old).map_err(failed)?;
-        }
-        Ok(place)
+        // The new report stands; a remainder of the old one is not worth an error.
+        let _ = fs::remove_dir_all(&old);
+        Ok(())
     }
 }
 
@@ -168,8 +170,31 @@ pub fn write_csv(path: &Path, table: &DataFrame) -> Result<(), WriteError> {
     write_file(path, &bytes)
 }
 
-fn is_report(place: &Path) -> bool {
-    place.join(MARK).is_file() || fs::read_dir(place).is_ok_and(|mut entries| entries.next().is_none())
+/// Makes sure that nothing of anybody else's stands at a place: it is empty, or holds a report and nothing beside it.
+fn make_way(place: &Path) -> Result<(), WriteError> {
+    let Ok(kind) = fs::symlink_metadata(place) else { return Ok(()) };
+    let occupied = |path: &Path| Err(WriteError::Occupied { path: path.to_path_buf() });
+    if !kind.is_dir() {
+        return occupied(place);
+    }
+    let failed = |source| WriteError::Folder { path: place.to_path_buf(), source };
+    let mut entries = fs::read_dir(place).map_err(failed)?.collect::<Result<Vec<_>, _>>().map_err(failed)?;
+    entries.sort_by_key(fs::DirEntry::file_name);
+    match entries.iter().find(|entry| !is_ours(&entry.file_name().to_string_lossy())) {
+        Some(foreign) => occupied(&foreign.path()),
+        None if entries.is_empty() || place.join(MARK).is_file() => Ok(()),
+        None => occupied(place),
+    }
+}
+
+/// Whether a report has a file or folder of this name.
+fn is_ours(name: &str) -> bool {
+    let (stem, extension) = name.split_once('.').unwrap_or((name, ""));
+    match extension {
+        "csv" | "parquet" => TABLES.contains(&stem),
+        "svg" => stem.starts_with("learning_") || stem.starts_with("town-"),
+        _ => [MARK, "summary.md", "pedestrians"].contains(&name),
+    }
 }
 
 /// What is made as temporary is for its owner alone; a report is for everyone who may read its parent.

@@ -13,19 +13,23 @@ pub struct Manifest {
     pub smoke: bool,
     /// Whether every training and every episode is there.
     pub complete: bool,
+    /// Whether the user stopped it.
+    pub stopped: bool,
     /// How many threads worked; without influence on any number but the times.
     pub threads: usize,
+    /// Vector instructions of the processor, on which the last bits of a training depend.
+    pub vector_instructions: String,
     /// Simulator ticks of the evaluations.
     pub evaluation_ticks: u64,
     /// Wall time of the whole campaign (s).
     pub wall_time_s: f64,
-    /// The scenario files, in the order they were read.
+    /// The scenario files and the maps they name, in the order they were read.
     pub files: Vec<FileRecord>,
     /// The trainings.
     pub trainings: Vec<TrainingRecord>,
 }
 
-/// A scenario file.
+/// A scenario file or a map.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FileRecord {
     /// Its path as given.

@@ -36,6 +36,8 @@ pub struct Cell {
     pub town: String,
     /// Policy it was tried against.
     pub policy: String,
+    /// Number of the `evaluate` block, from 0.
+    pub block: u32,
     /// How many runs.
     pub runs: u32,
     /// How many episodes in all runs.
@@ -137,6 +139,7 @@ impl Metrics {
                 pedestrian: text("pedestrian", row)?,
                 town: text("town", row)?,
                 policy: text("policy", row)?,
+                block: count("block", row)?,
                 runs: count("runs", row)?,
                 episodes: count("episodes", row)?,
                 collision: spread("collision_rate", row)?,

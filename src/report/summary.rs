@@ -21,7 +21,7 @@ pub fn summary(name: &str, docs: &[String], cells: &[Cell], manifest: &Manifest)
         page.push_str("**A smoke run: it shows that everything works, and its numbers mean nothing.**\n\n");
     }
     if !manifest.complete {
-        page.push_str("**Incomplete: it was stopped, or a training failed. The manifest says which.**\n\n");
+        page.push_str("**Incomplete: it was stopped, a training failed, or a reward was no number. The manifest says which.**\n\n");
     }
     page.push_str(
         "| pedestrian | reward | trained in, against | town | policy | runs × episodes | collision rate | 95 % of episodes \
@@ -38,7 +38,7 @@ pub fn summary(name: &str, docs: &[String], cells: &[Cell], manifest: &Manifest)
             "| {} | {} | {trained} | {} | {} | {} × {} | {} | {:.2}..{:.2} | {} | {} | {} | {} s | {} m/s |",
             cell.pedestrian,
             cell.reward,
-            cell.town,
+            place(cell, cells),
             cell.policy,
             cell.runs,
             cell.episodes / cell.runs.max(1),
@@ -54,23 +54,36 @@ pub fn summary(name: &str, docs: &[String], cells: &[Cell], manifest: &Manifest)
     }
     let _ = write!(
         page,
-        "\n\"±\" is the standard deviation over runs, each a training of its own (untrained pedestrians: the same episodes \
-         with other draws). The interval is Wilson's over all episodes and says nothing about further trainings. Front: share \
+        "\n\"±\" is the standard deviation over runs, each a training of its own (`random`: other draws). \
+         The interval is Wilson's over the episodes of all runs, which share their beginnings; it says nothing about further \
+         trainings. Front: share \
          of collisions within the front sector. Moving: share of episodes that end in a collision with a moving car. All \
-         pedestrians of a town and policy meet the same beginnings.\n\n\
+         pedestrians of a town and policy meet the same beginnings (in one `evaluate` block).\n\n\
          Seed {}, falsify {}.\n\n## What the simulator leaves out\n\n{LEFT_OUT}\n",
         manifest.seed, manifest.version
     );
     page
 }
 
+/// The town of a cell, with the number of its `evaluate` block where there are several.
+fn place(cell: &Cell, cells: &[Cell]) -> String {
+    if cells.iter().all(|other| other.block == cell.block) {
+        return cell.town.clone();
+    }
+    format!("{} #{}", cell.town, cell.block)
+}
+
 /// A mean with its spread, to two digits.
 pub(crate) fn spread(value: Spread) -> String {
     match (value.mean, value.sd) {
         (None, _) => "–".into(),
-        (Some(mean), None) => format!("{mean:.2}"),
-        (Some(mean), Some(sd)) => format!("{mean:.2} ± {sd:.2}"),
+        (Some(mean), None) => short(mean),
+        (Some(mean), Some(sd)) => format!("{} ± {}", short(mean), short(sd)),
     }
+}
+
+fn short(number: f64) -> String {
+    if number.abs() < 1e5 { format!("{number:.2}") } else { format!("{number:.2e}") }
 }
 
 /// The cells as text for a terminal.
@@ -84,7 +97,7 @@ pub fn table(name: &str, cells: &[Cell]) -> String {
         };
         rows.push([
             who,
-            cell.town.clone(),
+            place(cell, cells),
             cell.policy.clone(),
             spread(cell.collision),
             spread(cell.front),

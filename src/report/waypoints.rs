@@ -31,7 +31,7 @@ pub fn waypoints(town: &Town, spacing: f64) -> DataFrame {
             "is_junction".into(),
             all.iter().map(|each| town.is_junction(*each)).collect::<Vec<bool>>(),
         )),
-        Column::from(Series::new("junction_id".into(), all.iter().map(|each| junction(each)).collect::<Vec<i64>>())),
+        Column::from(Series::new("junction_id".into(), all.iter().map(junction).collect::<Vec<i64>>())),
     ];
     DataFrame::new(all.len(), columns).expect("all columns have a value for every waypoint")
 }

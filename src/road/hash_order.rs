@@ -47,7 +47,7 @@ mod tests {
         assert!(hash_order([]).is_empty());
     }
 
-    /// What g++ 13 prints for the same insertions.
+    /// What g++ 12 prints for the same insertions.
     #[test]
     fn numbers_share_buckets_and_the_table_grows() {
         let keys = [0, 1, 2, 3, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16];

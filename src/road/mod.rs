@@ -15,6 +15,8 @@ mod furniture;
 mod waypoint;
 mod hash_order;
 mod lane_network;
+mod chord;
+mod chord_grid;
 mod lane_index;
 mod town;
 mod topology;

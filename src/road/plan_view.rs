@@ -15,6 +15,8 @@ pub struct Geometry {
     /// Its form.
     pub shape: Shape,
     direction: Vector,
+    /// The heading as the file has it, not wrapped.
+    heading: f64,
 }
 
 /// The form of a piece of a reference line.
@@ -47,6 +49,7 @@ pub enum Shape {
 pub(super) struct CurvePoint {
     pub position: Point,
     pub forward: Vector,
+    /// Not wrapped.
     pub yaw: f64,
 }
 
@@ -70,7 +73,12 @@ impl Geometry {
 
     /// A piece of any form.
     pub fn new(s: f64, start: Pose, length: f64, shape: Shape) -> Self {
-        Self { s, start, length, shape, direction: start.forward() }
+        Self { s, start, length, shape, direction: start.forward(), heading: start.yaw }
+    }
+
+    /// A piece that begins with a heading which is not wrapped, so that CARLA's rounding of it can be repeated.
+    pub(super) fn with_heading(self, heading: f64) -> Self {
+        Self { heading, ..self }
     }
 
     /// The pose `ds` (m) after its beginning.
@@ -108,7 +116,7 @@ impl Geometry {
 
     fn straight(&self, ds: f64) -> CurvePoint {
         let position = Point::new(self.start.x + self.direction.x * ds, self.start.y + self.direction.y * ds);
-        CurvePoint { position, forward: self.direction, yaw: self.start.yaw }
+        CurvePoint { position, forward: self.direction, yaw: self.heading }
     }
 
     fn along(&self, local: Vector, tangent: Vector) -> CurvePoint {
@@ -137,7 +145,7 @@ impl Geometry {
         CurvePoint {
             position: self.start.position() + turned(local),
             forward: turned(forward),
-            yaw: self.start.yaw + turn,
+            yaw: self.heading + turn,
         }
     }
 }

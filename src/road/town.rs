@@ -4,7 +4,8 @@ use super::lane_index::{LaneFilter, LaneIndex};
 use super::lane_network::LaneNetwork;
 use super::opendrive::OpenDriveWarning;
 use super::{
-    Junction, JunctionIndex, LaneId, LaneKind, LaneStretch, PosedWaypoint, Road, RoutePlanner, SpeedSign, TrafficLight, Waypoint,
+    Junction, JunctionIndex, LaneId, LaneKind, LaneStretch, PosedWaypoint, Road, RoutePlanner, SpeedSign, TrafficLight,
+    Waypoint,
 };
 use crate::geometry::{OrientedBox, Point, Pose};
 
@@ -103,9 +104,9 @@ impl Town {
     /// # Source
     /// CARLA `road/Road.cpp`, `GetDirectedPointIn`: the slope is taken for the angle.
     pub fn pitch(&self, waypoint: Waypoint) -> f64 {
-        self.network.slot(waypoint).map_or(0.0, |slot| {
-            self.network.pitch(&self.roads, self.network.lane(slot), waypoint.s)
-        })
+        self.network
+            .slot(waypoint)
+            .map_or(0.0, |slot| self.network.pitch(&self.roads, self.network.lane(slot), waypoint.s))
     }
 
     /// A waypoint together with its pose.

@@ -55,7 +55,9 @@ impl VehicleState {
         let in_gear = self.age >= blueprint.start_up_pause || self.speed > 0.0;
         let acceleration = if in_gear { blueprint.acceleration(control, self.speed) } else { 0.0 };
         let speed = (self.speed + acceleration * dt).max(0.0);
-        Self { pose, speed, age: self.age + dt }
+        // Whoever has moved is in gear.
+        let age = if self.speed > 0.0 { self.age.max(blueprint.start_up_pause) } else { self.age };
+        Self { pose, speed, age: age + dt }
     }
 }
 

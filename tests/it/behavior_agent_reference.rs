@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use falsify::av::behavior_agent::{AgentConfig, BehaviorAgent, Profile, Quirks, Release};
 use falsify::av::{Actor, DrivingPolicy, Light, Perception};
-use falsify::geometry::{Pose, Vector};
+use falsify::geometry::{Obstacles, Pose, Vector};
 use falsify::road::{RoadIndex, RoadOption, RoutePoint, Town, Waypoint, opendrive};
 use falsify::seed::Seed;
 use falsify::sim::{LightColour, VehicleBlueprint};
@@ -149,6 +149,7 @@ fn replay(
     let profile = case["behavior"].as_str().and_then(Profile::from_name).expect("a case has a behaviour");
     let rows = Table::read(&folder.join(format!("{name}_trace.csv")));
     let blueprint = VehicleBlueprint::model3();
+    let open = Obstacles::new(&[]);
     let trigger = case["light"]["at"]
         .as_array()
         .map(|at| carla_pose(at[0].as_f64().expect("a light's x"), at[1].as_f64().expect("a light's y"), 0.0));
@@ -176,6 +177,7 @@ fn replay(
             speed_limit: rows.get(row, "speed_limit") / 3.6,
             pedestrians: &pedestrians,
             vehicles: &vehicles,
+            obstacles: &open,
             lights: &lights,
             affecting_light: affected,
         };

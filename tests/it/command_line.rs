@@ -104,7 +104,7 @@ fn a_folder_that_cannot_be_written_to_is_found_before_any_work() {
 fn foreign_files_are_left_alone() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("tiny.scn"), campaign()).unwrap();
-    let precious = folder.path().join("reports/tiny/thesis.txt");
+    let precious = folder.path().join("reports/tiny-smoke/thesis.txt");
     std::fs::create_dir_all(precious.parent().unwrap()).unwrap();
     std::fs::write(&precious, "years of work").unwrap();
     let output = falsify(&["run", "--smoke", "tiny.scn"], folder.path());
@@ -120,13 +120,64 @@ fn a_second_run_replaces_the_report_of_the_first_and_leaves_nothing_behind() {
         let output = falsify(&["run", "--smoke", "--seed", seed, "tiny.scn"], folder.path());
         assert_eq!(output.status.code(), Some(0), "{output:?}");
     }
-    let manifest = std::fs::read_to_string(folder.path().join("reports/tiny/manifest.toml")).unwrap();
+    let manifest = std::fs::read_to_string(folder.path().join("reports/tiny-smoke/manifest.toml")).unwrap();
     assert!(manifest.contains("seed = 2") && manifest.contains("complete = true"), "{manifest}");
     let names: Vec<String> = std::fs::read_dir(folder.path().join("reports"))
         .unwrap()
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
         .collect();
-    assert_eq!(names, ["tiny"]);
+    assert_eq!(names, ["tiny-smoke"]);
+}
+
+#[test]
+fn a_smoke_run_leaves_the_real_report_alone_and_a_bad_file_name_is_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(
+        folder.path().join("tiny.scn"),
+        campaign().replace("ppo_paper", "quick").replace("campaign", "training quick = ppo(steps: 150)\ncampaign"),
+    )
+    .unwrap();
+    assert_eq!(falsify(&["run", "tiny.scn"], folder.path()).status.code(), Some(0));
+    let summary = folder.path().join("reports/tiny/summary.md");
+    let before = std::fs::read(&summary).unwrap();
+    assert_eq!(falsify(&["run", "--smoke", "--seed", "9", "tiny.scn"], folder.path()).status.code(), Some(0));
+    assert_eq!(std::fs::read(&summary).unwrap(), before);
+    let notes = folder.path().join("reports/tiny/notes.txt");
+    std::fs::write(&notes, "mine").unwrap();
+    let output = falsify(&["run", "tiny.scn"], folder.path());
+    assert_eq!(output.status.code(), Some(6));
+    assert!(error(&output).contains("reports/tiny/notes.txt") && notes.exists(), "{}", error(&output));
+}
+
+#[test]
+fn campaigns_of_two_files_may_not_share_a_name() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["a.scn", "b.scn"] {
+        std::fs::write(folder.path().join(name), campaign()).unwrap();
+    }
+    let output = falsify(&["check", "a.scn", "b.scn"], folder.path());
+    assert_eq!(output.status.code(), Some(3));
+    assert!(error(&output).contains("two declarations of campaign `tiny`"), "{}", error(&output));
+}
+
+#[test]
+fn a_reward_that_is_no_number_fails_the_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = campaign()
+        .replace("rewards: [r1]", "rewards: [q]")
+        .replace("campaign", "reward q { on timeout => (distance - distance) / (1 m - 1 m) }\ntraining quick = ppo(steps: 150)\ncampaign")
+        .replace("ppo_paper", "quick");
+    std::fs::write(folder.path().join("tiny.scn"), text).unwrap();
+    let output = falsify(&["run", "tiny.scn"], folder.path());
+    assert_eq!(output.status.code(), Some(5), "{output:?}");
+    assert!(!folder.path().join("reports/tiny").exists(), "no finished report");
+}
+
+#[test]
+fn a_byte_order_mark_does_no_harm() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("tiny.scn"), format!("\u{feff}{}", campaign())).unwrap();
+    assert_eq!(falsify(&["check", "tiny.scn"], folder.path()).status.code(), Some(0));
 }
 
 #[test]

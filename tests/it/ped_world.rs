@@ -178,7 +178,7 @@ impl PedWorld {
     }
 
     /// The pedestrian ahead and to the left of the car's centre (m).
-    fn from_car(&self) -> [f64; 2] {
+    fn seen_from_car(&self) -> [f64; 2] {
         let (dx, dy) = (self.pedestrian[0] - self.car[0], self.pedestrian[1] - self.car[1]);
         let (sin, cos) = (libm::sin(self.car[2]), libm::cos(self.car[2]));
         [cos * dx + sin * dy, -sin * dx + cos * dy]
@@ -247,13 +247,13 @@ impl Env for PedWorld {
         self.pedestrian[2] = wrap_angle(self.pedestrian[2] + turn);
         let (sin, cos) = (libm::sin(self.pedestrian[2]), libm::cos(self.pedestrian[2]));
         let pace = [pace * cos * TICK, pace * sin * TICK];
-        let mut place = self.from_car();
+        let mut place = self.seen_from_car();
         for _ in 0..HOLD {
             self.tick += 1;
             self.drive(place);
             self.pedestrian[0] += pace[0];
             self.pedestrian[1] += pace[1];
-            place = self.from_car();
+            place = self.seen_from_car();
             self.hit = self.contact(place);
             if self.hit.is_some() {
                 break;
@@ -362,7 +362,7 @@ fn ped_world_reference() {
                     for (scaled, wanted) in scaled.iter().zip(wanted) {
                         assert!((scaled - wanted).abs() < 1e-9);
                     }
-                    let [ahead, _] = world.from_car();
+                    let [ahead, _] = world.seen_from_car();
                     let away = hit.is_none() && (obs[1] > 60.0 || (ahead < -10.0 && obs[3] > 3.5));
                     assert_eq!(step.reward, if hit.is_some() { 1.0 } else { 0.0 });
                     assert_eq!(step.terminated, hit.is_some() || (away && world.tick < TICKS));

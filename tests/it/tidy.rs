@@ -36,7 +36,7 @@ fn the_column_dictionary_names_every_column() {
     assert!(output.status.success(), "{output:?}");
     let dictionary = read("reports/README.md");
     for table in ["episodes", "runs", "cells", "learning_curve", "failure_modes"] {
-        let text = std::fs::read_to_string(out.path().join("first_look").join(format!("{table}.csv"))).unwrap();
+        let text = std::fs::read_to_string(out.path().join("first_look-smoke").join(format!("{table}.csv"))).unwrap();
         for column in text.lines().next().unwrap().split(',') {
             let generic = column.trim_end_matches("_mean").trim_end_matches("_sd");
             let named = [column, generic].iter().any(|name| dictionary.contains(&format!("`{name}`")));

@@ -7,8 +7,9 @@ use super::profile::{Profile, ProfileTraits};
 use super::quirks::Quirks;
 use super::red_light::RedLights;
 use super::release::{Release, ReleaseTraits};
+use super::way_finding::WayFinding;
 use crate::av::{DrivingMode, DrivingPolicy, Perception};
-use crate::road::{ForkRule, LaneFilter, RoadOption, RoutePoint};
+use crate::road::{LaneFilter, RoadOption, RoutePoint};
 use crate::seed::Stream;
 use crate::sim::Control;
 
@@ -23,15 +24,15 @@ pub struct AgentConfig {
     pub release: Release,
     /// How boldly it drives.
     pub profile: Profile,
-    /// Which way it takes at a fork while it has no plan.
-    pub forks: ForkRule,
+    /// How it finds its way while it has no plan.
+    pub way: WayFinding,
     /// The accidents that it keeps.
     pub quirks: Quirks,
 }
 
 /// CARLA's `BehaviorAgent`.
 ///
-/// Without a plan it wanders: at each fork it takes a turn at random.
+/// Without a plan it finds its own way, as [`AgentConfig::way`] says.
 #[derive(Debug, Clone)]
 pub struct BehaviorAgent {
     config: AgentConfig,
@@ -78,7 +79,7 @@ impl BehaviorAgent {
         &self.config
     }
 
-    /// Gives it a route instead of the random walk; at the route's end it brakes and stays. To be called after
+    /// Gives it a route instead of its own way; at the route's end it brakes and stays. To be called after
     /// [`DrivingPolicy::reset`].
     pub fn set_plan(&mut self, route: impl IntoIterator<Item = RoutePoint>) {
         self.planner.follow(&self.traits, route);
@@ -167,7 +168,7 @@ impl BehaviorAgent {
 impl DrivingPolicy for BehaviorAgent {
     fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
         let start = perception.town.nearest_lane(perception.ego.pose.position(), LaneFilter::Driving);
-        self.planner.wander(&self.traits, self.config.forks, perception.town, start, stream);
+        self.planner.begin(&self.traits, self.config.way, perception.town, start, stream);
         self.controller.reset();
         self.red_lights.reset(perception);
         self.mode = DrivingMode::default();

@@ -1,8 +1,9 @@
-use super::{AgentConfig, BehaviorAgent, Profile, Quirks, Release};
+use super::{AgentConfig, AtDestination, BehaviorAgent, Profile, Quirks, Release, WayFinding};
 use crate::road::ForkRule;
 use crate::signature::{Arguments, Param, Signature, Type};
 
 const RELEASES: &[&str] = &["0.9.11", "0.9.12", "0.9.13", "0.9.15"];
+const ROUTES: &[&str] = &["any_branch", "carla_wander", "destination"];
 const PROFILES: &[&str] = &["cautious", "normal", "aggressive"];
 
 impl BehaviorAgent {
@@ -22,9 +23,15 @@ impl BehaviorAgent {
                 Param::with_default("profile", Type::Choice(PROFILES), "normal", "How boldly it drives."),
                 Param::with_default(
                     "route",
-                    Type::Choice(&["any_branch", "carla_wander"]),
+                    Type::Choice(ROUTES),
                     "any_branch",
-                    "Which way it takes at a fork: any, or as CARLA's planner without a destination does, which in Town01 and Town02 is always the first.",
+                    "Which way it takes: any at each fork; at each fork as CARLA's planner without a destination does, which in Town01 and Town02 is always the first; or to a destination drawn anywhere in the town, by the route that CARLA's planner finds.",
+                ),
+                Param::with_default(
+                    "at_destination",
+                    Type::Choice(&["next", "stop"]),
+                    "next",
+                    "With `route: destination`, whether it drives on to a next destination, as in CARLA's example scripts, or brakes and stays.",
                 ),
                 quirk(
                     "half_length_twice",
@@ -57,9 +64,13 @@ impl BehaviorAgent {
                 "aggressive" => Profile::Aggressive,
                 _ => Profile::Normal,
             },
-            forks: match arguments.choice("route") {
-                "carla_wander" => ForkRule::NamedTurn,
-                _ => ForkRule::AnyBranch,
+            way: match arguments.choice("route") {
+                "carla_wander" => WayFinding::Wander(ForkRule::NamedTurn),
+                "destination" => WayFinding::Destination(match arguments.choice("at_destination") {
+                    "stop" => AtDestination::Stop,
+                    _ => AtDestination::Next,
+                }),
+                _ => WayFinding::Wander(ForkRule::AnyBranch),
             },
             quirks: Quirks {
                 half_length_twice: on("half_length_twice"),

@@ -5,6 +5,8 @@
 //! [`Quirks`]. Decisions hang on single bits at times (a pedestrian exactly dead ahead is not seen), so positions and
 //! headings pass through CARLA's left-handed frame and its 32-bit floats (`carla_frame`).
 //!
+//! Without a given plan the agent finds its own way (`way_finding`).
+//!
 //! Lane changes and the tailgating check, which matter only on roads with several lanes a direction, are left out.
 //!
 //! # Source
@@ -14,6 +16,7 @@ mod release;
 mod profile;
 mod quirks;
 mod carla_frame;
+mod way_finding;
 mod planner;
 mod controller;
 mod red_light;
@@ -28,3 +31,4 @@ pub use decision::Decision;
 pub use profile::Profile;
 pub use quirks::Quirks;
 pub use release::Release;
+pub use way_finding::{AtDestination, WayFinding};

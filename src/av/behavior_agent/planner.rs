@@ -1,12 +1,19 @@
 use std::collections::VecDeque;
+use std::sync::Arc;
+
+use rand::RngExt;
 
 use super::carla_frame::{Direction, Location};
 use super::release::ReleaseTraits;
-use crate::road::{ForkRule, RandomWalk, RoadOption, RoutePoint, Town, Waypoint};
+use super::way_finding::{AtDestination, WayFinding};
+use crate::geometry::Point;
+use crate::road::{RandomWalk, RoadOption, RoutePlanner, RoutePoint, Town, Waypoint};
 use crate::seed::Stream;
 
 /// A walk without destination is refilled by so many points when there are fewer.
 const REFILL: usize = 100;
+/// How many destinations are drawn before the agent gives up, where hardly any can be reached.
+const DRAWS: u32 = 100;
 /// Points in the old planner's buffer.
 const BUFFER: usize = 5;
 /// Points closer than this are reached (m), at rest.
@@ -35,30 +42,63 @@ impl PlannedPoint {
 pub(super) struct Planner {
     queue: VecDeque<PlannedPoint>,
     buffer: VecDeque<PlannedPoint>,
-    walk: RandomWalk,
-    stream: Option<Stream>,
+    source: Source,
+    /// The place last steered for.
+    target: Option<Point>,
+}
+
+/// Where more points come from.
+#[derive(Debug, Clone, Default)]
+enum Source {
+    /// Nowhere: the route ends.
+    #[default]
+    None,
+    Walk {
+        walk: RandomWalk,
+        stream: Stream,
+    },
+    Destinations {
+        routes: Arc<RoutePlanner>,
+        stream: Stream,
+    },
 }
 
 impl Planner {
-    /// Begins a walk without destination at a lane; without one, there is no way to go.
-    pub fn wander(
+    /// Begins to find its own way at a lane; without one, there is no way to go.
+    pub fn begin(
         &mut self,
         traits: &ReleaseTraits,
-        forks: ForkRule,
+        way: WayFinding,
         town: &Town,
         start: Option<Waypoint>,
-        stream: Stream,
+        mut stream: Stream,
     ) {
         self.clear();
-        self.walk = RandomWalk::new(forks);
         self.queue.reserve(2 * REFILL);
         self.buffer.reserve(BUFFER);
-        self.stream = Some(stream);
-        let start = start.map(|start| PlannedPoint::new(RoutePoint::new(town, start, RoadOption::LaneFollow)));
-        self.queue.extend(start);
-        if traits.buffered_planner {
-            self.refill(town, traits.step);
-            self.fill_buffer();
+        let start = start.map(|start| RoutePoint::new(town, start, RoadOption::LaneFollow));
+        self.target = start.map(|start| start.pose.position());
+        match way {
+            WayFinding::Wander(forks) => {
+                self.source = Source::Walk { walk: RandomWalk::new(forks), stream };
+                self.queue.extend(start.map(PlannedPoint::new));
+                if traits.buffered_planner {
+                    self.extend(traits, town);
+                    self.fill_buffer();
+                }
+            }
+            WayFinding::Destination(at_destination) => {
+                let routes = town.route_planner(traits.step);
+                match at_destination {
+                    AtDestination::Next => {
+                        self.source = Source::Destinations { routes, stream };
+                        self.extend(traits, town);
+                    }
+                    AtDestination::Stop => {
+                        self.plan(traits, town, &routes, &mut stream);
+                    }
+                }
+            }
         }
     }
 
@@ -85,7 +125,7 @@ impl Planner {
     ///
     /// The old planner first gives the point and then drops the reached ones, so it looks at them once more.
     pub fn run(&mut self, traits: &ReleaseTraits, town: &Town, ego: Location, speed: f64) -> Option<Location> {
-        self.refill(town, traits.step);
+        self.extend(traits, town);
         if traits.buffered_planner {
             return self.run_buffered(ego);
         }
@@ -93,6 +133,7 @@ impl Planner {
         while let Some(head) = self.queue.front() {
             let limit = if self.queue.len() == 1 { LAST_REACHED } else { reached };
             if ego.distance(head.location) >= limit {
+                self.target = Some(head.point.pose.position());
                 return Some(head.location);
             }
             self.queue.pop_front();
@@ -107,7 +148,9 @@ impl Planner {
         if self.buffer.is_empty() {
             self.fill_buffer();
         }
-        let target = self.buffer.front()?.location;
+        let head = self.buffer.front()?;
+        let target = head.location;
+        self.target = Some(head.point.pose.position());
         let reached = self.buffer.iter().rposition(|point| {
             let (x, y) = ego.offset(point.location);
             (x * x + y * y).sqrt() < REACHED
@@ -121,22 +164,54 @@ impl Planner {
         self.buffer.extend(self.queue.drain(..moved));
     }
 
-    fn refill(&mut self, town: &Town, step: f64) {
-        let Some(stream) = &mut self.stream else { return };
-        if self.queue.len() >= REFILL {
-            return;
+    /// Gets more points where they are needed: a walk always knows some way ahead, a destination is drawn on arrival.
+    fn extend(&mut self, traits: &ReleaseTraits, town: &Town) {
+        match &mut self.source {
+            Source::Walk { walk, stream } if self.queue.len() < REFILL => {
+                for _ in 0..REFILL {
+                    let Some(last) = self.queue.back() else { return };
+                    let Some(next) = walk.next(town, &last.point, traits.step, stream) else { return };
+                    self.queue.push_back(PlannedPoint::new(next));
+                }
+            }
+            Source::Destinations { .. } if self.queue.is_empty() => {
+                // Out and back in again, since planning needs the rest of the planner.
+                if let Source::Destinations { routes, mut stream } = std::mem::take(&mut self.source) {
+                    if self.plan(traits, town, &routes, &mut stream) {
+                        self.source = Source::Destinations { routes, stream };
+                    }
+                }
+            }
+            _ => {}
         }
-        for _ in 0..REFILL {
-            let Some(last) = self.queue.back() else { return };
-            let Some(next) = self.walk.next(town, &last.point, step, stream) else { return };
-            self.queue.push_back(PlannedPoint::new(next));
+    }
+
+    /// Draws a destination and plans to it from the place last steered for. Destinations that cannot be reached, or lie
+    /// behind on the same lane, where CARLA's route would be a single point, are drawn again. Tells whether one was found.
+    fn plan(&mut self, traits: &ReleaseTraits, town: &Town, routes: &RoutePlanner, stream: &mut Stream) -> bool {
+        let (Some(from), waypoints) = (self.target, routes.waypoints()) else { return false };
+        if waypoints.is_empty() {
+            return false;
         }
+        for _ in 0..DRAWS {
+            let to = town.pose(waypoints[stream.random_range(0..waypoints.len())]).position();
+            if let Some(route) = routes.trace(town, from, to).filter(|route| route.len() > 1) {
+                self.buffer.clear();
+                self.queue.extend(route.into_iter().map(PlannedPoint::new));
+                if traits.buffered_planner {
+                    self.fill_buffer();
+                }
+                return true;
+            }
+        }
+        false
     }
 
     fn clear(&mut self) {
         self.queue.clear();
         self.buffer.clear();
-        self.stream = None;
+        self.source = Source::None;
+        self.target = None;
     }
 }
 
@@ -144,8 +219,9 @@ impl Planner {
 mod tests {
     use super::super::Release;
     use super::*;
-    use crate::geometry::{Point, Pose};
+    use crate::geometry::Pose;
     use crate::road::{RoadIndex, TownParts};
+    use crate::seed::Seed;
 
     fn nowhere() -> Town {
         Town::new(TownParts::default())
@@ -203,6 +279,74 @@ mod tests {
         assert_eq!(planner.run(&traits, &town, at(6.0), 9.0), Some(at(6.0)), "0, 2 and 4 were dropped");
         assert_eq!(planner.run(&traits, &town, at(6.5), 9.0), Some(at(10.0)), "the buffer is filled again");
         assert_eq!(planner.run(&traits, &town, at(6.5), 9.0), None, "though the buffer has points");
+    }
+
+    /// A block with one street around it.
+    fn block() -> Town {
+        use crate::road::design::{Node, Street, TownDesign};
+        let node = |(x, y)| Node { name: String::new(), position: Point::new(x, y), lights: false };
+        let street = |nodes| Street { name: String::new(), nodes, speed_limit: None };
+        let nodes = [(0.0, 0.0), (90.0, 0.0), (180.0, 0.0), (180.0, 80.0), (90.0, 80.0), (0.0, 80.0)];
+        let design = TownDesign {
+            nodes: nodes.into_iter().map(node).collect(),
+            streets: vec![street(vec![0, 1, 2, 3, 4, 5, 0]), street(vec![1, 4])],
+            ..TownDesign::default()
+        };
+        Town::new(design.build().unwrap())
+    }
+
+    /// Drives by jumping from point to point; gives the lengths of the routes between arrivals.
+    fn drive(town: &Town, traits: &ReleaseTraits, at: AtDestination, seed: u64, ticks: u32) -> (Vec<usize>, Location) {
+        let start = town.generate_waypoints(2.0)[3];
+        let mut planner = Planner::default();
+        planner.begin(traits, WayFinding::Destination(at), town, Some(start), Seed::root(seed).stream());
+        let (mut here, mut lengths, mut steps) = (Location::new(town.pose(start).position(), 0.0), Vec::new(), 0);
+        for _ in 0..ticks {
+            match planner.run(traits, town, here, 0.0) {
+                Some(target) => {
+                    assert!(here.distance(target) < 14.0, "the next route begins where the last one ended");
+                    here = target;
+                    steps += 1;
+                }
+                None => {
+                    lengths.push(steps);
+                    steps = 0;
+                }
+            }
+        }
+        (lengths, here)
+    }
+
+    #[test]
+    fn destination_follows_destination() {
+        let town = block();
+        for release in Release::ALL {
+            let traits = release.traits();
+            let way = drive(&town, &traits, AtDestination::Next, 1, 2000);
+            // The old planner is given the next route before it stands.
+            let arrivals = if traits.buffered_planner { 0..=0 } else { 10..=200 };
+            assert!(arrivals.contains(&way.0.len()), "{} arrivals of {}", way.0.len(), release.name());
+            assert!(way.0.iter().all(|steps| *steps > 0), "a single tick of standing: {:?}", way.0);
+            assert_ne!(way, drive(&town, &traits, AtDestination::Next, 2, 2000), "another stream, other ways");
+            assert_eq!(way, drive(&town, &traits, AtDestination::Next, 1, 2000));
+        }
+    }
+
+    #[test]
+    fn at_the_only_destination_it_stays() {
+        let town = block();
+        let (lengths, here) = drive(&town, &Release::V0_9_15.traits(), AtDestination::Stop, 1, 2000);
+        assert!(lengths[0] > 2 && lengths[1..].iter().all(|steps| *steps == 0), "{lengths:?}");
+        assert_eq!(here, drive(&town, &Release::V0_9_15.traits(), AtDestination::Stop, 1, 500).1);
+    }
+
+    #[test]
+    fn without_a_lane_there_is_no_way_to_go() {
+        let (town, traits) = (nowhere(), Release::V0_9_15.traits());
+        let mut planner = Planner::default();
+        let way = WayFinding::Destination(AtDestination::Next);
+        planner.begin(&traits, way, &town, None, Seed::root(1).stream());
+        assert_eq!(planner.run(&traits, &town, at(0.0), 0.0), None);
     }
 
     #[test]

@@ -20,7 +20,8 @@ fn piece(context: &mut Context, node: Node) -> Option<Geometry> {
     if shape.is_none() {
         context.warn(node, OpenDriveProblem::UnknownShape);
     }
-    Some(Geometry::new(s, Pose::new(x, y, heading), length, shape.unwrap_or(Shape::Line)))
+    let start = Pose::new(x, y, heading);
+    Some(Geometry::new(s, start, length, shape.unwrap_or(Shape::Line)).with_heading(heading))
 }
 
 fn shape(context: &mut Context, node: Node) -> Option<Shape> {

@@ -147,12 +147,104 @@ fn what_is_wrong_is_said_with_road_and_line() {
     assert_eq!(parts.warnings[0].to_string(), "line 15, road 2: `successor` refers to 30, which is not there; ignored");
 }
 
+/// A street on the ground and a bridge over it.
+const BRIDGE: &str = r#"<OpenDRIVE>
+<road length="100" id="1" junction="-1">
+<planView><geometry s="0" x="0" y="0" hdg="0" length="100"><line/></geometry></planView>
+<lanes><laneSection s="0"><right><lane id="-1" type="driving"><width a="4"/></lane></right></laneSection></lanes>
+</road>
+<road length="100" id="2" junction="-1">
+<planView><geometry s="0" x="52" y="-50" hdg="1.5707963267948966" length="100"><line/></geometry></planView>
+<elevationProfile><elevation s="0" a="0" b="0.4" c="-0.004" d="0"/></elevationProfile>
+<lanes><laneSection s="0"><left><lane id="1" type="driving"><width a="4"/></lane></left></laneSection></lanes>
+</road>
+</OpenDRIVE>"#;
+
 #[test]
-fn hills_are_said_to_be_taken_as_flat() {
-    let hill = r#"<elevationProfile><elevation s="0" a="1" b="0.02"/></elevationProfile><planView>"#;
-    let parts = read(&BEND.replace("<planView>", hill), "bend").unwrap();
-    assert_eq!(parts.warnings.len(), 1);
-    assert_eq!(parts.warnings[0].to_string(), "line 5: roads rise or fall here; taken as flat");
+fn on_two_levels_the_nearest_lane_is_that_of_the_level() {
+    let town = town(BRIDGE);
+    assert!(town.warnings.is_empty(), "{:?}", town.warnings);
+    let crossing = Point::new(50.5, -1.0);
+    let at = |height| town.nearest_lane_in_space(crossing, height, LaneFilter::Driving).unwrap();
+    assert_eq!((at(0.0).road, at(10.0).road), (RoadIndex(0), RoadIndex(1)));
+    assert_eq!(town.nearest_lane_in_space(crossing, f64::NAN, LaneFilter::Driving), None);
+    assert_eq!(town.nearest_lane(crossing, LaneFilter::Driving).unwrap().road, RoadIndex(1));
+    let uphill = Waypoint { road: RoadIndex(1), section: 0, lane: 1, s: 60.0 };
+    assert!((town.elevation(uphill) - 9.6).abs() < 1e-12 && (town.pitch(uphill) - 0.08).abs() < 1e-12);
+    assert_eq!((town.elevation(eastbound(5.0)), town.pitch(eastbound(5.0))), (0.0, 0.0));
+    let below = town.nearest_lane_in_space(Point::new(49.0, -40.0), 3.6, LaneFilter::Driving).unwrap();
+    assert!((below.s - 10.0).abs() < 1e-3 && below.road == RoadIndex(1), "{below:?}");
+}
+
+#[test]
+fn other_ways_to_write_the_same_are_read() {
+    let original = town(BEND);
+    let same = |xml: &str| {
+        let other = town(xml);
+        assert_eq!((&other.roads, &other.warnings), (&original.roads, &original.warnings));
+        assert_eq!(other.topology(), original.topology());
+    };
+    same(&format!("\u{feff}{BEND}"));
+    same(&BEND.replace("?>\n", "?>\n<!DOCTYPE OpenDRIVE SYSTEM \"x.dtd\">\n<!-- a comment -->\n"));
+    same(
+        &BEND
+            .replace("<OpenDRIVE xmlns=", "<OpenDRIVE xmlns:x=")
+            .replace("<road name", "<userData><![CDATA[<road id='1'/>]]></userData><road name"),
+    );
+    same(&BEND.replace("<planView>", "<type s='0' type='town'><speed max='no limit' unit='km/h'/></type><planView>"));
+    same(
+        &BEND
+            .replace("type=\"driving\"", "level=\"false\" type=\"Driving\"")
+            .replace("type=\"sidewalk\"", "type=\"walking\""),
+    );
+    let bomb = BEND.replace("?>\n", "?>\n<!DOCTYPE OpenDRIVE [<!ENTITY a \"aaaaaaaaaa\">]>\n");
+    assert!(matches!(read(&bomb, "bomb"), Err(OpenDriveError::NotXml { .. })));
+}
+
+#[test]
+fn left_hand_traffic_and_ambiguous_links_are_said() {
+    let parts = read(&BEND.replace("id=\"3\" junction", "id=\"3\" rule=\"LHT\" junction"), "bend").unwrap();
+    assert_eq!(parts.warnings[0].problem, OpenDriveProblem::LeftHandTraffic);
+    // As in CARLA, the number of a road wins over that of a junction.
+    let xml = BEND.replace("elementId=\"9\"", "elementId=\"3\"").replace("junction id=\"9\"", "junction id=\"3\"");
+    let town = town(&xml.replace("junction=\"9\"", "junction=\"3\""));
+    let said = "line 4, road 1: `successor` should lead to a junction, but there is a road 3, and CARLA takes that";
+    assert_eq!(town.warnings[0].to_string(), said);
+    assert!(ahead(&town, eastbound(99.0), 2.0).is_empty());
+}
+
+/// Three sections of a road, written in the wrong order: two lanes, the outer one begins in the second section and goes on as
+/// the only one; the sides of the first section are written separately.
+const SECTIONS: &str = r#"<OpenDRIVE>
+<road length="90" id="1" junction="-1">
+<link><predecessor elementType="road" elementId="1" contactPoint="end"/><successor elementType="road" elementId="1" contactPoint="start"/></link>
+<planView><geometry s="0" x="0" y="0" hdg="0" length="90"><line/></geometry></planView>
+<lanes>
+<laneSection s="30"><right>
+<lane id="-1" type="driving"><link><successor id="0"/></link><width a="3"/></lane>
+<lane id="-2" type="driving"><link><successor id="-1"/></link><width a="0" b="0.1"/></lane></right></laneSection>
+<laneSection s="0"><right><lane id="-1" type="driving"><link><successor id="-1"/></link><width a="3"/></lane></right></laneSection>
+<laneSection s="0"><left><lane id="1" type="driving"><link><predecessor id="-1"/></link><width a="3"/></lane></left></laneSection>
+<laneSection s="60"><right><lane id="-1" type="driving"><link><successor id="-1"/></link><width a="3"/></lane></right></laneSection>
+</lanes></road></OpenDRIVE>"#;
+
+#[test]
+fn lanes_begin_end_and_change_their_numbers() {
+    let town = town(SECTIONS);
+    let sections: Vec<(f64, f64)> = town.roads[0].sections.iter().map(|section| (section.start, section.end)).collect();
+    assert_eq!(sections, [(0.0, 30.0), (0.0, 30.0), (30.0, 60.0), (60.0, 90.0)]);
+    let at = |section, lane, s| Waypoint { section, lane, ..eastbound(s) };
+    let after = |from| ahead(&town, from, 20.0).iter().map(|w| (w.section, w.lane)).collect::<Vec<_>>();
+    assert_eq!(after(at(0, -1, 20.0)), [(2, -1)]);
+    assert_eq!(after(at(2, -2, 50.0)), [(3, -1)]);
+    assert_eq!(after(at(2, -1, 50.0)), []);
+    // The road leads to itself.
+    assert_eq!(after(at(3, -1, 80.0)), [(0, -1)]);
+    assert_eq!(after(at(1, 1, 10.0)), [(0, -1)]);
+    assert_eq!(town.lane_width(at(2, -2, 40.0)), 1.0);
+    assert!((town.pose(at(2, -2, 40.0)).y + 3.5).abs() < 1e-12);
+    assert_eq!(town.generate_waypoints(20.0).iter().filter(|w| w.lane == 1).count(), 2);
+    assert_eq!(town.nearest_lane(Point::new(5.0, 1.0), LaneFilter::Driving).unwrap().lane, 1);
 }
 
 #[test]
@@ -171,6 +263,47 @@ fn a_lost_road_far_away_does_not_hurt() {
     assert_eq!((near.road, near.lane), (RoadIndex(0), 1));
 }
 
+/// Pieces of all forms, borders, an offset and a direct junction.
+const FORMS: &str = r#"<OpenDRIVE>
+<header revMajor="1" revMinor="8"/>
+<road name="a" length="60" id="a" junction="-1">
+<link><successor elementType="junction" elementId="7"/></link>
+<planView>
+<geometry s="0" x="0" y="0" hdg="0" length="20"><poly3 a="0" b="0.1" c="0.01" d="-0.001"/></geometry>
+<geometry s="20" x="20" y="1" hdg="0.2" length="20"><spiral curvStart="0" curvEnd="0.05"/></geometry>
+<geometry s="40" x="40" y="6" hdg="0.7" length="20"><paramPoly3 pRange="normalized" aU="0" bU="20" cU="0" dU="0" aV="0" bV="0" cV="2" dV="-1"/></geometry>
+</planView>
+<elevationProfile><elevation s="0" a="1" b="0.1" c="-0.001" d="0.00001"/></elevationProfile>
+<lateralProfile><superelevation s="0" a="0.1" b="0" c="0" d="0"/></lateralProfile>
+<lanes><laneOffset s="0" a="0" b="0" c="0" d="0"/><laneOffset s="30" a="0" b="0.1" c="0.01" d="0"/>
+<laneSection s="0"><right>
+<lane id="-1" type="driving"><border sOffset="0" a="-3" b="0" c="0" d="0"/></lane>
+<lane id="-2" type="HOV"><border sOffset="0" a="-5" b="0.01" c="0" d="0"/></lane>
+</right></laneSection></lanes></road>
+<road name="b" length="30" id="b" junction="-1">
+<link><predecessor elementType="junction" elementId="7"/></link>
+<planView><geometry s="0" x="55" y="20" hdg="1" length="30"><arc curvature="-0.02"/></geometry></planView>
+<lanes><laneSection s="0"><right><lane id="-1" type="driving"><width sOffset="0" a="3" b="0" c="0" d="0"/></lane></right></laneSection></lanes>
+</road>
+<junction id="7" type="direct"><connection id="0" incomingRoad="a" linkedRoad="b" contactPoint="start"><laneLink from="-1" to="-1"/></connection></junction>
+</OpenDRIVE>"#;
+
+#[test]
+fn all_forms_are_read() {
+    let town = town(FORMS);
+    let problems: Vec<String> = town.warnings.iter().map(|warning| warning.problem.to_string()).collect();
+    assert_eq!(
+        problems,
+        ["the id `a` is not a whole number; 0 stands for it", "the id `b` is not a whole number; 1 stands for it"]
+    );
+    assert_eq!(ahead(&town, eastbound(59.0), 2.0)[0].road, RoadIndex(1));
+    assert_eq!(town.lane_width(Waypoint { lane: -2, ..eastbound(0.0) }), 2.0);
+    assert_eq!(town.lane_kind(Waypoint { lane: -2, ..eastbound(0.0) }), LaneKind::None);
+}
+
+/// The maps that are distorted.
+const MAPS: [&str; 4] = [BEND, BRIDGE, SECTIONS, FORMS];
+
 /// Asks everything; what comes out does not matter.
 fn exercise(xml: &str) {
     let Ok(parts) = read(xml, "mutant") else { return };
@@ -181,10 +314,15 @@ fn exercise(xml: &str) {
         town.previous(exit, 150.0, &mut ways);
         ways.truncate(100);
     }
-    ways.iter().for_each(|way| assert!(town.lane_width(*way) > -1e300 && town.pose(*way).yaw.abs() <= 4.0));
+    ways.iter().for_each(|way| {
+        let pose = town.pose(*way);
+        assert!(town.lane_width(*way) > -1e300 && pose.yaw.abs() <= 4.0 && town.pitch(*way).abs() >= 0.0);
+        assert!(town.elevation(*way).abs() <= 1e300);
+    });
     town.generate_waypoints(25.0);
     for filter in [LaneFilter::Any, LaneFilter::Driving, LaneFilter::Sidewalk] {
         town.nearest_lane(Point::new(40.0, 3.0), filter);
+        town.nearest_lane_in_space(Point::new(40.0, 3.0), 5.0, filter);
     }
 }
 
@@ -193,11 +331,12 @@ proptest! {
 
     #[test]
     fn other_values_never_panic(
+        map in prop::sample::select(&MAPS[..]),
         edits in prop::collection::vec((0usize..400, prop::sample::select(vec![
             "", "nan", "inf", "1e308", "-1", "0", "1", "2", "3", "9", "0.5", "-1e9", "999999999", "1e6", "start", "end", "driving", "road", "junction", "é",
         ])), 1..6),
     ) {
-        let mut parts: Vec<&str> = BEND.split('"').collect();
+        let mut parts: Vec<&str> = map.split('"').collect();
         let values = parts.len() / 2;
         for (place, value) in edits {
             parts[2 * (place % values) + 1] = value;
@@ -206,8 +345,8 @@ proptest! {
     }
 
     #[test]
-    fn missing_and_doubled_lines_never_panic(edits in prop::collection::vec((0usize..100, 0usize..100, any::<bool>()), 1..6)) {
-        let mut lines: Vec<&str> = BEND.lines().collect();
+    fn missing_and_doubled_lines_never_panic(map in prop::sample::select(&MAPS[..]), edits in prop::collection::vec((0usize..100, 0usize..100, any::<bool>()), 1..6)) {
+        let mut lines: Vec<&str> = map.lines().collect();
         for (from, to, keep) in edits {
             let (from, to) = (from % lines.len(), to % lines.len());
             let line = lines[from];
@@ -221,8 +360,8 @@ proptest! {
     }
 
     #[test]
-    fn other_bytes_never_panic(edits in prop::collection::vec((0usize..10_000, any::<char>()), 1..4)) {
-        let mut text: Vec<char> = BEND.chars().collect();
+    fn other_bytes_never_panic(map in prop::sample::select(&MAPS[..]), edits in prop::collection::vec((0usize..10_000, any::<char>()), 1..4)) {
+        let mut text: Vec<char> = map.chars().collect();
         for (place, letter) in edits {
             let place = place % text.len();
             text[place] = letter;

@@ -6,12 +6,13 @@ use crate::road::{Geometry, LaneId, Road, Shape, Town, Waypoint};
 pub(super) struct ClientLocation {
     x: f32,
     y: f32,
+    z: f32,
 }
 
 impl ClientLocation {
-    /// A place of ours in 32 bits.
-    pub fn of(place: Point) -> Self {
-        Self { x: place.x as f32, y: place.y as f32 }
+    /// A place of ours at some height (m) in 32 bits.
+    pub fn new(place: Point, height: f64) -> Self {
+        Self { x: place.x as f32, y: place.y as f32, z: height as f32 }
     }
 
     /// The centre of a lane.
@@ -20,11 +21,13 @@ impl ClientLocation {
     /// CARLA `road/Lane.cpp`, `ComputeTransform`; `road/Road.cpp`, `GetDirectedPointIn`; `road/element/Geometry.cpp`.
     pub fn on_lane(town: &Town, waypoint: Waypoint) -> Self {
         let road = town.roads.get(waypoint.road.0 as usize);
-        let exact = || Self::of(town.pose(waypoint).position());
+        let height = town.elevation(waypoint);
+        let exact = || Self::new(town.pose(waypoint).position(), height);
         let Some((road, piece)) = road.and_then(|road| Some((road, road.plan_view.piece_at(waypoint.s)?))) else {
             return exact();
         };
         let Some((mut place, yaw)) = on_piece(piece, waypoint.s - piece.s) else { return exact() };
+        place.z = height as f32;
         // The offset of lane 0 and the way from there to the lane's centre are rounded one after the other.
         let offset = -(road.lane_offset.value(waypoint.s) as f32);
         place = place.beside(yaw, offset);
@@ -33,41 +36,43 @@ impl ClientLocation {
 
     fn beside(self, yaw: f64, right: f32) -> Self {
         let yaw = yaw as f32;
-        Self { x: self.x + right * libm::sinf(yaw), y: self.y + right * -libm::cosf(yaw) }
+        Self { x: self.x + right * libm::sinf(yaw), y: self.y + right * -libm::cosf(yaw), z: self.z }
     }
 
     /// The distance (m), in 32 bits.
     pub fn distance(self, other: Self) -> f32 {
-        let (x, y) = (other.x - self.x, other.y - self.y);
-        (x * x + y * y).sqrt()
+        let (x, y, z) = (other.x - self.x, other.y - self.y, other.z - self.z);
+        (x * x + y * y + z * z).sqrt()
     }
 
     /// In whole metres; halves go to the even neighbour.
-    pub fn whole(self) -> (i64, i64) {
-        (self.x.round_ties_even() as i64, self.y.round_ties_even() as i64)
+    pub fn whole(self) -> [i64; 3] {
+        [self.x, self.y, self.z].map(|metres| metres.round_ties_even() as i64)
     }
 
-    /// The way to another location, in 64 bits (m).
-    pub fn to(self, other: Self) -> (f64, f64) {
-        (f64::from(other.x) - f64::from(self.x), f64::from(other.y) - f64::from(self.y))
+    /// Its coordinates in 64 bits (m).
+    pub fn widened(self) -> [f64; 3] {
+        [self.x, self.y, self.z].map(f64::from)
     }
 }
 
 /// The place on a line or an arc, and the heading there; none on other curves, of which CARLA has its own approximations.
 fn on_piece(piece: &Geometry, ds: f64) -> Option<(ClientLocation, f64)> {
     let ds = ds.clamp(0.0, piece.length.max(0.0));
-    let start = ClientLocation::of(piece.start.position());
+    let start = ClientLocation::new(piece.start.position(), 0.0);
     let heading = piece.start.yaw;
     match piece.shape {
         Shape::Line => {
             let (sin, cos) = libm::sincos(heading);
-            Some((ClientLocation { x: start.x + (ds * cos) as f32, y: start.y + (ds * sin) as f32 }, heading))
+            let (x, y) = (start.x + (ds * cos) as f32, start.y + (ds * sin) as f32);
+            Some((ClientLocation { x, y, ..start }, heading))
         }
         Shape::Arc(curvature) if curvature.abs() > 1e-15 => {
             let radius = 1.0 / curvature;
             let yaw = heading + ds * curvature;
             let (first, last) = (from_centre(radius, heading), from_centre(radius, yaw));
-            Some((ClientLocation { x: start.x + first.0 - last.0, y: start.y + first.1 - last.1 }, yaw))
+            let (x, y) = (start.x + first.0 - last.0, start.y + first.1 - last.1);
+            Some((ClientLocation { x, y, ..start }, yaw))
         }
         _ => None,
     }
@@ -118,6 +123,6 @@ mod tests {
 
     #[test]
     fn halves_go_to_even_metres() {
-        assert_eq!(ClientLocation::of(Point::new(2.5, -3.5)).whole(), (2, -4));
+        assert_eq!(ClientLocation::new(Point::new(2.5, -3.5), 0.6).whole(), [2, -4, 1]);
     }
 }

@@ -23,8 +23,11 @@ pub(super) struct Edge {
 impl Edge {
     fn new(to: Node, segment: Segment, loose: bool) -> Self {
         let (entry, exit) = (segment.entry(), segment.exit());
-        let (x, y) = entry.location.to(exit.location);
-        let directions = (!loose).then(|| (exit.point.pose.forward(), Vector::new(x, y)));
+        let ([x, y, z], [to_x, to_y, to_z]) = (entry.location.widened(), exit.location.widened());
+        let (chord, rise) = (Vector::new(to_x - x, to_y - y), to_z - z);
+        // A unit vector in space, seen from above.
+        let chord = chord / ((chord.norm_squared() + rise * rise).sqrt() + f64::EPSILON);
+        let directions = (!loose).then(|| (exit.point.pose.forward(), chord));
         Self { to, junction: entry.point.is_junction, directions, places: segment.places }
     }
 
@@ -42,12 +45,12 @@ fn lane_key(waypoint: Waypoint) -> LaneKey {
 
 /// Where segments begin and end, and the segments between.
 ///
-/// Two ends in the same square metre are one node, and of two segments between the same nodes the later one is kept: in
+/// Two ends in the same cubic metre are one node, and of two segments between the same nodes the later one is kept: in
 /// tight junctions one goes where CARLA thinks one goes.
 #[derive(Debug, Default)]
 pub(super) struct RouteGraph {
     /// Of each node the place in whole metres.
-    nodes: Vec<(f64, f64)>,
+    nodes: Vec<[f64; 3]>,
     /// Of each node the segments that begin there, in order of their first appearance.
     edges: Vec<Vec<Edge>>,
     /// Of each lane the nodes between which it lies.
@@ -64,7 +67,7 @@ impl RouteGraph {
             let Some(segment) = Segment::new(town, entry, exit, sampling) else { continue };
             let [from, to] = [segment.entry(), segment.exit()].map(|end| {
                 let whole = end.location.whole();
-                *known.entry(whole).or_insert_with(|| graph.add_node((whole.0 as f64, whole.1 as f64)))
+                *known.entry(whole).or_insert_with(|| graph.add_node(whole.map(|metres| metres as f64)))
             });
             exits.push((*segment.exit(), to));
             graph.lanes.insert(lane_key(entry), (from, to));
@@ -76,8 +79,7 @@ impl RouteGraph {
             }
             let loose = Segment::loose_end(town, exit, sampling);
             let end = loose.as_ref().map_or(exit.location, |segment| segment.exit().location);
-            let (x, y) = super::client_location::ClientLocation::default().to(end);
-            let to = graph.add_node((x, y));
+            let to = graph.add_node(end.widened());
             graph.lanes.insert(lane_key(exit.point.waypoint), (from, to));
             if let Some(segment) = loose {
                 graph.put(from, Edge::new(to, segment, true));
@@ -86,13 +88,15 @@ impl RouteGraph {
         graph
     }
 
-    fn add_node(&mut self, place: (f64, f64)) -> Node {
+    /// Adds a node at a place (m).
+    pub fn add_node(&mut self, place: [f64; 3]) -> Node {
         self.nodes.push(place);
         self.edges.push(Vec::new());
         (self.nodes.len() - 1) as Node
     }
 
-    fn put(&mut self, from: Node, edge: Edge) {
+    /// Adds a segment, or replaces the one between the same nodes.
+    pub fn put(&mut self, from: Node, edge: Edge) {
         let edges = &mut self.edges[from as usize];
         match edges.iter_mut().find(|other| other.to == edge.to) {
             Some(other) => *other = edge,
@@ -117,8 +121,8 @@ impl RouteGraph {
 
     /// The straight line between two nodes (m).
     pub fn distance(&self, a: Node, b: Node) -> f64 {
-        let ((ax, ay), (bx, by)) = (self.nodes[a as usize], self.nodes[b as usize]);
-        ((ax - bx) * (ax - bx) + (ay - by) * (ay - by)).sqrt()
+        let apart = self.nodes[a as usize].iter().zip(self.nodes[b as usize]).map(|(a, b)| (a - b) * (a - b));
+        apart.sum::<f64>().sqrt()
     }
 
     /// The nodes between which the lane of a waypoint lies.

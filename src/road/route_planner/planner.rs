@@ -40,7 +40,7 @@ impl RoutePlanner {
     pub fn trace(&self, town: &Town, from: Point, to: Point) -> Option<Vec<RoutePoint>> {
         let origin = town.nearest_lane(from, LaneFilter::Driving)?;
         let goal = Place::new(town, town.nearest_lane(to, LaneFilter::Driving)?);
-        let target = ClientLocation::of(to);
+        let target = ClientLocation::new(to, town.elevation(goal.point.waypoint));
         let (begin, end) = (self.graph.ends(origin)?, self.graph.ends(goal.point.waypoint)?);
         let mut way = find_way(&self.graph, begin.0, end.0)?;
         way.push(end.1);

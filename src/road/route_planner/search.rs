@@ -88,3 +88,56 @@ pub(super) fn find_way(graph: &RouteGraph, from: Node, to: Node) -> Option<Vec<N
     }
     None
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::client_location::ClientLocation;
+    use super::super::graph::Edge;
+    use super::super::segment::Place;
+    use super::*;
+    use crate::geometry::Pose;
+    use crate::road::{RoadIndex, RoadOption, RoutePoint, Waypoint};
+
+    /// Nodes on a small grid and edges of one to three points, so that many ways are equally good.
+    fn tangle() -> RouteGraph {
+        let mut state: u64 = 12345;
+        let mut draw = |range: u64| {
+            state = (state * 1_103_515_245 + 12345) % (1 << 31);
+            (state >> 16) % range
+        };
+        let waypoint = Waypoint { road: RoadIndex(0), section: 0, lane: -1, s: 0.0 };
+        let option = RoadOption::LaneFollow;
+        let point = RoutePoint { waypoint, pose: Pose::default(), lane_width: 4.0, is_junction: false, option };
+        let place = Place { point, location: ClientLocation::default() };
+        let mut graph = RouteGraph::default();
+        for _ in 0..30 {
+            let x = draw(10) as f64;
+            graph.add_node([x, draw(10) as f64, 0.0]);
+        }
+        for _ in 0..90 {
+            let (from, to) = (draw(30) as Node, draw(30) as Node);
+            let places = vec![place; 2 + draw(3) as usize];
+            graph.put(from, Edge { to, places, junction: false, directions: None });
+        }
+        graph
+    }
+
+    /// What networkx 3.6 finds on the same graph.
+    #[test]
+    fn ways_are_those_of_networkx() {
+        let graph = tangle();
+        assert_eq!(find_way(&graph, 0, 7).unwrap(), [0, 7]);
+        assert_eq!(find_way(&graph, 20, 14).unwrap(), [20, 0, 18, 14], "7 points, though 4 would do");
+        assert_eq!(find_way(&graph, 5, 18).unwrap(), [5, 8, 29, 3, 18]);
+        assert_eq!(find_way(&graph, 25, 1), None);
+        assert_eq!(find_way(&graph, 8, 8).unwrap(), [8]);
+        // The ways between all pairs, as one number.
+        let mut sum: u128 = 0;
+        for (from, to) in (0..30).flat_map(|from| (0..30).map(move |to| (from, to))) {
+            for node in find_way(&graph, from, to).unwrap_or_default().into_iter().chain([99]) {
+                sum = (sum * 31 + u128::from(node)) % ((1 << 61) - 1);
+            }
+        }
+        assert_eq!(sum, 404_817_634_110_220_571);
+    }
+}

@@ -60,9 +60,8 @@ fn turn<'a>(arriving: Vector, leaving: Vector, others: impl Iterator<Item = &'a 
     if libm::acos(cosine.clamp(-1.0, 1.0)) < STRAIGHT {
         return RoadOption::Straight;
     }
-    // CARLA compares the other exits as unit vectors.
-    let others = others.filter_map(|edge| edge.directions).map(|(_, chord)| chord / (chord.norm() + f64::EPSILON));
-    let range = others.map(|chord| arriving.perp(&chord)).fold(None, |range: Option<(f64, f64)>, side| {
+    let others = others.filter_map(|edge| edge.directions);
+    let range = others.map(|(_, chord)| arriving.perp(&chord)).fold(None, |range: Option<(f64, f64)>, side| {
         Some(range.map_or((side, side), |(low, high)| (low.min(side), high.max(side))))
     });
     let (rightmost, leftmost) = range.unwrap_or((0.0, 0.0));
@@ -80,7 +79,12 @@ mod tests {
     }
 
     fn exit(degrees: f64) -> Edge {
-        Edge { to: 0, places: Vec::new(), junction: true, directions: Some((heading(degrees), heading(degrees) * 20.0)) }
+        Edge {
+            to: 0,
+            places: Vec::new(),
+            junction: true,
+            directions: Some((heading(degrees), heading(degrees))),
+        }
     }
 
     fn named(leaving: f64, others: &[f64]) -> RoadOption {

@@ -1,6 +1,6 @@
 use super::*;
 use crate::av::{Actor, Light};
-use crate::geometry::{Pose, Vector};
+use crate::geometry::{Obstacles, Pose, Vector};
 use crate::road::{
     Geometry, Junction, JunctionIndex, Lane, LaneId, LaneKind, LaneSection, PlanView, Profile as Width, Road, Town,
     TownParts,
@@ -41,6 +41,7 @@ struct Scene {
     blueprint: VehicleBlueprint,
     ego: Actor,
     walkers: Vec<Actor>,
+    obstacles: Obstacles,
     vehicles: Vec<Actor>,
     lights: Vec<Light>,
     affecting: Option<usize>,
@@ -53,6 +54,7 @@ impl Scene {
             blueprint: VehicleBlueprint::model3(),
             ego: vehicle(50.0, -2.0, 7.5),
             walkers: Vec::new(),
+            obstacles: Obstacles::new(&[]),
             vehicles: Vec::new(),
             lights: Vec::new(),
             affecting: None,
@@ -73,6 +75,7 @@ impl Scene {
             speed_limit: 30.0 / 3.6,
             pedestrians: &self.walkers,
             vehicles: &self.vehicles,
+            obstacles: &self.obstacles,
             lights: &self.lights,
             affecting_light: self.affecting,
         }

@@ -1,16 +1,106 @@
-use super::*;
-use crate::road::design::{Node, Street, TownDesign};
-use crate::road::RoadOption;
+use std::sync::Arc;
 
-/// A block of four streets around a fifth, with junctions of three.
-fn block() -> Town {
-    let node = |x, y| Node { name: String::new(), position: Point::new(x, y), lights: false };
+use super::*;
+use crate::road::RoadOption;
+use crate::road::design::{Node, Street, TownDesign};
+
+/// Two blocks with a street between them, which goes on to a dead end in the north.
+fn town() -> Town {
+    let node = |(x, y): (f64, f64)| Node { name: String::new(), position: Point::new(x, y), lights: false };
     let street = |nodes: Vec<usize>| Street { name: String::new(), nodes, speed_limit: None };
-    let nodes = [(0.0, 0.0), (100.0, 0.0), (200.0, 0.0), (200.0, 80.0), (100.0, 80.0), (0.0, 80.0)];
+    let nodes = [(0.0, 0.0), (100.0, 0.0), (200.0, 0.0), (200.0, 80.0), (100.0, 80.0), (0.0, 80.0), (100.0, 150.0)];
     let design = TownDesign {
-        nodes: nodes.into_iter().map(|(x, y)| node(x, y)).collect(),
-        streets: vec![street(vec![0, 1, 2, 3, 4, 5, 0]), street(vec![1, 4])],
+        nodes: nodes.into_iter().map(node).collect(),
+        streets: vec![street(vec![0, 1, 2, 3, 4, 5, 0]), street(vec![1, 4, 6])],
         ..TownDesign::default()
     };
     Town::new(design.build().unwrap())
+}
+
+fn heading(town: &Town, near: Point, towards: Point) -> Point {
+    let lane = town.nearest_lane(near, LaneFilter::Driving).unwrap();
+    let sides = [Some(lane), town.left_lane(lane)].into_iter().flatten().map(|lane| town.pose(lane));
+    let mut along = sides.filter(|pose| pose.forward().dot(&(towards - pose.position())) > 0.0);
+    along.next().unwrap().position()
+}
+
+fn turns(route: &[RoutePoint]) -> Vec<RoadOption> {
+    let mut options: Vec<RoadOption> = route.iter().map(|point| point.option).collect();
+    options.dedup();
+    options.retain(|option| *option != RoadOption::LaneFollow);
+    options
+}
+
+#[test]
+fn a_route_follows_lanes_and_ends_near_its_goal() {
+    let town = town();
+    let planner = RoutePlanner::new(&town, 2.0);
+    assert!(planner.waypoints().len() > 500);
+    let mut longest = 0;
+    for (from, to) in planner.waypoints().iter().step_by(37).zip(planner.waypoints().iter().rev().step_by(29)) {
+        let [from, to] = [from, to].map(|waypoint| town.pose(*waypoint).position());
+        let Some(route) = planner.trace(&town, from, to) else { continue };
+        let gaps = route.windows(2).map(|pair| (pair[1].pose.position() - pair[0].pose.position()).norm());
+        // Of a segment's points the one nearer to its end than the spacing is left out.
+        assert!(gaps.fold(0.0, f64::max) < 4.5, "no gaps");
+        assert!((route[0].pose.position() - from).norm() < 2.1, "begins where it should");
+        if route.len() > 1 {
+            let last = route[route.len() - 1].pose.position();
+            assert!((last - to).norm() < 4.5, "{last} is the end of a way to {to}");
+        }
+        longest = longest.max(route.len());
+    }
+    assert!(longest > 100);
+}
+
+#[test]
+fn junctions_are_named_and_lanes_are_not() {
+    let town = town();
+    let planner = RoutePlanner::new(&town, 2.0);
+    let south = heading(&town, Point::new(50.0, 0.0), Point::new(100.0, 0.0));
+    let north = heading(&town, Point::new(100.0, 40.0), Point::new(100.0, 80.0));
+    let east = heading(&town, Point::new(150.0, 0.0), Point::new(200.0, 0.0));
+    let west = heading(&town, Point::new(50.0, 80.0), Point::new(0.0, 80.0));
+    let end = heading(&town, Point::new(100.0, 130.0), Point::new(100.0, 150.0));
+    let way = |from, to| planner.trace(&town, from, to).unwrap();
+    assert_eq!(turns(&way(south, north)), [RoadOption::Left]);
+    assert_eq!(turns(&way(south, east)), [RoadOption::Straight]);
+    assert_eq!(turns(&way(south, west)), [RoadOption::Left, RoadOption::Left]);
+    assert_eq!(turns(&way(north, end)), [RoadOption::Straight]);
+    for point in way(south, north) {
+        assert!(point.option != RoadOption::LaneFollow || !point.is_junction || point.waypoint.s < 1e-3 || {
+            // The end of the segment before is the beginning of a junction's lane.
+            let length = town.roads[point.waypoint.road.0 as usize].length;
+            length - point.waypoint.s < 1e-3
+        });
+    }
+}
+
+#[test]
+fn nothing_leads_out_of_a_dead_end() {
+    let town = town();
+    let planner = RoutePlanner::new(&town, 2.0);
+    let end = heading(&town, Point::new(100.0, 130.0), Point::new(100.0, 150.0));
+    let back = heading(&town, Point::new(100.0, 110.0), Point::new(100.0, 0.0));
+    assert_eq!(planner.trace(&town, end, back), None);
+    assert!(planner.trace(&town, back, Point::new(0.0, 40.0)).is_some());
+    assert_eq!(RoutePlanner::new(&Town::new(Default::default()), 2.0).trace(&town, end, back), None);
+}
+
+#[test]
+fn a_goal_just_behind_gives_a_single_point() {
+    let town = town();
+    let planner = RoutePlanner::new(&town, 2.0);
+    let from = heading(&town, Point::new(60.0, 0.0), Point::new(100.0, 0.0));
+    let behind = heading(&town, Point::new(40.0, 0.0), Point::new(100.0, 0.0));
+    assert_eq!(planner.trace(&town, from, behind).unwrap().len(), 1);
+    assert!(planner.trace(&town, behind, from).unwrap().len() > 7);
+}
+
+#[test]
+fn a_town_keeps_its_planners() {
+    let town = town();
+    let first = town.route_planner(2.0);
+    assert!(Arc::ptr_eq(&first, &town.route_planner(2.0)));
+    assert_eq!(town.route_planner(4.5).sampling(), 4.5);
 }

@@ -1,0 +1,28 @@
+use crate::road::ForkRule;
+
+/// How the agent finds its way until it is given a plan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WayFinding {
+    /// On and on, choosing at each fork.
+    Wander(ForkRule),
+    /// To a destination drawn uniformly among the town's waypoints on driving lanes, by the route that CARLA's planner
+    /// finds.
+    Destination(AtDestination),
+}
+
+impl Default for WayFinding {
+    fn default() -> Self {
+        Self::Wander(ForkRule::default())
+    }
+}
+
+/// What the agent does where its route ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum AtDestination {
+    /// Draws the next destination after one tick of full brake, as CARLA's example scripts do. The planner of 0.9.11 is
+    /// given the next route as soon as the last five points are in its buffer, and does not brake.
+    #[default]
+    Next,
+    /// Brakes and stays, as CARLA's agent does when it is left alone.
+    Stop,
+}

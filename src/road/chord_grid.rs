@@ -1,0 +1,143 @@
+//! An index over chords as seen from above.
+
+use rstar::primitives::{GeomWithData, Line};
+use rstar::{PointDistance, RTree};
+
+use super::chord::Chord;
+use crate::geometry::{Point, Vector};
+
+type Leaf = GeomWithData<Line<[f64; 2]>, u32>;
+
+/// The width of a grid's cell (m).
+const CELL: f64 = 4.0;
+/// How many cells a grid has at most; larger towns get wider cells.
+const MOST_CELLS: f64 = 65_536.0;
+/// How many chords all cells of a grid have together at most.
+const MOST_CANDIDATES: usize = 4_000_000;
+/// How far beyond the lanes a grid reaches (m).
+const BEYOND: f64 = 12.0;
+
+/// How many cells wide and high a block is whose candidates are found together.
+const BLOCK: usize = 8;
+
+/// How far a chord may be from the middle of a square to be the nearest one to some point in it, given the distance of the chord
+/// nearest to the middle: from anywhere in the square that one is at most half a diagonal farther.
+fn reach(nearest: f64, side: f64) -> f64 {
+    nearest + side * std::f64::consts::SQRT_2 + 1e-6
+}
+
+/// For each square cell the chords that are nearest to some point in it, found with an R-tree beforehand.
+///
+/// A question then costs a handful of distances. Points beyond the grid are left to the tree.
+pub(super) struct ChordGrid {
+    origin: Point,
+    cell: f64,
+    columns: usize,
+    rows: usize,
+    /// For each cell the place of its first candidate, and one more entry at the end.
+    starts: Vec<u32>,
+    candidates: Vec<u32>,
+    tree: RTree<Leaf>,
+}
+
+impl ChordGrid {
+    /// Indexes some of the chords.
+    pub fn new(chords: &[Chord], admitted: impl Iterator<Item = u32>) -> Self {
+        let leaf = |index: u32| {
+            let chord = &chords[index as usize];
+            let to = chord.end();
+            Leaf::new(Line::new([chord.from.x, chord.from.y], [to.x, to.y]), index)
+        };
+        let leaves: Vec<Leaf> = admitted.map(leaf).collect();
+        let ends = leaves.iter().flat_map(|leaf| [leaf.geom().from, leaf.geom().to]).map(Point::from);
+        let around = ends.fold(None, |so_far: Option<(Point, Point)>, end| {
+            Some(so_far.map_or((end, end), |(low, high)| (low.inf(&end), high.sup(&end))))
+        });
+        let tree = RTree::bulk_load(leaves);
+        let mut grid = Self {
+            origin: Point::origin(),
+            cell: CELL,
+            columns: 0,
+            rows: 0,
+            starts: vec![0],
+            candidates: Vec::new(),
+            tree,
+        };
+        if let Some((low, high)) = around {
+            grid.fill(chords, low, high - low + Vector::new(2.0 * BEYOND, 2.0 * BEYOND));
+        }
+        grid
+    }
+
+    fn fill(&mut self, chords: &[Chord], low: Point, size: Vector) {
+        self.origin = low - Vector::new(BEYOND, BEYOND);
+        self.cell = CELL.max((size.x * size.y / MOST_CELLS).sqrt()).max(size.max() / MOST_CELLS);
+        self.columns = (size.x / self.cell).ceil() as usize;
+        self.rows = (size.y / self.cell).ceil() as usize;
+        let mut blocks = vec![Vec::new(); self.columns.div_ceil(BLOCK)];
+        let mut distances = Vec::new();
+        for row in 0..self.rows {
+            if row % BLOCK == 0 && !self.fill_blocks(row, &mut blocks) {
+                return self.give_up();
+            }
+            for column in 0..self.columns {
+                let middle = self.origin + Vector::new(column as f64 + 0.5, row as f64 + 0.5) * self.cell;
+                let block = &blocks[column / BLOCK];
+                distances.clear();
+                distances.extend(block.iter().map(|index| chords[*index as usize].distance_squared(middle)));
+                let nearest = distances.iter().copied().fold(f64::INFINITY, f64::min).sqrt();
+                let reach = reach(nearest, self.cell);
+                let near = block.iter().zip(&distances).filter(|(_, distance)| **distance <= reach * reach);
+                self.candidates.extend(near.map(|(index, _)| *index));
+                self.starts.push(self.candidates.len() as u32);
+            }
+            if self.candidates.len() > MOST_CANDIDATES {
+                return self.give_up();
+            }
+        }
+        self.candidates.shrink_to_fit();
+    }
+
+    /// Finds the candidates of each block of cells from a row on, in order, so that of two chords equally near the first one
+    /// wins. Tells whether there are few enough.
+    fn fill_blocks(&self, row: usize, blocks: &mut [Vec<u32>]) -> bool {
+        let (half, side) = (BLOCK as f64 / 2.0, BLOCK as f64 * self.cell);
+        let mut count = 0;
+        for (block, column) in blocks.iter_mut().zip((0..).step_by(BLOCK)) {
+            let middle = self.origin + Vector::new(f64::from(column) + half, row as f64 + half) * self.cell;
+            let middle = [middle.x, middle.y];
+            let nearest = self.tree.nearest_neighbor(middle).map_or(0.0, |leaf| leaf.distance_2(&middle).sqrt());
+            let reach = reach(nearest, side);
+            block.clear();
+            block.extend(self.tree.locate_within_distance(middle, reach * reach).map(|leaf| leaf.data));
+            block.sort_unstable();
+            count += block.len();
+            if count > MOST_CANDIDATES {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Some lane is lost far away from the others; the tree alone answers then.
+    fn give_up(&mut self) {
+        (self.columns, self.rows, self.starts, self.candidates) = (0, 0, vec![0], Vec::new());
+    }
+
+    /// The nearest of the chords, by its place in the list.
+    pub fn nearest(&self, chords: &[Chord], point: Point) -> Option<u32> {
+        let place = (point - self.origin) / self.cell;
+        if !(place.x >= 0.0 && place.y >= 0.0 && place.x < self.columns as f64 && place.y < self.rows as f64) {
+            return self.tree.nearest_neighbor([point.x, point.y]).map(|leaf| leaf.data);
+        }
+        let index = place.y as usize * self.columns + place.x as usize;
+        let (mut best, mut nearest) = (None, f64::INFINITY);
+        for candidate in &self.candidates[self.starts[index] as usize..self.starts[index + 1] as usize] {
+            let distance = chords[*candidate as usize].distance_squared(point);
+            if distance < nearest {
+                (best, nearest) = (Some(*candidate), distance);
+            }
+        }
+        best
+    }
+}
