@@ -72,8 +72,10 @@ pub fn failure_modes(rows: &[EpisodeRow]) -> Vec<FailureMode> {
         let Ending::Collision { front, moving, impact_speed, bearing } = row.outcome.ending else { continue };
         let same = |other: &EpisodeRow| {
             let (a, b) = (&row.trained, &other.trained);
-            (&a.reward, &a.town, &a.policy, &row.town, &row.policy, row.block)
-                == (&b.reward, &b.town, &b.policy, &other.town, &other.policy, other.block)
+            let place = |row: &EpisodeRow| {
+                (row.town.clone(), row.policy.clone(), row.vehicle.clone(), row.adversary.clone(), row.block)
+            };
+            (&a.reward, &a.town, &a.policy) == (&b.reward, &b.town, &b.policy) && place(row) == place(other)
         };
         let index = cells.iter().position(|(first, _)| same(first)).unwrap_or_else(|| {
             cells.push((row, BTreeMap::new()));

@@ -12,6 +12,10 @@ pub struct EpisodeRow {
     pub town: String,
     /// The driving policy it was tried against.
     pub policy: String,
+    /// The model of car.
+    pub vehicle: String,
+    /// The adversary, for its body.
+    pub adversary: String,
     /// Number of the `evaluate` block, from 0.
     pub block: u32,
     /// Number of the episode, from 0; equal numbers of a town and policy begin the same.

@@ -110,6 +110,8 @@ fn evaluate(
         pedestrian: evaluation.pedestrian.name(),
         town: evaluation.town.clone(),
         policy: evaluation.policy.clone(),
+        vehicle: evaluation.vehicle.clone(),
+        adversary: evaluation.adversary.clone(),
         block: evaluation.block,
         episode: episode as u32,
         outcome,

@@ -17,6 +17,7 @@ mod training;
 mod campaign;
 mod plan;
 mod lower;
+mod grid;
 
 pub use catalog::Catalog;
 pub use lower::{Compiled, compile};

@@ -99,6 +99,10 @@ pub struct Evaluation {
     pub town: String,
     /// Name of the driving policy.
     pub policy: String,
+    /// Name of the vehicle.
+    pub vehicle: String,
+    /// Name of the adversary, whose body and reading of states and actions the pedestrian takes over.
+    pub adversary: String,
     /// Number of the `evaluate` block in its campaign, from 0.
     pub block: u32,
     /// What is tried.

@@ -3,7 +3,8 @@ use polars::prelude::*;
 use super::wilson;
 
 /// What a run is told apart by, beside its number.
-const CELL: [&str; 7] = ["reward", "train_town", "train_policy", "pedestrian", "town", "policy", "block"];
+const CELL: [&str; 9] =
+    ["reward", "train_town", "train_policy", "pedestrian", "town", "policy", "vehicle", "adversary", "block"];
 
 /// The tables of metrics.
 #[derive(Debug, Clone)]
@@ -36,6 +37,10 @@ pub struct Cell {
     pub town: String,
     /// Policy it was tried against.
     pub policy: String,
+    /// The model of car.
+    pub vehicle: String,
+    /// The adversary, for its body.
+    pub adversary: String,
     /// Number of the `evaluate` block, from 0.
     pub block: u32,
     /// How many runs.
@@ -139,6 +144,8 @@ impl Metrics {
                 pedestrian: text("pedestrian", row)?,
                 town: text("town", row)?,
                 policy: text("policy", row)?,
+                vehicle: text("vehicle", row)?,
+                adversary: text("adversary", row)?,
                 block: count("block", row)?,
                 runs: count("runs", row)?,
                 episodes: count("episodes", row)?,
@@ -183,6 +190,8 @@ mod tests {
             pedestrian: "trained",
             town: "b".into(),
             policy: "p".into(),
+            vehicle: "v".into(),
+            adversary: "w".into(),
             block: 0,
             episode,
             outcome: Outcome { spawn, ending, reward, ticks: 10, duration: 0.5, least_gap, last_mode, digest: 7 },

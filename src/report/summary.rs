@@ -65,12 +65,19 @@ pub fn summary(name: &str, docs: &[String], cells: &[Cell], manifest: &Manifest)
     page
 }
 
-/// The town of a cell, with the number of its `evaluate` block where there are several.
+/// The town of a cell, with whatever else differs between the cells: vehicle, adversary, `evaluate` block.
 fn place(cell: &Cell, cells: &[Cell]) -> String {
-    if cells.iter().all(|other| other.block == cell.block) {
-        return cell.town.clone();
+    let mut text = cell.town.clone();
+    if cells.iter().any(|other| other.vehicle != cell.vehicle) {
+        let _ = write!(text, ", {}", cell.vehicle);
     }
-    format!("{} #{}", cell.town, cell.block)
+    if cells.iter().any(|other| other.adversary != cell.adversary) {
+        let _ = write!(text, ", {}", cell.adversary);
+    }
+    if cells.iter().any(|other| other.block != cell.block) {
+        let _ = write!(text, " #{}", cell.block);
+    }
+    text
 }
 
 /// A mean with its spread, to two digits.

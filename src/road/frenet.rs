@@ -72,12 +72,12 @@ impl Frenet {
 
 impl Town {
     /// A pose in the coordinates of a waypoint's road; none beyond the road's ends.
-    pub fn to_frenet(&self, waypoint: Waypoint, pose: &Pose) -> Option<Frenet> {
+    pub fn frenet(&self, waypoint: Waypoint, pose: &Pose) -> Option<Frenet> {
         Frenet::new(self.roads.get(waypoint.road.0 as usize)?, pose)
     }
 
     /// The pose in the world of coordinates on a waypoint's road.
-    pub fn from_frenet(&self, waypoint: Waypoint, frenet: &Frenet) -> Option<Pose> {
+    pub fn pose_of(&self, waypoint: Waypoint, frenet: &Frenet) -> Option<Pose> {
         Some(frenet.pose(self.roads.get(waypoint.road.0 as usize)?))
     }
 }

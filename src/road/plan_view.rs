@@ -182,8 +182,9 @@ fn parameter(ds: f64, share: f64, range: f64, speed: impl Fn(f64) -> f64) -> f64
 
 /// The reference line of a road: a curve in the plane, and how high it lies.
 ///
-/// Pieces of form [`Shape::Poly3`] and [`Shape::ParamPoly3`] are drawn as CARLA draws them, with straight lines between places half a metre
-/// apart: a few millimetres off the exact curve that [`Geometry::pose`] knows.
+/// Pieces of form [`Shape::Poly3`] and [`Shape::ParamPoly3`] are drawn as CARLA draws them, with straight lines between places
+/// less than half a metre apart: a few millimetres off the exact curve that [`Geometry::pose`] knows. Where the file's lengths
+/// leave a gap behind such a piece, it goes straight on; other pieces are held at their ends.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PlanView {
     pieces: Vec<Geometry>,
@@ -235,9 +236,9 @@ impl PlanView {
         let Some(piece) = self.pieces.get(index) else {
             return CurvePoint { position: Point::origin(), forward: Vector::new(1.0, 0.0), yaw: 0.0 };
         };
-        let ds = (s - piece.s).clamp(0.0, piece.length.max(0.0));
+        let ds = (s - piece.s).max(0.0);
         match &self.tables[index] {
-            None => piece.point(ds),
+            None => piece.point(ds.min(piece.length)),
             Some(table) => {
                 let (local, tangent) = table.at(ds);
                 piece.along(local, tangent)

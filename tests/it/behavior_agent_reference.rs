@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::fs;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use falsify::av::behavior_agent::{AgentConfig, BehaviorAgent, Profile, Quirks, Release};
@@ -11,6 +12,7 @@ use falsify::geometry::{Obstacles, Pose, Vector};
 use falsify::road::{RoadIndex, RoadOption, RoutePoint, Town, Waypoint, opendrive};
 use falsify::seed::Seed;
 use falsify::sim::{LightColour, VehicleBlueprint};
+use flate2::read::GzDecoder;
 use serde_json::Value;
 
 /// Half sizes of the recorded cars and walkers (m).
@@ -28,6 +30,18 @@ fn reference() -> PathBuf {
         .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"), PathBuf::from)
 }
 
+/// The text of a file, or of its compressed twin.
+fn read_text(path: &Path) -> Option<String> {
+    if let Ok(text) = fs::read_to_string(path) {
+        return Some(text);
+    }
+    let mut packed = path.as_os_str().to_owned();
+    packed.push(".gz");
+    let mut text = String::new();
+    GzDecoder::new(fs::File::open(packed).ok()?).read_to_string(&mut text).expect("a compressed file is readable");
+    Some(text)
+}
+
 /// A table with a header, asked by column name.
 struct Table {
     columns: BTreeMap<String, usize>,
@@ -36,7 +50,7 @@ struct Table {
 
 impl Table {
     fn read(path: &Path) -> Self {
-        let text = fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        let text = read_text(path).unwrap_or_else(|| panic!("{} is not there", path.display()));
         let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
         let header = lines.next().expect("a table has a header");
         Self { columns: header.into_iter().enumerate().map(|(i, name)| (name, i)).collect(), rows: lines.collect() }
@@ -126,10 +140,10 @@ impl Agreement {
     }
 }
 
-/// None where the map is not at hand in plain text.
+/// None where the map is not at hand.
 fn read_town(name: &str) -> Option<Town> {
     let path = reference().join("maps").join(format!("{name}.xodr"));
-    let text = fs::read_to_string(path).ok()?;
+    let text = read_text(&path)?;
     Some(Town::new(opendrive::read(&text, name).expect("the map of a case is readable")))
 }
 
@@ -258,7 +272,7 @@ fn recorded_decisions_are_repeated_reference() {
             eprintln!("SKIPPED: recordings of CARLA {version}, which no agent here claims to be");
             continue;
         };
-        let Ok(cases) = fs::read_to_string(folder.join("cases.json")) else {
+        let Some(cases) = read_text(&folder.join("cases.json")) else {
             eprintln!("SKIPPED: {} has no cases.json", folder.display());
             continue;
         };
@@ -266,10 +280,10 @@ fn recorded_decisions_are_repeated_reference() {
         let mut sum = Agreement::default();
         for case in cases.as_array().expect("cases.json is a list") {
             let name = case["name"].as_str().expect("a case has a name");
-            if ["plan", "trace"].iter().any(|kind| folder.join(format!("{name}_{kind}.csv.gz")).is_file()) {
-                eprintln!("SKIPPED: {name} of CARLA {version} is compressed; unpack its .csv.gz files to compare");
-            }
-            if folder.join(format!("{name}_trace.csv")).is_file() && folder.join(format!("{name}_plan.csv")).is_file() {
+            let is_there = |kind: &str| {
+                ["csv", "csv.gz"].iter().any(|ending| folder.join(format!("{name}_{kind}.{ending}")).is_file())
+            };
+            if is_there("trace") && is_there("plan") {
                 replay(case, &folder, &mut towns, release, &mut sum);
                 replayed += 1;
             }

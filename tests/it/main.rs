@@ -6,6 +6,7 @@ mod determinism;
 mod layers;
 mod learning;
 mod road_reference;
+mod routes_reference;
 mod scenarios;
 mod suite;
 mod tidy;

@@ -1,11 +1,13 @@
 //! Maps against what CARLA's own map library makes of the same files.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use falsify::geometry::{Point, Pose, wrap_angle};
-use falsify::road::{LaneFilter, LaneKind, RoadIndex, Town, Waypoint, opendrive};
+use falsify::road::{LaneFilter, LaneId, LaneKind, RoadIndex, Town, Waypoint, opendrive};
+use flate2::read::GzDecoder;
 
 /// Agreement asked for, in metres and in radians.
 const TOLERANCE: f64 = 1e-3;
@@ -13,6 +15,18 @@ const TOLERANCE: f64 = 1e-3;
 fn maps_folder() -> PathBuf {
     let folder = std::env::var_os("FALSIFY_REFERENCE_DIR").map(PathBuf::from);
     folder.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared")).join("maps")
+}
+
+/// The text of a file, or of its compressed twin.
+fn read_text(path: &Path) -> Option<String> {
+    if let Ok(text) = fs::read_to_string(path) {
+        return Some(text);
+    }
+    let mut packed = path.as_os_str().to_owned();
+    packed.push(".gz");
+    let mut text = String::new();
+    GzDecoder::new(fs::File::open(packed).ok()?).read_to_string(&mut text).expect("a compressed file is readable");
+    Some(text)
 }
 
 /// A map with one table of the oracle.
@@ -29,19 +43,26 @@ struct Table {
 }
 
 impl Table {
-    fn read(path: &Path) -> Self {
-        let text = fs::read_to_string(path).unwrap();
+    fn read(text: &str) -> Self {
         let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
-        Self { header: lines.next().unwrap(), rows: lines.collect() }
+        Self { header: lines.next().unwrap_or_default(), rows: lines.collect() }
+    }
+
+    fn column(&self, column: &str) -> Option<usize> {
+        self.header.iter().position(|name| name == column)
     }
 
     fn text<'a>(&self, row: &'a [String], column: &str) -> &'a str {
-        let index = self.header.iter().position(|name| name == column).unwrap_or_else(|| panic!("no column {column}"));
-        &row[index]
+        &row[self.column(column).unwrap_or_else(|| panic!("no column {column}"))]
     }
 
     fn number(&self, row: &[String], column: &str) -> f64 {
         self.text(row, column).parse().unwrap_or_else(|_| panic!("{column} of {row:?}"))
+    }
+
+    /// A number of a column that not every table has.
+    fn optional(&self, row: &[String], column: &str) -> Option<f64> {
+        row[self.column(column)?].parse().ok()
     }
 }
 
@@ -49,7 +70,8 @@ impl Case {
     fn waypoint(&self, row: &[String], prefix: &str) -> Waypoint {
         let number = |name: &str| self.table.number(row, &format!("{prefix}{name}"));
         Waypoint {
-            road: self.roads[&(number("road_id") as u32)],
+            // Places on roads that we do not have are found wrong by what is compared there.
+            road: self.roads.get(&(number("road_id") as u32)).copied().unwrap_or(RoadIndex(u32::MAX)),
             section: number("section_id") as u32,
             lane: number("lane_id") as i32,
             s: number("s"),
@@ -99,7 +121,9 @@ impl Findings {
         let turned = wrap_angle(ours.yaw - theirs.yaw).abs();
         self.worst_place = self.worst_place.max(apart);
         self.worst_yaw = self.worst_yaw.max(turned);
-        self.check(apart <= TOLERANCE && turned <= TOLERANCE, || format!("{}: {ours:?} is not {theirs:?}", what()));
+        // CARLA counts in 32 bits, which resolve no millimetre beyond some kilometres from the origin.
+        let reach = TOLERANCE.max(4.0 * f64::from(f32::EPSILON) * theirs.x.abs().max(theirs.y.abs()));
+        self.check(apart <= reach && turned <= TOLERANCE, || format!("{}: {ours:?} is not {theirs:?}", what()));
     }
 
     fn check(&mut self, holds: bool, what: impl FnOnce() -> String) {
@@ -116,33 +140,49 @@ fn with_tables(kind: &str, compare: impl Fn(&Case, &mut Findings)) {
         eprintln!("SKIPPED: no reference maps in {}", folder.display());
         return;
     };
-    let mut names: Vec<String> = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();
-    names.sort();
+    let files: Vec<String> = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();
+    let ending = format!("_{kind}.csv");
+    let names: BTreeSet<&str> =
+        files.iter().filter_map(|file| file.strip_suffix(".gz").unwrap_or(file).strip_suffix(&ending)).collect();
     let mut failures = Vec::new();
-    for file in names {
-        if file.ends_with(&format!("_{kind}.csv.gz")) {
-            eprintln!("SKIPPED: {file} is compressed");
-        }
-        let Some(name) = file.strip_suffix(&format!("_{kind}.csv")) else { continue };
-        let Ok(xml) = fs::read_to_string(folder.join(format!("{name}.xodr"))) else {
-            eprintln!("SKIPPED: {file} has no map beside it");
+    let mut page = format!(
+        "{:<24} {:>9} {:>9} {:>9} {:>10} {:>6}\n",
+        format!("{kind} of"),
+        "compared",
+        "worst m",
+        "worst rad",
+        "mismatches",
+        "ties"
+    );
+    for name in names {
+        let Some(xml) = read_text(&folder.join(format!("{name}.xodr"))) else {
+            page += &format!("{name:<24} SKIPPED: there is no map beside its table\n");
             continue;
         };
-        let town = Town::new(opendrive::read(&xml, name).unwrap());
+        let text = read_text(&folder.join("oracle").join(format!("{name}{ending}"))).expect("the table is there");
+        let town = match opendrive::read(&xml, name) {
+            Ok(parts) => Town::new(parts),
+            Err(error) => {
+                page += &format!("{name:<24} {error}\n");
+                failures.push(format!("{name}: {error}"));
+                continue;
+            }
+        };
         let roads = town.roads.iter().zip(0..).map(|(road, index)| (road.id, RoadIndex(index))).collect();
-        let case = Case { town, roads, table: Table::read(&folder.join("oracle").join(&file)) };
+        let case = Case { town, roads, table: Table::read(&text) };
         let mut findings = Findings::default();
         compare(&case, &mut findings);
         let Findings { compared, worst_place, worst_yaw, mismatches, ties } = findings;
-        eprintln!(
-            "{name} {kind}: {compared} compared, worst {worst_place:.1e} m and {worst_yaw:.1e} rad, {} mismatches, {ties} ties",
+        page += &format!(
+            "{name:<24} {compared:>9} {worst_place:>9.1e} {worst_yaw:>9.1e} {:>10} {ties:>6}\n",
             mismatches.len()
         );
-        mismatches.iter().take(5).for_each(|mismatch| eprintln!("  {mismatch}"));
+        mismatches.iter().take(5).for_each(|mismatch| page += &format!("  {mismatch}\n"));
         if !mismatches.is_empty() {
             failures.push(format!("{name}: {} of {compared}", mismatches.len()));
         }
     }
+    eprint!("\n{page}");
     assert!(failures.is_empty(), "{kind}: {failures:?}");
 }
 
@@ -151,6 +191,15 @@ fn compare_lanes(case: &Case, found: &mut Findings) {
         let at = case.waypoint(row, "");
         found.compared += 1;
         found.pose(case.town.pose(at), case.pose(row, ""), || format!("{at:?}"));
+        if let Some(z) = case.table.optional(row, "z") {
+            let elevation = case.town.elevation(at);
+            found.check((elevation - z).abs() <= TOLERANCE, || format!("{at:?}: height {elevation}, not {z}"));
+        }
+        if let Some(pitch) = case.table.optional(row, "pitch") {
+            let ours = case.town.pitch(at);
+            let off = wrap_angle(ours - pitch.to_radians()).abs();
+            found.check(off <= TOLERANCE, || format!("{at:?}: pitch {ours} rad, not {pitch}°"));
+        }
         let width = case.town.lane_width(at);
         found.check((width - case.table.number(row, "lane_width")).abs() <= TOLERANCE, || {
             format!("{at:?}: width {width}")
@@ -186,23 +235,26 @@ fn generated_waypoints_agree_with_the_reference() {
 #[test]
 fn topology_agrees_with_the_reference() {
     with_tables("topology", |case, found| {
-        let key = |w: Waypoint| (case.town.roads[w.road.0 as usize].id, w.section, w.lane, (w.s * 1e2).round() as i64);
-        let mut pairs: BTreeMap<_, i64> = BTreeMap::new();
+        let key = |w: Waypoint| (w.road.0, w.section, w.lane);
+        let mut pairs: BTreeMap<_, Vec<(Waypoint, Waypoint)>> = BTreeMap::new();
         for (entry, exit) in case.town.topology() {
-            *pairs.entry((key(entry), key(exit))).or_default() += 1;
+            pairs.entry((key(entry), key(exit))).or_default().push((entry, exit));
         }
         for row in &case.table.rows {
             found.compared += 1;
             let (entry, exit) = (case.waypoint(row, "entry_"), case.waypoint(row, "exit_"));
             found.pose(case.town.pose(entry), case.pose(row, "entry_"), || format!("{entry:?}"));
             found.pose(case.town.pose(exit), case.pose(row, "exit_"), || format!("{exit:?}"));
-            *pairs.entry((key(entry), key(exit))).or_default() -= 1;
+            let ours = pairs.get_mut(&(key(entry), key(exit))).and_then(Vec::pop);
+            found.check(ours.is_some(), || format!("{entry:?} to {exit:?} is missing"));
+            let Some((own_entry, own_exit)) = ours else { continue };
+            let off = (own_entry.s - entry.s).abs().max((own_exit.s - exit.s).abs());
+            found.check(off <= TOLERANCE, || format!("{entry:?} to {exit:?}: off by {off} m"));
         }
         // CARLA loses a dead end where the lane's end rounds up to 32 bits beyond the road; we keep it.
-        let dead_end =
-            |(entry, exit): &(_, _)| matches!((entry, exit), ((a, b, c, _), (d, e, f, _)) if (a, b, c) == (d, e, f));
-        for (pair, count) in pairs.iter().filter(|(pair, count)| **count != 0 && !(dead_end(pair) && **count == 1)) {
-            found.check(false, || format!("{pair:?} is there {count:+} times"));
+        let dead_end = |(entry, exit): &(Waypoint, Waypoint)| key(*entry) == key(*exit);
+        for (entry, exit) in pairs.values().flatten().filter(|pair| !dead_end(pair)) {
+            found.check(false, || format!("{entry:?} to {exit:?} is not there"));
         }
     });
 }
@@ -214,17 +266,19 @@ fn junctions_agree_with_the_reference() {
         for row in &case.table.rows {
             found.compared += 1;
             let id = case.table.number(row, "junction_id") as u32;
-            let inside =
-                town.roads.iter().filter(|road| road.junction.is_some_and(|j| town.junctions[j.0 as usize].id == id));
-            let mut ours: Vec<String> = inside
+            let connections = town.junctions.iter().filter(|own| own.id == id).flat_map(|own| &own.connections);
+            let roads: BTreeSet<RoadIndex> = connections.map(|connection| connection.connecting).collect();
+            let ours: BTreeSet<String> = roads
+                .iter()
+                .map(|road| &town.roads[road.0 as usize])
                 .flat_map(|road| {
-                    let driving = road.sections[0].lanes.iter().filter(|lane| lane.kind == LaneKind::Driving);
+                    let lanes = road.sections.iter().flat_map(|section| &section.lanes);
+                    let driving = lanes.filter(|lane| lane.kind == LaneKind::Driving && lane.id != 0);
                     driving.map(|lane| format!("{}:{}", road.id, lane.id))
                 })
                 .collect();
-            let mut theirs: Vec<&str> = case.table.text(row, "road:lane list").split(';').collect();
-            ours.sort_unstable();
-            theirs.sort_unstable();
+            let list = case.table.text(row, "road:lane list").split(';').filter(|lane| !lane.is_empty());
+            let theirs: BTreeSet<String> = list.map(str::to_owned).collect();
             found.check(ours == theirs, || format!("junction {id}: {ours:?} is not {theirs:?}"));
         }
     });
@@ -265,80 +319,143 @@ fn next_and_previous_agree_with_the_reference() {
     });
 }
 
-/// Whether two answers are equally good: lanes equally far, or two chords that meet at the corner nearest to the point. (In the
-/// latter case the end of one chord and the beginning of the other differ, since chords are shorter than their part of the road.)
-fn is_tie(point: Point, ours: Pose, theirs: Pose) -> bool {
+/// Whether two answers are equally good: lanes equally far, or two chords of one lane that meet at the corner nearest to the
+/// point. (In the latter case the end of one chord and the beginning of the other differ, since chords are shorter than their
+/// part of the road, and CARLA answers with whichever its tree finds first.)
+fn is_tie(point: Point, [ours, theirs]: [Pose; 2], [above, below]: [f64; 2], same_lane: bool) -> bool {
     let apart = (ours.position() - theirs.position()).norm();
-    let distance = |pose: Pose| (pose.position() - point).norm();
+    let distance = |pose: Pose, up: f64| ((pose.position() - point).norm_squared() + up * up).sqrt();
     let abeam = |pose: Pose| pose.to_local(point).normalize().x.abs() < 0.1;
-    let equally_far = (distance(ours) - distance(theirs)).abs() <= TOLERANCE;
-    apart > TOLERANCE && (equally_far || apart < 0.5 && (abeam(ours) || abeam(theirs)))
+    let equally_far = (distance(ours, above) - distance(theirs, below)).abs() <= TOLERANCE;
+    apart > TOLERANCE && (equally_far || same_lane && apart < 0.5 && (abeam(ours) || abeam(theirs)))
 }
 
 #[test]
 fn nearest_lanes_agree_with_the_reference() {
     with_tables("queries", |case, found| {
-        let hilly = case.table.rows.iter().any(|row| case.table.number(row, "z") != 0.0);
-        let mut other_lanes = 0;
+        let town = &case.town;
         for row in &case.table.rows {
-            let point = case.point(row, "");
+            let (point, height) = (case.point(row, ""), case.table.optional(row, "z").unwrap_or(0.0));
             for (filter, prefix) in [(LaneFilter::Driving, "driving_"), (LaneFilter::Any, "any_")] {
                 found.compared += 1;
-                let at = case.town.nearest_lane(point, filter).unwrap();
-                let (ours, theirs) = (case.town.pose(at), case.pose(row, prefix));
+                if case.table.text(row, &format!("{prefix}road_id")).is_empty() {
+                    let at = town.nearest_lane_in_space(point, height, filter);
+                    found.check(at.is_none(), || format!("{point} {filter:?}: {at:?}, not nothing"));
+                    continue;
+                }
                 let wanted = case.waypoint(row, prefix);
-                if hilly {
-                    // Chords end elsewhere where pitch counts as a turn, and are up to 0.2 m off the bend they span.
-                    other_lanes += usize::from((at.road, at.lane) != (wanted.road, wanted.lane));
-                    found
-                        .check((at.s - wanted.s).abs() < 1.0, || format!("{point} {filter:?}: {at:?}, not {wanted:?}"));
-                } else if is_tie(point, ours, theirs) {
+                let Some(at) = town.nearest_lane_in_space(point, height, filter) else {
+                    found.check(false, || format!("{point} {filter:?}: nothing, not {wanted:?}"));
+                    continue;
+                };
+                let (ours, theirs) = (town.pose(at), case.pose(row, prefix));
+                let above = [at, wanted].map(|place| town.elevation(place) - height);
+                let lane = |place: Waypoint| (place.road, place.section, place.lane);
+                if is_tie(point, [ours, theirs], above, lane(at) == lane(wanted)) {
                     found.ties += 1;
                 } else {
-                    found.pose(ours, theirs, || format!("{point} {filter:?}: {at:?}, not {wanted:?}"));
+                    found.pose(ours, theirs, || format!("{point} {height} {filter:?}: {at:?}, not {wanted:?}"));
                 }
             }
         }
-        if hilly {
-            eprintln!("{}: hilly, {other_lanes} other lanes", case.town.name);
-        }
         let (compared, ties) = (found.compared, found.ties);
         found.check(200 * ties <= compared, || format!("{ties} ties are too many"));
-        found.check(100 * other_lanes <= compared, || format!("{other_lanes} other lanes are too many"));
+    });
+}
+
+impl Case {
+    /// The driving lanes of ours that a sign or signal holds for, by its range of lanes.
+    fn lanes_of_landmark(&self, row: &[String]) -> Vec<Waypoint> {
+        let at = |lane| Waypoint { lane, section: 0, ..self.landmark(row) };
+        let Some(road) = self.town.roads.get(at(0).road.0 as usize) else { return Vec::new() };
+        let ranges: Vec<(LaneId, LaneId)> = self
+            .table
+            .text(row, "lanes_from:to")
+            .split([';', ' '])
+            .filter_map(|range| range.split_once(':'))
+            .filter_map(|(from, to)| Some((from.parse().ok()?, to.parse().ok()?)))
+            .collect();
+        let section = road.section_at(at(0).s);
+        let lanes = road.sections[section].lanes.iter().filter(|lane| lane.kind == LaneKind::Driving && lane.id != 0);
+        let held = lanes.filter(|lane| ranges.iter().any(|(a, b)| (*a.min(b)..=*a.max(b)).contains(&lane.id)));
+        held.map(|lane| Waypoint { section: section as u32, ..at(lane.id) }).collect()
+    }
+
+    fn landmark(&self, row: &[String]) -> Waypoint {
+        let number = |name: &str| self.table.number(row, name);
+        let road = self.roads.get(&(number("road_id") as u32)).copied().unwrap_or(RoadIndex(u32::MAX));
+        Waypoint { road, section: 0, lane: 0, s: number("s") }
+    }
+
+    /// The lanes before the junction from which one comes to a lane; the lane itself outside junctions.
+    fn approaches(&self, lane: Waypoint) -> Vec<(RoadIndex, u32, LaneId)> {
+        let key = |w: &Waypoint| (w.road, w.section, w.lane);
+        let (mut open, mut seen, mut outside) = (vec![lane], BTreeSet::new(), Vec::new());
+        while let Some(lane) = open.pop() {
+            if !seen.insert(key(&lane)) {
+            } else if self.town.is_junction(lane) {
+                open.extend(self.town.predecessors(lane));
+            } else {
+                outside.push(key(&lane));
+            }
+        }
+        outside
+    }
+}
+
+#[test]
+fn speed_signs_agree_with_the_reference() {
+    with_tables("landmarks", |case, found| {
+        let mut wanted: BTreeMap<i64, i64> = BTreeMap::new();
+        for row in case.table.rows.iter().filter(|row| case.table.text(row, "type") == "274") {
+            found.compared += 1;
+            let limit =
+                ["sub_type", "value"].iter().find_map(|column| case.table.optional(row, column).filter(|n| *n > 0.0));
+            let Some(limit) = limit else { continue };
+            let lanes = case.lanes_of_landmark(row).len();
+            *wanted.entry(limit.round() as i64).or_default() += lanes as i64;
+            // The sign stands beside the road, abeam of a box on each lane that it holds for.
+            let sign = case.point(row, "");
+            let near = case.town.speed_signs.iter().filter(|ours| (ours.limit - limit / 3.6).abs() < 1e-9);
+            let distance = near.map(|ours| ours.trigger.distance_to(sign)).fold(f64::INFINITY, f64::min);
+            found.check(lanes == 0 || distance < 20.0, || {
+                format!("no box within 20 m of the sign at {sign}, but at {distance}")
+            });
+        }
+        for sign in &case.town.speed_signs {
+            *wanted.entry((sign.limit * 3.6).round() as i64).or_default() -= 1;
+        }
+        wanted.retain(|_, count| *count != 0);
+        found.check(wanted.is_empty(), || format!("missing boxes by limit: {wanted:?}"));
     });
 }
 
 #[test]
-fn speed_signs_and_traffic_lights_agree_with_the_reference() {
+fn traffic_lights_agree_with_the_reference() {
     with_tables("landmarks", |case, found| {
-        let of_type =
-            |kind: &'static str| case.table.rows.iter().filter(move |row| case.table.text(row, "type") == kind);
-        let mut limits: Vec<i64> = of_type("274").map(|row| case.table.number(row, "value") as i64).collect();
-        let mut ours: Vec<i64> = case.town.speed_signs.iter().map(|sign| (sign.limit * 3.6).round() as i64).collect();
-        limits.sort_unstable();
-        ours.sort_unstable();
-        found.check(ours == limits, || format!("limits {ours:?} are not {limits:?}"));
-        for row in of_type("274") {
+        let town = &case.town;
+        let mut wanted = BTreeSet::new();
+        for row in case.table.rows.iter().filter(|row| case.table.text(row, "type") == "1000001") {
             found.compared += 1;
-            // The sign stands beside the road, abeam of a box that reaches one lane up to it.
-            let sign = case.point(row, "");
-            let limit = case.table.number(row, "value") / 3.6;
-            let near = case.town.speed_signs.iter().filter(|ours| (ours.limit - limit).abs() < 1e-9);
-            let distance = near.map(|ours| ours.trigger.distance_to(sign)).fold(f64::INFINITY, f64::min);
-            found.check(distance < 10.0, || format!("no box within 10 m of the sign at {sign}, but at {distance}"));
+            if case.table.optional(row, "is_dynamic") == Some(0.0) {
+                continue;
+            }
+            let lanes = case.lanes_of_landmark(row);
+            wanted.extend(
+                lanes
+                    .into_iter()
+                    .flat_map(|lane| case.approaches(lane))
+                    .map(|(road, section, lane)| (case.table.text(row, "id"), road, section, lane)),
+            );
         }
-        let mut lights: Vec<&str> = of_type("1000001").map(|row| case.table.text(row, "id")).collect();
-        lights.sort_unstable();
-        lights.dedup();
-        found.compared += lights.len();
-        let ours = &case.town.traffic_lights;
-        found.check(ours.len() == lights.len(), || format!("{} lights, not {}", ours.len(), lights.len()));
-        for light in ours {
-            let at = case.town.nearest_lane(light.stop.position(), LaneFilter::Driving).unwrap();
-            let mut ahead = Vec::new();
-            case.town.next(at, 3.5, &mut ahead);
-            let enters = !case.town.is_junction(at) && ahead.iter().all(|w| case.town.is_junction(*w));
-            found.check(enters && at.road == light.road && light.turn < light.turns, || format!("{light:?}"));
+        let count = |road| wanted.iter().filter(|light| light.1 == road).count();
+        for road in (0..town.roads.len() as u32).map(RoadIndex) {
+            let (ours, theirs) = (town.traffic_lights.iter().filter(|light| light.road == road).count(), count(road));
+            let id = town.roads[road.0 as usize].id;
+            found.check(ours == theirs, || format!("road {id}: {ours} lights on its lanes, not {theirs}"));
+        }
+        for light in &town.traffic_lights {
+            found.check(light.turn < light.turns && !light.trigger.half.x.is_nan(), || format!("{light:?}"));
         }
     });
 }

@@ -14,8 +14,8 @@ const TOLERANCE: f64 = 1e-3;
 /// Where lanes part at a junction their centres begin at the same place, to the last bit, and CARLA's R-tree decides by its
 /// inner order which of them is the nearest. Moved by so much (m), a goal lies on the one or the other for sure.
 const NUDGE: f64 = 0.02;
-/// One route in so many may hang on that.
-const ROUTES_PER_TIE: usize = 10;
+/// One route in so many may hang on that, or on a route before it that the table does not have.
+const ROUTES_PER_EXCEPTION: usize = 10;
 
 fn reference() -> PathBuf {
     std::env::var_os("FALSIFY_REFERENCE_DIR")
@@ -69,7 +69,8 @@ fn difference(town: &Town, recorded: &Recorded, ours: &[RoutePoint]) -> String {
         let (at, road, lane, option) = theirs;
         let off = (place(*at) - ours.pose.position()).norm();
         let id = town.roads[ours.waypoint.road.0 as usize].id;
-        if off > TOLERANCE || off.is_nan() || option != name(ours.option) || (id, ours.waypoint.lane) != (*road, *lane) {
+        if off > TOLERANCE || off.is_nan() || option != name(ours.option) || (id, ours.waypoint.lane) != (*road, *lane)
+        {
             return format!(
                 "point {index} of {}: {at:?} on road {road}, lane {lane}, {option}; ours is {off:.4} m off on road {id}, lane {}, s {:.3}, {}",
                 recorded.points.len(),
@@ -83,6 +84,15 @@ fn difference(town: &Town, recorded: &Recorded, ours: &[RoutePoint]) -> String {
         String::new()
     } else {
         format!("{} points, ours has {}", recorded.points.len(), ours.len())
+    }
+}
+
+/// What CARLA's planner does to a route where the one before it ended in a junction elsewhere, since it still believes to be
+/// there.
+fn forget_first_junction(route: &mut [RoutePoint]) {
+    let named = route.iter_mut().skip_while(|point| point.option == RoadOption::LaneFollow);
+    for point in named.take_while(|point| point.option != RoadOption::LaneFollow) {
+        point.option = RoadOption::LaneFollow;
     }
 }
 
@@ -109,33 +119,38 @@ fn routes_agree_with_the_reference() {
         let town = Town::new(opendrive::read(&map, town_name).expect("the map of recorded routes is readable"));
         let planner = RoutePlanner::new(&town, SAMPLING);
         let routes = read_routes(&fs::read_to_string(&file).unwrap());
-        let (mut wrong, mut ties) = (0, 0);
+        let (mut wrong, mut exceptions) = (0, 0);
         for (number, recorded) in &routes {
             let (origin, goal) = (place(recorded.origin), place(recorded.goal));
-            let compare = |origin, goal| {
-                difference(&town, recorded, &planner.trace(&town, origin, goal).unwrap_or_default())
-            };
+            let compare =
+                |origin, goal| difference(&town, recorded, &planner.trace(&town, origin, goal).unwrap_or_default());
             let difference = compare(origin, goal);
             let nudges = [(0.0, NUDGE), (0.0, -NUDGE), (NUDGE, 0.0), (-NUDGE, 0.0)].map(|(x, y)| Vector::new(x, y));
             let mut nudged = nudges.iter().flat_map(|nudge| [(origin + nudge, goal), (origin, goal + nudge)]);
             if difference.is_empty() {
                 continue;
             }
+            let mut unnamed = planner.trace(&town, origin, goal).unwrap_or_default();
+            forget_first_junction(&mut unnamed);
             if nudged.any(|(origin, goal)| compare(origin, goal).is_empty()) {
-                ties += 1;
+                exceptions += 1;
                 eprintln!("  {town_name}, route {number}: lanes equally near decide; {difference}");
+            } else if self::difference(&town, recorded, &unnamed).is_empty() {
+                exceptions += 1;
+                eprintln!("  {town_name}, route {number}: the route before it decides; {difference}");
             } else {
                 wrong += 1;
                 eprintln!("  {town_name}, route {number}: {difference}");
             }
         }
         let points: usize = routes.values().map(|route| route.points.len()).sum();
-        let agree = routes.len() - wrong - ties;
+        let agree = routes.len() - wrong - exceptions;
         eprintln!(
-            "{town_name}: {agree} of {} routes agree, {points} points; {ties} more are a choice of equally near lanes",
+            "{town_name}: {agree} of {} routes agree, {points} points; {exceptions} more are explained above",
             routes.len()
         );
-        assert!(ties * ROUTES_PER_TIE <= routes.len().max(ROUTES_PER_TIE), "{ties} ties are too many");
+        let allowed = routes.len().div_ceil(ROUTES_PER_EXCEPTION);
+        assert!(exceptions <= allowed, "{exceptions} exceptions are too many");
         agreeing += routes.len() - wrong;
         all += routes.len();
     }
@@ -167,8 +182,9 @@ fn topology_and_branches_are_in_the_order_of_the_reference() {
         let text = fs::read_to_string(&file).unwrap();
         let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
         let header = lines.next().expect("a table has a header");
-        let columns = ["entry_road_id", "entry_section_id", "entry_lane_id", "exit_road_id", "exit_section_id", "exit_lane_id"]
-            .map(|name| header.iter().position(|other| *other == name).unwrap_or_else(|| panic!("no {name}")));
+        let columns =
+            ["entry_road_id", "entry_section_id", "entry_lane_id", "exit_road_id", "exit_section_id", "exit_lane_id"]
+                .map(|name| header.iter().position(|other| *other == name).unwrap_or_else(|| panic!("no {name}")));
         let theirs: Vec<[i64; 6]> =
             lines.map(|row| columns.map(|column| row[column].parse().expect("numbers are whole"))).collect();
         let ours = town.topology().into_iter().map(|ends| {

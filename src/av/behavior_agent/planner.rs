@@ -176,10 +176,10 @@ impl Planner {
             }
             Source::Destinations { .. } if self.queue.is_empty() => {
                 // Out and back in again, since planning needs the rest of the planner.
-                if let Source::Destinations { routes, mut stream } = std::mem::take(&mut self.source) {
-                    if self.plan(traits, town, &routes, &mut stream) {
-                        self.source = Source::Destinations { routes, stream };
-                    }
+                if let Source::Destinations { routes, mut stream } = std::mem::take(&mut self.source)
+                    && self.plan(traits, town, &routes, &mut stream)
+                {
+                    self.source = Source::Destinations { routes, stream };
                 }
             }
             _ => {}
@@ -189,12 +189,12 @@ impl Planner {
     /// Draws a destination and plans to it from the place last steered for. Destinations that cannot be reached, or lie
     /// behind on the same lane, where CARLA's route would be a single point, are drawn again. Tells whether one was found.
     fn plan(&mut self, traits: &ReleaseTraits, town: &Town, routes: &RoutePlanner, stream: &mut Stream) -> bool {
-        let (Some(from), waypoints) = (self.target, routes.waypoints()) else { return false };
-        if waypoints.is_empty() {
+        let (Some(from), destinations) = (self.target, routes.destinations()) else { return false };
+        if destinations.is_empty() {
             return false;
         }
         for _ in 0..DRAWS {
-            let to = town.pose(waypoints[stream.random_range(0..waypoints.len())]).position();
+            let to = town.pose(destinations[stream.random_range(0..destinations.len())]).position();
             if let Some(route) = routes.trace(town, from, to).filter(|route| route.len() > 1) {
                 self.buffer.clear();
                 self.queue.extend(route.into_iter().map(PlannedPoint::new));

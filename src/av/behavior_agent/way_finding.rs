@@ -5,8 +5,8 @@ use crate::road::ForkRule;
 pub enum WayFinding {
     /// On and on, choosing at each fork.
     Wander(ForkRule),
-    /// To a destination drawn uniformly among the town's waypoints on driving lanes, by the route that CARLA's planner
-    /// finds.
+    /// To a destination drawn uniformly among the waypoints on driving lanes outside junctions, where CARLA's spawn points
+    /// are too, by the route that CARLA's planner finds.
     Destination(AtDestination),
 }
 

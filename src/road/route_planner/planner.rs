@@ -14,13 +14,15 @@ use crate::road::{LaneFilter, RoutePoint, Town, Waypoint};
 pub struct RoutePlanner {
     sampling: f64,
     graph: RouteGraph,
-    waypoints: Vec<Waypoint>,
+    destinations: Vec<Waypoint>,
 }
 
 impl RoutePlanner {
     /// Cuts the lanes of a town into segments with a point every `sampling` (m), and the rest at their ends.
     pub fn new(town: &Town, sampling: f64) -> Self {
-        Self { sampling, graph: RouteGraph::new(town, sampling), waypoints: town.generate_waypoints(sampling) }
+        let mut destinations = town.generate_waypoints(sampling);
+        destinations.retain(|waypoint| !town.is_junction(*waypoint));
+        Self { sampling, graph: RouteGraph::new(town, sampling), destinations }
     }
 
     /// The spacing of its points along the reference line (m).
@@ -28,15 +30,16 @@ impl RoutePlanner {
         self.sampling
     }
 
-    /// Waypoints on all driving lanes at its spacing: possible destinations.
-    pub fn waypoints(&self) -> &[Waypoint] {
-        &self.waypoints
+    /// Waypoints on all driving lanes outside junctions, at its spacing.
+    pub fn destinations(&self) -> &[Waypoint] {
+        &self.destinations
     }
 
     /// The route between the lanes nearest to two places of the town it was made for; none where no way leads.
     ///
     /// Where segments meet, the end of one and the beginning of the next are both points of the route. A destination behind
-    /// the origin on the same segment gives a single point, as CARLA has it.
+    /// the origin on the same segment gives a single point, as CARLA has it. From an origin within a junction the route may
+    /// begin on another branch, since CARLA searches from where the origin's segment begins.
     pub fn trace(&self, town: &Town, from: Point, to: Point) -> Option<Vec<RoutePoint>> {
         let origin = town.nearest_lane(from, LaneFilter::Driving)?;
         let goal = Place::new(town, town.nearest_lane(to, LaneFilter::Driving)?);

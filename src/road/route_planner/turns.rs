@@ -79,12 +79,7 @@ mod tests {
     }
 
     fn exit(degrees: f64) -> Edge {
-        Edge {
-            to: 0,
-            places: Vec::new(),
-            junction: true,
-            directions: Some((heading(degrees), heading(degrees))),
-        }
+        Edge { to: 0, places: Vec::new(), junction: true, directions: Some((heading(degrees), heading(degrees))) }
     }
 
     fn named(leaving: f64, others: &[f64]) -> RoadOption {

@@ -35,15 +35,23 @@ fn turns(route: &[RoutePoint]) -> Vec<RoadOption> {
 fn a_route_follows_lanes_and_ends_near_its_goal() {
     let town = town();
     let planner = RoutePlanner::new(&town, 2.0);
-    assert!(planner.waypoints().len() > 500);
+    assert!(planner.destinations().len() > 400);
     let mut longest = 0;
-    for (from, to) in planner.waypoints().iter().step_by(37).zip(planner.waypoints().iter().rev().step_by(29)) {
-        let [from, to] = [from, to].map(|waypoint| town.pose(*waypoint).position());
+    let ways = planner
+        .destinations()
+        .iter()
+        .step_by(17)
+        .flat_map(|from| planner.destinations().iter().step_by(19).map(move |to| (*from, *to)));
+    for (from, to) in ways {
+        let [from, to] = [from, to].map(|waypoint| town.pose(waypoint).position());
+        if town.nearest_lane(from, LaneFilter::Driving).is_some_and(|lane| town.is_junction(lane)) {
+            continue;
+        }
         let Some(route) = planner.trace(&town, from, to) else { continue };
         let gaps = route.windows(2).map(|pair| (pair[1].pose.position() - pair[0].pose.position()).norm());
         // Of a segment's points the one nearer to its end than the spacing is left out.
         assert!(gaps.fold(0.0, f64::max) < 4.5, "no gaps");
-        assert!((route[0].pose.position() - from).norm() < 2.1, "begins where it should");
+        assert!((route[0].pose.position() - from).norm() < 3.0, "begins where it should");
         if route.len() > 1 {
             let last = route[route.len() - 1].pose.position();
             assert!((last - to).norm() < 4.5, "{last} is the end of a way to {to}");
@@ -68,11 +76,10 @@ fn junctions_are_named_and_lanes_are_not() {
     assert_eq!(turns(&way(south, west)), [RoadOption::Left, RoadOption::Left]);
     assert_eq!(turns(&way(north, end)), [RoadOption::Straight]);
     for point in way(south, north) {
-        assert!(point.option != RoadOption::LaneFollow || !point.is_junction || point.waypoint.s < 1e-3 || {
-            // The end of the segment before is the beginning of a junction's lane.
-            let length = town.roads[point.waypoint.road.0 as usize].length;
-            length - point.waypoint.s < 1e-3
-        });
+        // The end of the segment before is the beginning of a junction's lane.
+        let length = town.roads[point.waypoint.road.0 as usize].length;
+        let at_end = point.waypoint.s.min(length - point.waypoint.s) < 1e-3;
+        assert!(point.option != RoadOption::LaneFollow || !point.is_junction || at_end);
     }
 }
 
