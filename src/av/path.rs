@@ -2,7 +2,7 @@ use std::collections::VecDeque;
 
 use super::Perception;
 use crate::geometry::{Point, Pose};
-use crate::road::{LaneFilter, RandomWalk, RoadOption, RoutePoint, Town};
+use crate::road::{ForkRule, LaneFilter, RandomWalk, RoadOption, RoutePoint, Town};
 use crate::seed::Stream;
 
 /// Spacing of the points (m), along the reference line.
@@ -20,7 +20,7 @@ pub struct Path {
 
 impl Default for Path {
     fn default() -> Self {
-        Self { points: VecDeque::with_capacity(HORIZON + 1), walk: RandomWalk::default(), stream: None }
+        Self { points: VecDeque::with_capacity(HORIZON + 1), walk: RandomWalk::new(ForkRule::AnyBranch), stream: None }
     }
 }
 

@@ -50,6 +50,9 @@ pub struct RunOptions {
     /// Scenario files; their campaigns are run in order.
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
+    /// Take the roads of a town from an OpenDRIVE map instead; buildings are kept.
+    #[arg(long, value_name = "TOWN=FILE", value_parser = town_and_file)]
+    pub map: Vec<(String, PathBuf)>,
     /// Folder for the reports, one folder in it for each campaign.
     #[arg(long, short, default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
     pub out: PathBuf,
@@ -73,6 +76,14 @@ pub struct CheckOptions {
     /// Scenario files.
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
+    /// Take the roads of a town from an OpenDRIVE map instead; buildings are kept.
+    #[arg(long, value_name = "TOWN=FILE", value_parser = town_and_file)]
+    pub map: Vec<(String, PathBuf)>,
+}
+
+fn town_and_file(text: &str) -> Result<(String, PathBuf), String> {
+    let (town, file) = text.split_once('=').ok_or("write TOWN=FILE")?;
+    Ok((town.to_string(), PathBuf::from(file)))
 }
 
 /// Options of `falsify map`.

@@ -13,7 +13,7 @@ use crate::seed::Seed;
 
 /// `falsify run`
 pub fn run(options: &RunOptions) -> ExitCode {
-    let (mut plan, files) = match front::compile_files(&options.files) {
+    let (mut plan, files) = match front::compile_files(&options.files, &options.map) {
         Ok(compiled) => compiled,
         Err(code) => return code,
     };

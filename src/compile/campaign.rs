@@ -39,8 +39,16 @@ pub fn form() -> Form {
                 "[trained, random]",
                 "Who tries: the trained ones doing what they think best (`trained`) or drawing from their policy (`sampled`), one that chooses at random, one that walks to where it would meet the ego.",
             ),
-            Param::optional("vehicles", names("vehicle"), "Models of car to try them against, instead of the campaign's `vehicle`."),
-            Param::optional("adversaries", names("adversary"), "Bodies and readings to try them with, instead of the campaign's `adversary`."),
+            Param::optional(
+                "vehicles",
+                names("vehicle"),
+                "Models of car to try them against, instead of the campaign's `vehicle`.",
+            ),
+            Param::optional(
+                "adversaries",
+                names("adversary"),
+                "Bodies and readings to try them with, instead of the campaign's `adversary`.",
+            ),
             spawn(),
         ],
     );

@@ -32,6 +32,21 @@ pub fn compile(
     read: &Reader,
     sources: &mut Sources,
 ) -> Result<Compiled, (PathBuf, std::io::Error)> {
+    compile_with_maps(paths, &BTreeMap::new(), catalog, read, sources)
+}
+
+/// Does as [`compile`], with the roads of some towns taken from OpenDRIVE maps instead; what the scenario places beside
+/// them is kept.
+///
+/// # Errors
+/// As [`compile`].
+pub fn compile_with_maps(
+    paths: &[PathBuf],
+    maps: &BTreeMap<String, PathBuf>,
+    catalog: &Catalog,
+    read: &Reader,
+    sources: &mut Sources,
+) -> Result<Compiled, (PathBuf, std::io::Error)> {
     let mut loaded = lang::load(paths, read, sources)?;
     let mut diagnostics = std::mem::take(&mut loaded.diagnostics);
     let (program, said) = lang::check(&loaded, sources, &catalog.forms, &catalog.vocabulary);
@@ -41,7 +56,7 @@ pub fn compile(
         return Ok(Compiled { plan: None, diagnostics });
     }
     let mut lowering =
-        Lowering { program: &program, catalog, sources, read, said: &mut diagnostics, towns: BTreeMap::new() };
+        Lowering { program: &program, catalog, sources, read, maps, said: &mut diagnostics, towns: BTreeMap::new() };
     let plan = lowering.plan();
     lowering.warn_of_unused();
     // One mistake may show in many cells.
@@ -64,6 +79,7 @@ pub(super) struct Lowering<'a> {
     pub said: &'a mut Vec<Diagnostic>,
     sources: &'a Sources,
     read: &'a Reader<'a>,
+    maps: &'a BTreeMap<String, PathBuf>,
     towns: BTreeMap<DeclarationId, Option<BuiltTown>>,
 }
 
@@ -96,7 +112,9 @@ impl Lowering<'_> {
         if let Some(built) = self.towns.get(&id) {
             return built.clone();
         }
-        let built = town::lower(self.program.get(id), self.sources, self.read, self.said)
+        let declaration = self.program.get(id);
+        let map = self.maps.get(&declaration.name).map(PathBuf::as_path);
+        let built = town::lower(declaration, map, self.sources, self.read, self.said)
             .map(|town| BuiltTown { obstacles: Arc::new(Obstacles::new(&town.obstacles)), town: Arc::new(town) });
         self.towns.insert(id, built.clone());
         built

@@ -13,6 +13,14 @@ pub struct Plan {
     pub towns: Vec<NamedTown>,
 }
 
+impl Plan {
+    /// Whether a town of this name is declared or used.
+    pub fn has_town(&self, name: &str) -> bool {
+        let used = self.campaigns.iter().flat_map(|campaign| &campaign.towns);
+        self.towns.iter().chain(used).any(|town| town.name == name)
+    }
+}
+
 /// A campaign: trainings, and evaluations of what they bring forth.
 #[derive(Debug, Clone)]
 pub struct Campaign {

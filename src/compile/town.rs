@@ -172,11 +172,22 @@ fn obstacles() -> Vec<Signature> {
     ]
 }
 
-/// Builds a town, saying what is wrong with it.
-pub fn lower(declaration: &Declaration, sources: &Sources, read: &Reader, said: &mut Vec<Diagnostic>) -> Option<Town> {
+/// Builds a town, saying what is wrong with it. A map given here takes the place of its own roads and signs.
+pub fn lower(
+    declaration: &Declaration,
+    map: Option<&Path>,
+    sources: &Sources,
+    read: &Reader,
+    said: &mut Vec<Diagnostic>,
+) -> Option<Town> {
     let block = &declaration.block;
-    let mut parts = match declaration.kind {
-        "opendrive" => read_map(declaration, sources, read, said)?,
+    let own = match declaration.kind {
+        "opendrive" if map.is_some() => TownParts::default(),
+        "opendrive" => {
+            let folder = sources.get(declaration.source).path.parent().unwrap_or(Path::new("")).to_path_buf();
+            let path = block.arguments.text("file");
+            read_map(declaration, &folder.join(path), path, read, said)?
+        }
         _ => match design(declaration).build() {
             Ok(parts) => parts,
             Err(faults) => {
@@ -184,6 +195,13 @@ pub fn lower(declaration: &Declaration, sources: &Sources, read: &Reader, said: 
                 return None;
             }
         },
+    };
+    let mut parts = match map {
+        None => own,
+        Some(map) => {
+            let real = read_map(declaration, map, &map.display().to_string(), read, said)?;
+            TownParts { obstacles: own.obstacles, ..real }
+        }
     };
     let before = said.len();
     if let Some(second) = block.nested("row_houses").nth(1) {
@@ -193,10 +211,17 @@ pub fn lower(declaration: &Declaration, sources: &Sources, read: &Reader, said: 
     // Rows of houses give way to what is placed by hand.
     parts.obstacles.retain(|row| !standing.iter().any(|(_, own)| own.overlaps(row)));
     parts.obstacles.extend(standing.iter().map(|(_, own)| *own));
-    for sign in block.nested("speed_sign") {
+    // A real map has signs of its own.
+    for sign in block.nested("speed_sign").filter(|_| map.is_none()) {
         let half = SIGN_HALF_SIZE;
         let trigger = OrientedBox::new(pose(sign.arguments.value("at")), half, half);
         parts.speed_signs.push(SpeedSign { limit: sign.arguments.number("limit"), trigger });
+    }
+    if map.is_some() {
+        // What was placed beside the outline of a street may reach into the real one.
+        let roads = Town::new(TownParts { obstacles: Vec::new(), ..parts.clone() });
+        parts.obstacles.retain(|own| road_under(&roads, own).is_none());
+        return Some(Town::new(parts));
     }
     let town = Town::new(parts);
     for (place, own) in &standing {
@@ -207,27 +232,26 @@ pub fn lower(declaration: &Declaration, sources: &Sources, read: &Reader, said: 
     (said.len() == before).then_some(town)
 }
 
+/// Reads a map; `shown` is its path as the user knows it.
 fn read_map(
     declaration: &Declaration,
-    sources: &Sources,
+    file: &Path,
+    shown: &str,
     read: &Reader,
     said: &mut Vec<Diagnostic>,
 ) -> Option<TownParts> {
-    let block = &declaration.block;
-    let path = block.arguments.text("file");
-    let folder = sources.get(declaration.source).path.parent().unwrap_or(Path::new("")).to_path_buf();
-    let text = read(&folder.join(path)).map_err(|error| crate::lang::reason(&error));
-    let place = block.place("file");
+    let place = declaration.block.place("file");
+    let text = read(file).map_err(|error| crate::lang::reason(&error));
     match text.and_then(|text| opendrive::read(&text, &declaration.name).map_err(|error| error.to_string())) {
         Ok(parts) => {
             let warnings: Vec<String> = parts.warnings.iter().map(ToString::to_string).collect();
             if !warnings.is_empty() {
-                said.push(codes::map_warning(place, path, &warnings));
+                said.push(codes::map_warning(place, shown, &warnings));
             }
             Some(parts)
         }
         Err(reason) => {
-            said.push(codes::unusable_map(place, path, &reason));
+            said.push(codes::unusable_map(place, shown, &reason));
             None
         }
     }

@@ -2,8 +2,10 @@
 
 use std::ops::Range;
 
+use super::arithmetic::Path;
 use super::init::{ACTION_GAIN, HIDDEN_GAIN, VALUE_GAIN, orthogonal};
 use super::mlp::{Mlp, MlpScratch};
+use super::moments::RunningMoments;
 use super::normal::standard_normal;
 use super::real::Real;
 use crate::seed::Stream;
@@ -12,6 +14,10 @@ use crate::seed::Stream;
 ///
 /// Actor and critic are separate networks. The standard deviation of an action does not depend on the observation.
 ///
+/// Evaluating single observations, as [`ActorCritic::act`], [`ActorCritic::sample`] and [`ActorCritic::value`] do, gives
+/// the same bits on every processor. After training with `frame_stack` an observation is the content of a
+/// [`FrameStack`](super::FrameStack).
+///
 /// # Source
 /// `ActorCriticPolicy` of stable-baselines3 with `net_arch=dict(pi=hidden, vf=hidden)` and tanh.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,6 +25,7 @@ pub struct ActorCritic<T: Real = f32> {
     actor: Mlp,
     critic: Mlp,
     parameters: Vec<T>,
+    observation_moments: Option<RunningMoments>,
 }
 
 impl<T: Real> ActorCritic<T> {
@@ -48,7 +55,7 @@ impl<T: Real> ActorCritic<T> {
     /// Makes an actor and a critic of these shapes with all parameters zero.
     pub(super) fn zeros(actor: Mlp, critic: Mlp) -> Self {
         let count = actor.parameter_count() + critic.parameter_count() + actor.outputs();
-        Self { actor, critic, parameters: vec![T::zero(); count] }
+        Self { actor, critic, parameters: vec![T::zero(); count], observation_moments: None }
     }
 
     /// Returns the number of components of an observation.
@@ -102,10 +109,32 @@ impl<T: Real> ActorCritic<T> {
         &self.parameters[self.critic_range().end..]
     }
 
+    /// Returns the moments that observations are normalised with before the networks see them, if they are.
+    pub fn observation_moments(&self) -> Option<&RunningMoments> {
+        self.observation_moments.as_ref()
+    }
+
+    /// Gives access to the moments that observations are normalised with.
+    pub(super) fn observation_moments_mut(&mut self) -> &mut Option<RunningMoments> {
+        &mut self.observation_moments
+    }
+
+    /// Writes what the networks see of an observation into `input`.
+    pub(super) fn prepare(&self, obs: &[f64], input: &mut [T]) {
+        match &self.observation_moments {
+            None => input.iter_mut().zip(obs).for_each(|(slot, obs)| *slot = T::rounded(*obs)),
+            Some(moments) => {
+                for (i, (slot, obs)) in input.iter_mut().zip(obs).enumerate() {
+                    *slot = T::rounded(moments.normalised(i, *obs));
+                }
+            }
+        }
+    }
+
     /// Makes room for evaluating up to `capacity` observations at once.
     pub fn scratch(&self, capacity: usize) -> Scratch<T> {
         Scratch {
-            obs: vec![T::zero(); self.obs_dim() * capacity],
+            input: vec![T::zero(); self.obs_dim()],
             actor: MlpScratch::new(&self.actor, capacity),
             critic: MlpScratch::new(&self.critic, capacity),
         }
@@ -113,9 +142,13 @@ impl<T: Real> ActorCritic<T> {
 
     /// Writes the mean action for one observation into `out`: the deterministic policy, not clipped to any bounds.
     pub fn act(&self, obs: &[f64], out: &mut [f64], scratch: &mut Scratch<T>) {
-        scratch.load(obs);
-        let input = &scratch.obs[..obs.len()];
-        let mean = self.actor.forward(&self.parameters[self.actor_range()], input, &mut scratch.actor);
+        self.prepare(obs, &mut scratch.input);
+        self.mean(&scratch.input, out, &mut scratch.actor);
+    }
+
+    /// Writes the mean action for what the networks see of one observation into `out`.
+    pub(super) fn mean(&self, input: &[T], out: &mut [f64], scratch: &mut MlpScratch<T>) {
+        let mean = self.actor.forward_one(&self.parameters[self.actor_range()], input, scratch);
         for (out, mean) in out.iter_mut().zip(mean) {
             *out = mean.widened();
         }
@@ -130,15 +163,17 @@ impl<T: Real> ActorCritic<T> {
     }
 
     /// Returns the critic's estimate of the discounted reward to come after one observation.
+    ///
+    /// With normalised rewards it counts these.
     pub fn value(&self, obs: &[f64], scratch: &mut Scratch<T>) -> f64 {
-        scratch.load(obs);
-        let input = &scratch.obs[..obs.len()];
-        self.critic.forward(&self.parameters[self.critic_range()], input, &mut scratch.critic)[0].widened()
+        self.prepare(obs, &mut scratch.input);
+        let parameters = &self.parameters[self.critic_range()];
+        self.critic.forward_one(parameters, &scratch.input, &mut scratch.critic)[0].widened()
     }
 
-    /// Writes the critic's values of a batch of observations (obs_dim × batch) into `out`.
-    pub(super) fn values(&self, obs: &[T], out: &mut [f64], scratch: &mut Scratch<T>) {
-        let values = self.critic.forward(&self.parameters[self.critic_range()], obs, &mut scratch.critic);
+    /// Writes the critic's values into `out`, of what the networks see of several observations (obs_dim × batch).
+    pub(super) fn values(&self, inputs: &[T], out: &mut [f64], scratch: &mut Scratch<T>, path: Path) {
+        let values = self.critic.forward(&self.parameters[self.critic_range()], inputs, &mut scratch.critic, path);
         for (out, value) in out.iter_mut().zip(values) {
             *out = value.widened();
         }
@@ -148,17 +183,9 @@ impl<T: Real> ActorCritic<T> {
 /// The memory that evaluating an [`ActorCritic`] takes.
 #[derive(Debug, Clone)]
 pub struct Scratch<T: Real = f32> {
-    obs: Vec<T>,
+    pub(super) input: Vec<T>,
     pub(super) actor: MlpScratch<T>,
     pub(super) critic: MlpScratch<T>,
-}
-
-impl<T: Real> Scratch<T> {
-    fn load(&mut self, obs: &[f64]) {
-        for (slot, obs) in self.obs.iter_mut().zip(obs) {
-            *slot = T::rounded(*obs);
-        }
-    }
 }
 
 #[cfg(test)]

@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use safetensors::{Dtype, SafeTensorError, SafeTensors};
-use serde::Serialize;
+use safetensors::{SafeTensorError, SafeTensors};
 
 use super::actor_critic::ActorCritic;
+use super::archive::{Writer, read, read_vector};
 use super::mlp::Mlp;
+use super::moments::RunningMoments;
 
 /// Why bytes are not a checkpoint.
 #[derive(Debug, thiserror::Error)]
@@ -20,11 +21,13 @@ pub enum CheckpointError {
         /// The name of the tensor.
         name: String,
     },
-    /// A tensor does not hold 32-bit floating-point numbers.
-    #[error("the tensor `{name}` holds {found}, not F32")]
+    /// A tensor holds numbers of another type.
+    #[error("the tensor `{name}` holds {found}, not {expected}")]
     Type {
         /// The name of the tensor.
         name: String,
+        /// The type that was needed.
+        expected: &'static str,
         /// The type that was found.
         found: String,
     },
@@ -42,14 +45,12 @@ pub enum CheckpointError {
         /// The name of the tensor.
         name: String,
     },
-}
-
-/// One entry of the header.
-#[derive(Serialize)]
-struct Entry {
-    dtype: &'static str,
-    shape: Vec<usize>,
-    data_offsets: [usize; 2],
+    /// An environment cannot continue from its saved state.
+    #[error("environment {env} does not accept its saved state")]
+    Env {
+        /// The number of the environment, from 0.
+        env: usize,
+    },
 }
 
 /// The names of a network's layers: `trunk.0`, `trunk.2`, … with the activations counted in between, then `head`.
@@ -61,17 +62,18 @@ fn layer_names(trunk: &str, head: &str, layers: usize) -> Vec<String> {
 impl ActorCritic {
     /// Encodes the policy in the safetensors format, with the tensor names of stable-baselines3's state dictionary.
     ///
-    /// Weights are outputs × inputs, row by row, in `F32`. `metadata` goes into the header. The same policy and metadata
-    /// give the same bytes.
+    /// Weights are outputs × inputs, row by row, in `F32`. The moments that observations are normalised with, if any, are
+    /// `obs_rms.mean`, `obs_rms.var` and `obs_rms.count` in `F64`. `metadata` goes into the header. The same policy and
+    /// metadata give the same bytes.
     pub fn to_safetensors(&self, metadata: &BTreeMap<String, String>) -> Vec<u8> {
-        let mut header = Vec::new();
-        let mut data: Vec<u8> = Vec::new();
-        let mut add = |name: String, shape: Vec<usize>, values: &mut dyn Iterator<Item = f32>| {
-            let start = data.len();
-            data.extend(values.flat_map(f32::to_le_bytes));
-            header.push((name, Entry { dtype: "F32", shape, data_offsets: [start, data.len()] }));
-        };
-        add("log_std".to_owned(), vec![self.action_dim()], &mut self.log_std().iter().copied());
+        let mut writer = Writer::default();
+        self.write(&mut writer);
+        writer.finish(metadata)
+    }
+
+    /// Adds the policy's arrays to a file.
+    pub(super) fn write(&self, writer: &mut Writer) {
+        writer.vector("log_std", self.log_std());
         for (mlp, trunk, head, range) in [
             (self.actor(), "policy_net", "action_net", self.actor_range()),
             (self.critic(), "value_net", "value_net", self.critic_range()),
@@ -80,12 +82,13 @@ impl ActorCritic {
             for (layer, name) in mlp.layers().iter().zip(layer_names(trunk, head, mlp.layers().len())) {
                 let weight = &parameters[layer.weight.clone()];
                 let rows = (0..layer.outputs).flat_map(|row| weight.iter().skip(row).step_by(layer.outputs));
-                add(format!("{name}.weight"), vec![layer.outputs, layer.inputs], &mut rows.copied());
-                let bias = &parameters[layer.bias.clone()];
-                add(format!("{name}.bias"), vec![layer.outputs], &mut bias.iter().copied());
+                writer.add(&format!("{name}.weight"), &[layer.outputs, layer.inputs], rows.copied());
+                writer.vector(&format!("{name}.bias"), &parameters[layer.bias.clone()]);
             }
         }
-        encode(metadata, &header, &data)
+        if let Some(moments) = self.observation_moments() {
+            write_moments(writer, "obs_rms", moments);
+        }
     }
 
     /// Decodes a policy and the metadata of its header.
@@ -97,45 +100,48 @@ impl ActorCritic {
     pub fn from_safetensors(bytes: &[u8]) -> Result<(Self, BTreeMap<String, String>), CheckpointError> {
         let (_, header) = SafeTensors::read_metadata(bytes).map_err(CheckpointError::Format)?;
         let tensors = SafeTensors::deserialize(bytes).map_err(CheckpointError::Format)?;
-        let actor = read_network(&tensors, "policy_net", "action_net")?;
-        let critic = read_network(&tensors, "value_net", "value_net")?;
-        let log_std = read(&tensors, "log_std")?;
-        if log_std.shape != [actor.mlp.outputs()] {
-            return Err(log_std.misshapen());
-        }
+        let metadata = header.metadata().iter().flatten().map(|(key, value)| (key.clone(), value.clone())).collect();
+        Ok((Self::read(&tensors)?, metadata))
+    }
+
+    /// Reads the policy's arrays.
+    pub(super) fn read(tensors: &SafeTensors<'_>) -> Result<Self, CheckpointError> {
+        let actor = read_network(tensors, "policy_net", "action_net")?;
+        let critic = read_network(tensors, "value_net", "value_net")?;
+        let log_std = read_vector(tensors, "log_std", actor.mlp.outputs())?;
         if critic.mlp.inputs() != actor.mlp.inputs() || critic.mlp.outputs() != 1 {
             let name = if critic.mlp.outputs() == 1 { &critic.names[0] } else { "value_net" };
-            return Err(read(&tensors, &format!("{name}.weight"))?.misshapen());
+            return Err(read::<f32>(tensors, &format!("{name}.weight"))?.misshapen());
         }
+        let moments = read_moments(tensors, "obs_rms", actor.mlp.inputs())?;
         let mut this = Self::zeros(actor.mlp, critic.mlp);
-        let parameters = [actor.parameters, critic.parameters, log_std.values].concat();
+        let parameters = [actor.parameters, critic.parameters, log_std].concat();
         this.parameters_mut().copy_from_slice(&parameters);
-        let metadata = header.metadata().iter().flatten().map(|(key, value)| (key.clone(), value.clone())).collect();
-        Ok((this, metadata))
+        *this.observation_moments_mut() = moments;
+        Ok(this)
     }
 }
 
-/// Assembles a file: the header's length, the header in a fixed order and padded to eight bytes, the data.
-fn encode(metadata: &BTreeMap<String, String>, header: &[(String, Entry)], data: &[u8]) -> Vec<u8> {
-    let json = |text: Result<String, serde_json::Error>| text.expect("strings and numbers have a form in JSON");
-    let mut entries = vec![format!("\"__metadata__\":{}", json(serde_json::to_string(metadata)))];
-    entries.extend(header.iter().map(|(name, entry)| format!("\"{name}\":{}", json(serde_json::to_string(entry)))));
-    let mut header = format!("{{{}}}", entries.join(","));
-    header.push_str(&" ".repeat(header.len().next_multiple_of(8) - header.len()));
-    [&(header.len() as u64).to_le_bytes(), header.as_bytes(), data].concat()
+/// Adds running moments to a file.
+pub(super) fn write_moments(writer: &mut Writer, name: &str, moments: &RunningMoments) {
+    writer.vector(&format!("{name}.mean"), &moments.mean);
+    writer.vector(&format!("{name}.var"), &moments.variance);
+    writer.vector(&format!("{name}.count"), &[moments.count]);
 }
 
-/// A tensor of finite numbers.
-struct Tensor {
-    name: String,
-    shape: Vec<usize>,
-    values: Vec<f32>,
-}
-
-impl Tensor {
-    fn misshapen(self) -> CheckpointError {
-        CheckpointError::Shape { name: self.name, found: self.shape }
+/// Reads running moments, if the file has them.
+pub(super) fn read_moments(
+    tensors: &SafeTensors<'_>,
+    name: &str,
+    components: usize,
+) -> Result<Option<RunningMoments>, CheckpointError> {
+    if tensors.tensor(&format!("{name}.mean")).is_err() {
+        return Ok(None);
     }
+    let mean = read_vector(tensors, &format!("{name}.mean"), components)?;
+    let variance = read_vector(tensors, &format!("{name}.var"), components)?;
+    let count = read_vector(tensors, &format!("{name}.count"), 1)?[0];
+    Ok(Some(RunningMoments { mean, variance, count }))
 }
 
 /// A network with its parameters in the order of [`Mlp`], and the names of its layers.
@@ -145,31 +151,18 @@ struct Network {
     names: Vec<String>,
 }
 
-fn read(tensors: &SafeTensors<'_>, name: &str) -> Result<Tensor, CheckpointError> {
-    let tensor = tensors.tensor(name).map_err(|_| CheckpointError::Missing { name: name.to_owned() })?;
-    if tensor.dtype() != Dtype::F32 {
-        return Err(CheckpointError::Type { name: name.to_owned(), found: format!("{:?}", tensor.dtype()) });
-    }
-    let (numbers, _) = tensor.data().as_chunks::<4>();
-    let values: Vec<f32> = numbers.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
-    if !values.iter().all(|value| value.is_finite()) {
-        return Err(CheckpointError::NonFinite { name: name.to_owned() });
-    }
-    Ok(Tensor { name: name.to_owned(), shape: tensor.shape().to_vec(), values })
-}
-
 fn read_network(tensors: &SafeTensors<'_>, trunk: &str, head: &str) -> Result<Network, CheckpointError> {
     let hidden = (0..).take_while(|l| tensors.tensor(&format!("mlp_extractor.{trunk}.{}.weight", 2 * l)).is_ok());
     let names = layer_names(trunk, head, hidden.count() + 1);
     let mut widths = Vec::new();
     let mut parameters = Vec::new();
     for name in &names {
-        let weight = read(tensors, &format!("{name}.weight"))?;
+        let weight = read::<f32>(tensors, &format!("{name}.weight"))?;
         let &[outputs, inputs] = weight.shape.as_slice() else { return Err(weight.misshapen()) };
         if outputs == 0 || inputs == 0 || widths.last().is_some_and(|&width| width != inputs) {
             return Err(weight.misshapen());
         }
-        let bias = read(tensors, &format!("{name}.bias"))?;
+        let bias = read::<f32>(tensors, &format!("{name}.bias"))?;
         if bias.shape != [outputs] {
             return Err(bias.misshapen());
         }
@@ -207,6 +200,25 @@ mod tests {
     }
 
     #[test]
+    fn the_moments_of_observations_are_part_of_a_policy() {
+        let mut normalising = policy();
+        let mut moments = RunningMoments::new(4);
+        moments.update([[0.1, 20.0, -3.0, 0.5], [0.2, 25.0, -3.5, 0.25]].iter().map(|sample| &sample[..]));
+        *normalising.observation_moments_mut() = Some(moments.clone());
+        let bytes = normalising.to_safetensors(&BTreeMap::new());
+        let (read, _) = ActorCritic::from_safetensors(&bytes).unwrap();
+        assert_eq!(read.observation_moments(), Some(&moments));
+        assert_eq!(read, normalising);
+        let (mut a, mut b, mut plain) = ([0.0; 2], [0.0; 2], [0.0; 2]);
+        let obs = [0.15, 22.0, -3.1, 0.3];
+        normalising.act(&obs, &mut a, &mut normalising.scratch(1));
+        read.act(&obs, &mut b, &mut read.scratch(1));
+        policy().act(&obs, &mut plain, &mut read.scratch(1));
+        assert_eq!(a, b);
+        assert_ne!(a, plain);
+    }
+
+    #[test]
     fn names_and_layout_are_those_of_the_state_dictionary() {
         let policy = policy();
         let bytes = policy.to_safetensors(&BTreeMap::new());
@@ -226,7 +238,7 @@ mod tests {
         assert_eq!(names, expected);
 
         // Row-major: the second number is the weight of the second input, six further on in a column-major matrix.
-        let first = read(&tensors, "mlp_extractor.policy_net.0.weight").unwrap();
+        let first = read::<f32>(&tensors, "mlp_extractor.policy_net.0.weight").unwrap();
         assert_eq!(first.shape, [6, 4]);
         assert_eq!(first.values[1], policy.parameters()[6]);
         assert_eq!(tensors.tensor("action_net.weight").unwrap().shape(), [2, 5]);
@@ -267,7 +279,7 @@ mod tests {
         assert!(matches!(transposed, Err(CheckpointError::Shape { found, .. }) if found == [6]));
         let other_type = with_replaced("\"F32\"", "\"I32\"");
         assert!(
-            matches!(other_type, Err(CheckpointError::Type { name, found }) if name == "log_std" && found == "I32")
+            matches!(other_type, Err(CheckpointError::Type { name, found, .. }) if name == "log_std" && found == "I32")
         );
         assert!(matches!(with_replaced("\"log_std\"", "'log_std'"), Err(CheckpointError::Format(_))));
 

@@ -1,96 +1,142 @@
-//! Acting in environments to fill a rollout.
+//! Acting in environments to fill rollouts.
 
 use std::collections::VecDeque;
 
-use super::actor_critic::{ActorCritic, Scratch};
+use rayon::prelude::*;
+
+use super::actor_critic::ActorCritic;
+use super::arithmetic::Path;
+use super::config::PpoConfig;
 use super::env::Env;
-use super::gaussian::Gaussian;
+use super::lane::Lane;
 use super::log::FinishedEpisode;
-use super::normal::standard_normal;
-use super::ppo::Quantity;
-use super::rollout::RolloutBuffer;
-use crate::seed::Stream;
+use super::moments::RunningMoments;
+use super::rollout::Rollout;
+use super::train_error::Quantity;
+use crate::seed::Seed;
 
 /// The number of episodes over which reward and length are averaged.
 const RECENT_EPISODES: usize = 100;
 
-/// The environments in mid-episode, and the actions' noise.
-#[derive(Debug)]
-pub(super) struct Collector<'e, E> {
-    envs: &'e mut [E],
-    bounds: Vec<Vec<(f64, f64)>>,
+/// The environments in mid-episode.
+///
+/// Every environment has its own noise and, between two exchanges of statistics, runs on its own: on one thread or on
+/// many, the numbers are the same.
+#[derive(Debug, Clone)]
+pub(super) struct Collector {
+    pub(super) lanes: Vec<Lane>,
+    pub(super) recent: VecDeque<FinishedEpisode>,
+    /// The moments of the discounted sums of rewards, when rewards are normalised.
+    pub(super) return_moments: Option<RunningMoments>,
     gamma: f64,
-    noise: Stream,
-    /// obs_dim × environments: what the next decisions are taken from.
-    obs: Vec<f64>,
-    /// Whether `obs` is the first observation of an episode.
-    starts: Vec<bool>,
-    running: Vec<FinishedEpisode>,
-    recent: VecDeque<FinishedEpisode>,
-    log_std: Vec<f64>,
-    mean: Vec<f64>,
-    clipped: Vec<f64>,
-    last_values: Vec<f64>,
-    scratch: Scratch,
-    chunk: usize,
+    lambda: f64,
+    path: Path,
 }
 
-impl<'e, E: Env> Collector<'e, E> {
-    /// Resets all environments.
-    pub(super) fn new(
-        envs: &'e mut [E],
-        policy: &ActorCritic,
-        gamma: f64,
-        chunk: usize,
-        noise: Stream,
-    ) -> Result<Self, Quantity> {
-        let (n_envs, obs_dim, action_dim) = (envs.len(), policy.obs_dim(), policy.action_dim());
-        let mut obs = vec![0.0; n_envs * obs_dim];
-        for (env, obs) in envs.iter_mut().zip(obs.chunks_exact_mut(obs_dim)) {
-            env.reset(obs);
-        }
-        representable(&obs)?;
-        let chunk = chunk.max(n_envs);
-        Ok(Self {
-            bounds: envs.iter().map(Env::action_bounds).collect(),
-            envs,
-            gamma,
-            noise,
-            obs,
-            starts: vec![true; n_envs],
-            running: vec![FinishedEpisode { reward: 0.0, length: 0 }; n_envs],
+impl Collector {
+    /// Makes a collector that stands before the first episode of every environment; `noise` is that of the actions.
+    pub(super) fn new<E: Env>(envs: &[E], policy: &ActorCritic, config: &PpoConfig, noise: &Seed, path: Path) -> Self {
+        let chunk = config.batch_size.min(config.rollout_steps);
+        let lane = |(i, env)| Lane::new(env, policy, config.frame_stack, chunk, noise.index(i).stream());
+        Self {
+            lanes: (0..).zip(envs).map(lane).collect(),
             recent: VecDeque::with_capacity(RECENT_EPISODES + 1),
-            log_std: vec![0.0; action_dim],
-            mean: vec![0.0; action_dim],
-            clipped: vec![0.0; action_dim],
-            last_values: vec![0.0; n_envs],
-            scratch: policy.scratch(chunk),
-            chunk,
-        })
+            return_moments: config.normalize_reward.then(|| RunningMoments::new(1)),
+            gamma: config.gamma,
+            lambda: config.gae_lambda,
+            path,
+        }
     }
 
-    /// Fills the buffer with the policy's experience, advantages and returns included, and returns the episodes that
-    /// ended.
-    pub(super) fn collect(
+    /// Begins an episode in every environment.
+    pub(super) fn begin<E: Env>(&mut self, envs: &mut [E], policy: &mut ActorCritic) -> Result<(), Quantity> {
+        for (env, lane) in envs.iter_mut().zip(&mut self.lanes) {
+            lane.begin(env)?;
+        }
+        observe(policy, &self.lanes);
+        Ok(())
+    }
+
+    /// Fills the rollouts, one for every environment, with the policy's experience, advantages and returns included, and
+    /// returns the episodes that ended.
+    ///
+    /// # Source
+    /// `collect_rollouts` and `VecNormalize.step_wait` of stable-baselines3: statistics take in the observations and
+    /// rewards of a step in all environments before one of them is normalised.
+    pub(super) fn collect<E: Env + Send>(
         &mut self,
-        policy: &ActorCritic,
-        buffer: &mut RolloutBuffer,
-        lambda: f64,
+        envs: &mut [E],
+        policy: &mut ActorCritic,
+        rollouts: &mut [Rollout],
     ) -> Result<Vec<FinishedEpisode>, Quantity> {
-        for (slot, log_std) in self.log_std.iter_mut().zip(policy.log_std()) {
-            *slot = f64::from(*log_std);
+        let (steps, gamma, lambda, path) = (rollouts[0].len(), self.gamma, self.lambda, self.path);
+        self.lanes.iter_mut().for_each(|lane| lane.prepare(policy));
+        if self.return_moments.is_none() && policy.observation_moments().is_none() {
+            let policy = &*policy;
+            side_by_side(envs, &mut self.lanes, rollouts, |env, lane, rollout| {
+                for t in 0..steps {
+                    if let Err(quantity) = lane.step(env, policy, rollout, t) {
+                        lane.failure = Some((t, quantity));
+                        return;
+                    }
+                    lane.settle(policy, rollout, t, lane.outcome.reward, gamma);
+                }
+                lane.finish(policy, rollout, gamma, lambda, path);
+            });
+            self.failure()?;
+        } else {
+            for t in 0..steps {
+                side_by_side(envs, &mut self.lanes, rollouts, |env, lane, rollout| {
+                    lane.failure = lane.step(env, policy, rollout, t).err().map(|quantity| (t, quantity));
+                });
+                self.failure()?;
+                observe(policy, &self.lanes);
+                self.settle(policy, rollouts, t);
+            }
+            side_by_side(envs, &mut self.lanes, rollouts, |_, lane, rollout| {
+                lane.finish(policy, rollout, gamma, lambda, path);
+            });
         }
-        let mut finished = Vec::new();
-        for step in 0..buffer.len() / self.envs.len() {
-            self.step(policy, buffer, step, &mut finished)?;
+        Ok(self.finished())
+    }
+
+    /// Records the rewards of a step, normalised if they are to be.
+    fn settle(&mut self, policy: &ActorCritic, rollouts: &mut [Rollout], t: usize) {
+        if let Some(moments) = &mut self.return_moments {
+            for lane in &mut self.lanes {
+                lane.discounted = lane.discounted * self.gamma + lane.outcome.reward;
+            }
+            moments.update(self.lanes.iter().map(|lane| std::slice::from_ref(&lane.discounted)));
         }
-        self.values(policy, buffer);
-        for env in 0..self.envs.len() {
-            let obs = &self.obs[env * buffer.obs_dim..(env + 1) * buffer.obs_dim];
-            self.last_values[env] = policy.value(obs, &mut self.scratch);
+        for (lane, rollout) in self.lanes.iter_mut().zip(rollouts) {
+            let reward = lane.outcome.reward;
+            let reward = self.return_moments.as_ref().map_or(reward, |moments| moments.scaled(0, reward));
+            lane.settle(policy, rollout, t, reward, self.gamma);
         }
-        buffer.finish(&self.last_values, &self.starts, self.gamma, lambda);
-        Ok(finished)
+    }
+
+    /// Returns the first failure in the order of steps, then environments.
+    fn failure(&self) -> Result<(), Quantity> {
+        let first = self.lanes.iter().filter_map(|lane| lane.failure).min_by_key(|(t, _)| *t);
+        first.map_or(Ok(()), |(_, quantity)| Err(quantity))
+    }
+
+    /// Returns the episodes of the rollout in the order in which they ended.
+    fn finished(&mut self) -> Vec<FinishedEpisode> {
+        let count = self.lanes.iter().map(|lane| lane.finished.len()).sum();
+        let mut ends = Vec::with_capacity(count);
+        for (env, lane) in self.lanes.iter().enumerate() {
+            ends.extend(lane.finished.iter().map(|(t, episode)| (*t, env, *episode)));
+        }
+        ends.sort_unstable_by_key(|(t, env, _)| (*t, *env));
+        let finished: Vec<FinishedEpisode> = ends.into_iter().map(|(_, _, episode)| episode).collect();
+        for episode in &finished {
+            self.recent.push_back(*episode);
+            if self.recent.len() > RECENT_EPISODES {
+                self.recent.pop_front();
+            }
+        }
+        finished
     }
 
     /// Returns the mean reward and length of the most recent episodes, if any has ended.
@@ -100,96 +146,41 @@ impl<'e, E: Env> Collector<'e, E> {
         let length: f64 = self.recent.iter().map(|episode| episode.length as f64).sum();
         (count > 0.0).then(|| (reward / count, length / count))
     }
+}
 
-    fn step(
-        &mut self,
-        policy: &ActorCritic,
-        buffer: &mut RolloutBuffer,
-        step: usize,
-        finished: &mut Vec<FinishedEpisode>,
-    ) -> Result<(), Quantity> {
-        let (n_envs, obs_dim, action_dim) = (self.envs.len(), buffer.obs_dim, buffer.action_dim);
-        let first = step * n_envs;
-        let inputs = &mut buffer.obs[first * obs_dim..(first + n_envs) * obs_dim];
-        for (slot, obs) in inputs.iter_mut().zip(&self.obs) {
-            *slot = *obs as f32;
-        }
-        let parameters = &policy.parameters()[policy.actor_range()];
-        let means = policy.actor().forward(parameters, inputs, &mut self.scratch.actor);
-        for (slot, mean) in buffer.actions[first * action_dim..].iter_mut().zip(means) {
-            *slot = f64::from(*mean);
-        }
-
-        for env in 0..n_envs {
-            let sample = first + env;
-            let action = &mut buffer.actions[sample * action_dim..(sample + 1) * action_dim];
-            self.mean.copy_from_slice(action);
-            for (action, log_std) in action.iter_mut().zip(&self.log_std) {
-                *action += libm::exp(*log_std) * standard_normal(&mut self.noise);
-            }
-            finite(action, Quantity::Action)?;
-            buffer.log_probs[sample] = Gaussian { mean: &self.mean, log_std: &self.log_std }.log_prob(action);
-            buffer.episode_starts[sample] = self.starts[env];
-            for ((slot, action), (low, high)) in self.clipped.iter_mut().zip(action.iter()).zip(&self.bounds[env]) {
-                *slot = action.max(*low).min(*high);
-            }
-
-            let obs = &mut self.obs[env * obs_dim..(env + 1) * obs_dim];
-            let outcome = self.envs[env].step(&self.clipped, obs);
-            finite(&[outcome.reward], Quantity::Reward)?;
-            representable(obs)?;
-            let mut reward = outcome.reward;
-            if outcome.truncated && !outcome.terminated {
-                reward += self.gamma * policy.value(obs, &mut self.scratch);
-            }
-            buffer.rewards[sample] = reward;
-            self.starts[env] = outcome.done();
-            let running = &mut self.running[env];
-            running.reward += outcome.reward;
-            running.length += 1;
-            if outcome.done() {
-                let episode = std::mem::replace(running, FinishedEpisode { reward: 0.0, length: 0 });
-                finished.push(episode);
-                self.recent.push_back(episode);
-                if self.recent.len() > RECENT_EPISODES {
-                    self.recent.pop_front();
-                }
-                self.envs[env].reset(obs);
-                representable(obs)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Values the observations of the whole rollout, which is cheaper than one by one while acting: the critic does not
-    /// change in between.
-    fn values(&mut self, policy: &ActorCritic, buffer: &mut RolloutBuffer) {
-        let obs = buffer.obs.chunks(self.chunk * buffer.obs_dim);
-        for (obs, values) in obs.zip(buffer.values.chunks_mut(self.chunk)) {
-            policy.values(obs, values, &mut self.scratch);
-        }
+/// Takes the observations that the next decisions are taken from into the policy's statistics.
+pub(super) fn observe(policy: &mut ActorCritic, lanes: &[Lane]) {
+    if let Some(moments) = policy.observation_moments_mut() {
+        moments.update(lanes.iter().map(|lane| lane.stack.as_slice()));
     }
 }
 
-fn finite(values: &[f64], quantity: Quantity) -> Result<(), Quantity> {
-    if values.iter().all(|value| value.is_finite()) { Ok(()) } else { Err(quantity) }
-}
-
-/// Refuses observations that the networks would see as infinite.
-fn representable(obs: &[f64]) -> Result<(), Quantity> {
-    if obs.iter().all(|&value| (value as f32).is_finite()) { Ok(()) } else { Err(Quantity::Observation) }
+/// Works on all environments, on the threads at hand.
+fn side_by_side<E: Env + Send>(
+    envs: &mut [E],
+    lanes: &mut [Lane],
+    rollouts: &mut [Rollout],
+    work: impl Fn(&mut E, &mut Lane, &mut Rollout) + Sync,
+) {
+    if let ([env], [lane], [rollout]) = (&mut *envs, &mut *lanes, &mut *rollouts) {
+        work(env, lane, rollout);
+    } else {
+        let all = envs.par_iter_mut().zip(lanes).zip(rollouts);
+        all.for_each(|((env, lane), rollout)| work(env, lane, rollout));
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::rl::env::Step;
-    use crate::seed::Seed;
+    use crate::rl::gaussian::{Gaussian, Spread};
 
-    /// Ends every third step, either way; the observation counts from 1.
+    /// Ends after `length` steps, either way; the observation counts from 1.
     struct Ending {
         terminated: bool,
         truncated: bool,
+        length: f64,
         steps: f64,
         actions: Vec<f64>,
     }
@@ -212,23 +203,40 @@ mod tests {
             self.actions.push(action[0]);
             self.steps += 1.0;
             obs[0] = self.steps;
-            let end = self.steps == 4.0;
+            let end = self.steps == self.length + 1.0;
             Step { reward: 1.0, terminated: end && self.terminated, truncated: end && self.truncated }
         }
+    }
+
+    fn config(steps: usize) -> PpoConfig {
+        PpoConfig { rollout_steps: steps, batch_size: 4, gamma: 0.9, ..PpoConfig::paper() }
+    }
+
+    fn collect(
+        config: &PpoConfig,
+        mut envs: Vec<Ending>,
+    ) -> (Vec<Rollout>, Vec<FinishedEpisode>, ActorCritic, Vec<Ending>, Collector) {
+        let mut policy = ActorCritic::new(config.frame_stack, 1, &[8], 0.0, &mut Seed::root(2).stream());
+        *policy.observation_moments_mut() = config.normalize_obs.then(|| RunningMoments::new(config.frame_stack));
+        let mut rollouts = vec![Rollout::new(config.rollout_steps, config.frame_stack, 1); envs.len()];
+        let mut collector = Collector::new(&envs, &policy, config, &Seed::root(3), Path::widest());
+        collector.begin(&mut envs, &mut policy).unwrap();
+        let finished = collector.collect(&mut envs, &mut policy, &mut rollouts).unwrap();
+        (rollouts, finished, policy, envs, collector)
+    }
+
+    fn ending(terminated: bool, truncated: bool) -> Ending {
+        Ending { terminated, truncated, length: 3.0, steps: 0.0, actions: Vec::new() }
     }
 
     fn rollout(
         terminated: bool,
         truncated: bool,
         steps: usize,
-    ) -> (RolloutBuffer, Vec<FinishedEpisode>, ActorCritic, Vec<f64>) {
-        let policy = ActorCritic::new(1, 1, &[8], 0.0, &mut Seed::root(2).stream());
-        let mut envs = [Ending { terminated, truncated, steps: 0.0, actions: Vec::new() }];
-        let mut buffer = RolloutBuffer::new(steps, 1, 1, 1);
-        let mut collector = Collector::new(&mut envs, &policy, 0.9, 4, Seed::root(3).stream()).unwrap();
-        let finished = collector.collect(&policy, &mut buffer, 0.95).unwrap();
-        let [env] = envs;
-        (buffer, finished, policy, env.actions)
+    ) -> (Rollout, Vec<FinishedEpisode>, ActorCritic, Vec<f64>) {
+        let (mut rollouts, finished, policy, mut envs, _) =
+            collect(&config(steps), vec![ending(terminated, truncated)]);
+        (rollouts.remove(0), finished, policy, envs.remove(0).actions)
     }
 
     #[test]
@@ -271,8 +279,73 @@ mod tests {
             assert_eq!(sampled.clamp(-0.25, 0.5), taken);
             let mut mean = [0.0];
             policy.act(&[f64::from(buffer.obs[i])], &mut mean, &mut policy.scratch(1));
-            let log_prob = Gaussian { mean: &mean, log_std: &[0.0] }.log_prob(&[*sampled]);
+            let log_prob = Gaussian { mean: &mean, spread: &Spread::new(1) }.log_prob(&[*sampled]);
             assert!((buffer.log_probs[i] - log_prob).abs() < 1e-6);
         }
+    }
+
+    #[test]
+    fn observations_are_normalised_by_all_that_was_seen_up_to_then() {
+        let config = PpoConfig { normalize_obs: true, ..config(7) };
+        let (rollouts, _, policy, ..) = collect(&config, vec![ending(true, false), ending(false, true)]);
+        let mut moments = RunningMoments::new(1);
+        let mut raw = [1.0, 2.0, 3.0, 1.0, 2.0, 3.0, 1.0].into_iter();
+        for t in 0..7 {
+            let sample = [raw.next().unwrap()];
+            moments.update([&sample[..]; 2].into_iter());
+            for rollout in &rollouts {
+                assert_eq!(rollout.obs[t], moments.normalised(0, sample[0]) as f32, "{t}");
+            }
+        }
+        // The observation that the next rollout begins with has been seen, too.
+        moments.update([&[2.0][..]; 2].into_iter());
+        assert_eq!(policy.observation_moments(), Some(&moments));
+        // Where the episode was cut off, the final observation is normalised with the statistics of that moment, which
+        // contain the first observation of the next episode instead of it.
+        let moments_then = {
+            let mut moments = RunningMoments::new(1);
+            [1.0, 2.0, 3.0, 1.0].iter().for_each(|x| moments.update([std::slice::from_ref(x); 2].into_iter()));
+            moments
+        };
+        let mut policy_then = policy.clone();
+        *policy_then.observation_moments_mut() = Some(moments_then);
+        let bootstrap = 0.9 * policy_then.value(&[4.0], &mut policy.scratch(1));
+        assert_eq!(rollouts[1].rewards[2], 1.0 + bootstrap);
+        assert_eq!(rollouts[0].rewards[2], 1.0);
+    }
+
+    #[test]
+    fn rewards_are_divided_by_the_deviation_of_the_discounted_return() {
+        let config = PpoConfig { normalize_reward: true, ..config(5) };
+        let (rollouts, finished, _, _, collector) = collect(&config, vec![ending(true, false), ending(true, false)]);
+        let mut moments = RunningMoments::new(1);
+        // Reward 1 in every step, γ = 0.9, an episode of three steps.
+        for (t, discounted) in [1.0, 1.9, 2.71, 1.0, 1.9].into_iter().enumerate() {
+            moments.update([&[discounted][..]; 2].into_iter());
+            let expected = (1.0 / (moments.variance[0] + 1e-8).sqrt()).min(10.0);
+            assert!((rollouts[1].rewards[t] - expected).abs() < 1e-9, "{t}");
+        }
+        assert!((collector.return_moments.unwrap().variance[0] - moments.variance[0]).abs() < 1e-12);
+        // The report has the environment's own rewards.
+        assert_eq!(finished, [FinishedEpisode { reward: 3.0, length: 3 }; 2]);
+    }
+
+    #[test]
+    fn stacked_observations_begin_with_zeros_and_end_with_the_newest() {
+        let config = PpoConfig { frame_stack: 2, ..config(5) };
+        let (rollouts, _, policy, ..) = collect(&config, vec![ending(false, true)]);
+        assert_eq!(rollouts[0].obs, [0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 0.0, 1.0, 1.0, 2.0]);
+        let bootstrap = 0.9 * policy.value(&[3.0, 4.0], &mut policy.scratch(1));
+        assert_eq!(rollouts[0].rewards[2], 1.0 + bootstrap);
+    }
+
+    #[test]
+    fn finished_episodes_come_in_the_order_of_steps_then_environments() {
+        let shorter = Ending { length: 2.0, ..ending(true, false) };
+        let (_, finished, _, _, collector) = collect(&config(7), vec![ending(true, false), shorter]);
+        let lengths: Vec<u64> = finished.iter().map(|episode| episode.length).collect();
+        // After steps 2, 3 and 4, and twice after step 6.
+        assert_eq!(lengths, [2, 3, 2, 3, 2]);
+        assert_eq!(collector.recent_means(), Some((2.4, 2.4)));
     }
 }

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use super::schedule::Schedule;
+
 /// The hyperparameters of PPO.
 ///
 /// The number of environments is not part of it: it is the number of environments handed to [`train`](super::train).
@@ -21,12 +23,22 @@ pub struct PpoConfig {
     pub batch_size: usize,
     /// Adam's step size, for actor and critic alike.
     pub learning_rate: f64,
+    /// How the step size changes in the course of training.
+    pub learning_rate_schedule: Schedule,
     /// The discount factor per step, γ.
     pub gamma: f64,
     /// The decay λ of generalised advantage estimation.
     pub gae_lambda: f64,
     /// The half width ε of the interval around 1 in which the probability ratio counts.
     pub clip_coef: f64,
+    /// How the half width changes in the course of training.
+    pub clip_schedule: Schedule,
+    /// How far the critic's values may move in an update and still be corrected, in the unit of the rewards; none for any
+    /// distance.
+    pub clip_range_vf: Option<f64>,
+    /// The divergence between old and new policy (nat), estimated on a minibatch, at 1.5 times of which an update ends
+    /// early; none for never.
+    pub target_kl: Option<f64>,
     /// The weight of the critic's mean squared error in the loss.
     pub vf_coef: f64,
     /// The weight of the entropy bonus in the loss.
@@ -37,6 +49,16 @@ pub struct PpoConfig {
     pub adam_eps: f64,
     /// Whether advantages are standardised within every minibatch.
     pub norm_adv: bool,
+    /// Whether observations are normalised by their running mean and deviation, which become part of the policy.
+    pub normalize_obs: bool,
+    /// Whether rewards are divided by the running deviation of the discounted return, with the discount γ.
+    pub normalize_reward: bool,
+    /// The number of last observations that the policy sees, the newest included.
+    pub frame_stack: usize,
+    /// Whether only instructions are used that all processors have, so that a seed gives the same bits everywhere.
+    ///
+    /// Takes about twice the time.
+    pub portable_bits: bool,
     /// The first value of every component of the logarithm of the policy's standard deviation.
     pub initial_log_std: f64,
     /// The widths of the hidden layers, the same for actor and critic.
@@ -52,14 +74,22 @@ impl PpoConfig {
             epochs: 10,
             batch_size: 64,
             learning_rate: 3e-4,
+            learning_rate_schedule: Schedule::Constant,
             gamma: 0.98,
             gae_lambda: 0.95,
             clip_coef: 0.2,
+            clip_schedule: Schedule::Constant,
+            clip_range_vf: None,
+            target_kl: None,
             vf_coef: 0.5,
             ent_coef: 0.01,
             max_grad_norm: 0.5,
             adam_eps: 1e-5,
             norm_adv: true,
+            normalize_obs: false,
+            normalize_reward: false,
+            frame_stack: 1,
+            portable_bits: false,
             initial_log_std: 0.0,
             hidden: vec![64, 64],
         }

@@ -19,6 +19,20 @@ pub trait Env {
     /// `action` lies inside the bounds of [`Env::action_bounds`]. At the end of an episode `obs` receives the final
     /// observation, from which the learner bootstraps when the episode was merely cut off.
     fn step(&mut self, action: &[f64], obs: &mut [f64]) -> Step;
+
+    /// Returns all that the environment's future depends on, in mid-episode, too; none when it cannot tell.
+    ///
+    /// With it a training continues from [`Trainer::state`](super::Trainer::state) bit for bit. Without it the episode in
+    /// hand is dropped there and a new one begins.
+    fn save(&self) -> Option<Vec<u8>> {
+        None
+    }
+
+    /// Goes back to what [`Env::save`] has returned, and tells whether it could.
+    fn load(&mut self, state: &[u8]) -> bool {
+        let _ = state;
+        false
+    }
 }
 
 /// The outcome of one decision.

@@ -17,14 +17,10 @@ pub struct Trajectory<'a> {
 
 /// Writes the advantages and the returns (advantage plus value) of a trajectory.
 ///
-/// `stride` is the distance between consecutive steps in all slices: with several environments interleaved, pass slices
-/// that begin at the environment's first element and the number of environments.
-///
 /// # Source
 /// `RolloutBuffer.compute_returns_and_advantage` of stable-baselines3; Schulman et al. (2016), equation 16.
 pub fn advantages_and_returns(
     trajectory: Trajectory<'_>,
-    stride: usize,
     gamma: f64,
     lambda: f64,
     advantages: &mut [f64],
@@ -33,7 +29,7 @@ pub fn advantages_and_returns(
     let mut next_value = trajectory.last_value;
     let mut next_is_new = trajectory.last_done;
     let mut advantage = 0.0;
-    for at in (0..trajectory.rewards.len()).step_by(stride).rev() {
+    for at in (0..trajectory.rewards.len()).rev() {
         let alive = if next_is_new { 0.0 } else { 1.0 };
         let value = trajectory.values[at];
         let delta = trajectory.rewards[at] + gamma * next_value * alive - value;
@@ -60,39 +56,12 @@ mod tests {
             last_done: false,
         };
         let (mut advantages, mut returns) = ([0.0; 4], [0.0; 4]);
-        advantages_and_returns(trajectory, 1, 0.5, 0.5, &mut advantages, &mut returns);
+        advantages_and_returns(trajectory, 0.5, 0.5, &mut advantages, &mut returns);
         // δ₃ = 4 + 4 − 2 = 6; δ₂ = 3 + 1 − 1.5 = 2.5; δ₁ = 2 − 1 = 1 (end of episode); δ₀ = 1 + 0.5 − 0.5 = 1.
         assert_eq!(advantages, [1.25, 1.0, 4.0, 6.0]);
         assert_eq!(returns, [1.75, 2.0, 5.5, 8.0]);
 
-        advantages_and_returns(
-            Trajectory { last_done: true, ..trajectory },
-            1,
-            0.5,
-            0.5,
-            &mut advantages,
-            &mut returns,
-        );
+        advantages_and_returns(Trajectory { last_done: true, ..trajectory }, 0.5, 0.5, &mut advantages, &mut returns);
         assert_eq!(advantages, [1.25, 1.0, 3.0, 2.0]);
-    }
-
-    #[test]
-    fn interleaved_environments_do_not_mix() {
-        let rewards = [1.0, 100.0, 1.0, 100.0, 1.0, 100.0];
-        let values = [0.0; 6];
-        let starts = [true, true, false, false, false, false];
-        let (mut advantages, mut returns) = ([0.0; 6], [0.0; 6]);
-        for env in 0..2 {
-            let trajectory = Trajectory {
-                rewards: &rewards[env..],
-                values: &values[env..],
-                episode_starts: &starts[env..],
-                last_value: 0.0,
-                last_done: false,
-            };
-            advantages_and_returns(trajectory, 2, 0.5, 1.0, &mut advantages[env..], &mut returns[env..]);
-        }
-        assert_eq!(advantages, [1.75, 175.0, 1.5, 150.0, 1.0, 100.0]);
-        assert_eq!(returns, advantages);
     }
 }

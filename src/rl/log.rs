@@ -45,6 +45,12 @@ pub struct UpdateLog {
     pub value_loss: f64,
     /// The Euclidean norm of the gradient before clipping, over all minibatches.
     pub grad_norm: f64,
+    /// The number of gradient steps: fewer than planned when the divergence has ended the update early.
+    pub gradient_steps: u64,
+    /// Adam's step size in this update.
+    pub learning_rate: f64,
+    /// The half width of the clip interval in this update.
+    pub clip_coef: f64,
     /// The mean over the action's components of the standard deviation after the update, in the units of the action.
     pub std: f64,
 }

@@ -1,10 +1,11 @@
 //! The loss of PPO and its gradient.
 
 use super::actor_critic::{ActorCritic, Scratch};
+use super::arithmetic::Path;
 use super::config::PpoConfig;
-use super::gaussian::Gaussian;
+use super::gaussian::{Gaussian, Spread};
 use super::minibatch::Minibatch;
-use super::product::dot;
+use super::product::SquaredNorm;
 use super::real::Real;
 
 /// The parts of the loss on one minibatch, and what else is worth reporting.
@@ -34,47 +35,61 @@ impl LossTerms {
 pub(super) struct LossGradient<T: Real> {
     /// One element per parameter, in the order of [`ActorCritic::parameters`].
     pub(super) gradient: Vec<T>,
+    path: Path,
     scratch: Scratch<T>,
     mean: Vec<f64>,
-    log_std: Vec<f64>,
+    spread: Spread,
     log_std_gradient: Vec<f64>,
 }
 
 impl<T: Real> LossGradient<T> {
     /// Makes room for minibatches of at most `capacity` samples.
-    pub(super) fn new(policy: &ActorCritic<T>, capacity: usize) -> Self {
+    pub(super) fn new(policy: &ActorCritic<T>, capacity: usize, path: Path) -> Self {
         Self {
             gradient: vec![T::zero(); policy.parameters().len()],
+            path,
             scratch: policy.scratch(capacity),
             mean: vec![0.0; policy.action_dim()],
-            log_std: vec![0.0; policy.action_dim()],
+            spread: Spread::new(policy.action_dim()),
             log_std_gradient: vec![0.0; policy.action_dim()],
         }
     }
 
     /// Computes the loss on a minibatch and its gradient, which replaces the previous one.
     ///
+    /// `clip_coef` is what the schedule has made of the one in `config`.
+    ///
     /// # Source
     /// Schulman et al. (2017), equations 7 and 9; `PPO.train` of stable-baselines3.
-    pub(super) fn compute(&mut self, policy: &ActorCritic<T>, batch: &Minibatch<T>, config: &PpoConfig) -> LossTerms {
-        for (slot, log_std) in self.log_std.iter_mut().zip(policy.log_std()) {
-            *slot = log_std.widened();
-        }
-        let mut terms = self.actor(policy, batch, config);
+    pub(super) fn compute(
+        &mut self,
+        policy: &ActorCritic<T>,
+        batch: &Minibatch<T>,
+        config: &PpoConfig,
+        clip_coef: f64,
+    ) -> LossTerms {
+        self.spread.set(policy.log_std());
+        let mut terms = self.actor(policy, batch, config, clip_coef);
         terms.value = self.critic(policy, batch, config);
         terms
     }
 
     /// Returns the Euclidean norm of the gradient.
     pub(super) fn norm(&self) -> f64 {
-        dot(&self.gradient, &self.gradient).widened().sqrt()
+        self.path.run(SquaredNorm(&self.gradient)).widened().sqrt()
     }
 
-    fn actor(&mut self, policy: &ActorCritic<T>, batch: &Minibatch<T>, config: &PpoConfig) -> LossTerms {
+    fn actor(
+        &mut self,
+        policy: &ActorCritic<T>,
+        batch: &Minibatch<T>,
+        config: &PpoConfig,
+        clip_coef: f64,
+    ) -> LossTerms {
         let share = 1.0 / batch.len() as f64;
         let dim = policy.action_dim();
         let parameters = &policy.parameters()[policy.actor_range()];
-        policy.actor().forward(parameters, &batch.obs, &mut self.scratch.actor);
+        policy.actor().forward(parameters, &batch.obs, &mut self.scratch.actor, self.path);
         // The derivative overwrites the mean it belongs to, sample by sample.
         let slots = self.scratch.actor.output_to_gradient(policy.actor());
 
@@ -85,16 +100,16 @@ impl<T: Real> LossGradient<T> {
                 *mean = slot.widened();
             }
             let action = &batch.actions[i * dim..(i + 1) * dim];
-            let gaussian = Gaussian { mean: &self.mean, log_std: &self.log_std };
+            let gaussian = Gaussian { mean: &self.mean, spread: &self.spread };
             let log_ratio = gaussian.log_prob(action) - batch.old_log_probs[i];
             let ratio = libm::exp(log_ratio);
             let advantage = batch.advantages[i];
             let free = advantage * ratio;
-            let clipped = advantage * ratio.clamp(1.0 - config.clip_coef, 1.0 + config.clip_coef);
+            let clipped = advantage * ratio.clamp(1.0 - clip_coef, 1.0 + clip_coef);
 
             terms.policy -= share * free.min(clipped);
             terms.approx_kl += share * ((ratio - 1.0) - log_ratio);
-            terms.clip_fraction += if (ratio - 1.0).abs() > config.clip_coef { share } else { 0.0 };
+            terms.clip_fraction += if (ratio - 1.0).abs() > clip_coef { share } else { 0.0 };
             // Where the clipped term is the smaller one, it is constant.
             let by_log_prob = if free <= clipped { -share * free } else { 0.0 };
             for (k, slot) in slot.iter_mut().enumerate() {
@@ -103,10 +118,10 @@ impl<T: Real> LossGradient<T> {
                 self.log_std_gradient[k] += by_log_prob * by_log_std;
             }
         }
-        terms.entropy = Gaussian { mean: &self.mean, log_std: &self.log_std }.entropy();
+        terms.entropy = Gaussian { mean: &self.mean, spread: &self.spread }.entropy();
 
         let gradient = &mut self.gradient[policy.actor_range()];
-        policy.actor().backward(parameters, gradient, &mut self.scratch.actor);
+        policy.actor().backward(parameters, gradient, &mut self.scratch.actor, self.path);
         for (slot, value) in self.gradient[policy.log_std_range()].iter_mut().zip(&self.log_std_gradient) {
             *slot = T::rounded(*value);
         }
@@ -116,16 +131,22 @@ impl<T: Real> LossGradient<T> {
     fn critic(&mut self, policy: &ActorCritic<T>, batch: &Minibatch<T>, config: &PpoConfig) -> f64 {
         let share = 1.0 / batch.len() as f64;
         let parameters = &policy.parameters()[policy.critic_range()];
-        policy.critic().forward(parameters, &batch.obs, &mut self.scratch.critic);
+        policy.critic().forward(parameters, &batch.obs, &mut self.scratch.critic, self.path);
         let mut loss = 0.0;
         let slots = self.scratch.critic.output_to_gradient(policy.critic());
-        for (slot, expected) in slots.iter_mut().zip(&batch.returns) {
-            let error = slot.widened() - expected;
+        let targets = batch.returns.iter().zip(&batch.old_values);
+        for (slot, (expected, old)) in slots.iter_mut().zip(targets) {
+            let change = slot.widened() - old;
+            let limit = config.clip_range_vf.unwrap_or(f64::INFINITY);
+            // Beyond the limit the value is taken as constant.
+            let (value, moves) =
+                if change.abs() <= limit { (slot.widened(), 1.0) } else { (old + change.clamp(-limit, limit), 0.0) };
+            let error = value - expected;
             loss += share * error * error;
-            *slot = T::rounded(config.vf_coef * 2.0 * share * error);
+            *slot = T::rounded(config.vf_coef * 2.0 * share * error * moves);
         }
         let gradient = &mut self.gradient[policy.critic_range()];
-        policy.critic().backward(parameters, gradient, &mut self.scratch.critic);
+        policy.critic().backward(parameters, gradient, &mut self.scratch.critic, self.path);
         loss
     }
 }

@@ -3,7 +3,7 @@
 use rand::Rng;
 
 use super::real::Real;
-use super::rollout::RolloutBuffer;
+use super::rollout::Rollout;
 use crate::seed::Stream;
 
 /// Samples drawn from a rollout, copied together.
@@ -16,6 +16,8 @@ pub(super) struct Minibatch<T> {
     pub(super) old_log_probs: Vec<f64>,
     pub(super) advantages: Vec<f64>,
     pub(super) returns: Vec<f64>,
+    /// The critic's values before the update.
+    pub(super) old_values: Vec<f64>,
 }
 
 impl<T: Real> Minibatch<T> {
@@ -27,6 +29,7 @@ impl<T: Real> Minibatch<T> {
             old_log_probs: Vec::with_capacity(capacity),
             advantages: Vec::with_capacity(capacity),
             returns: Vec::with_capacity(capacity),
+            old_values: Vec::with_capacity(capacity),
         }
     }
 
@@ -36,19 +39,25 @@ impl<T: Real> Minibatch<T> {
     }
 
     /// Replaces the content by the samples with these numbers.
-    pub(super) fn gather(&mut self, buffer: &RolloutBuffer, samples: &[usize]) {
+    ///
+    /// Samples are counted by environment, then step; all rollouts are of equal length.
+    pub(super) fn gather(&mut self, rollouts: &[Rollout], samples: &[usize]) {
         self.obs.clear();
         self.actions.clear();
         self.old_log_probs.clear();
         self.advantages.clear();
         self.returns.clear();
-        for &i in samples {
-            let obs = &buffer.obs[i * buffer.obs_dim..(i + 1) * buffer.obs_dim];
+        self.old_values.clear();
+        let steps = rollouts[0].len();
+        for &sample in samples {
+            let (rollout, i) = (&rollouts[sample / steps], sample % steps);
+            let obs = &rollout.obs[i * rollout.obs_dim..(i + 1) * rollout.obs_dim];
             self.obs.extend(obs.iter().map(|&x| T::rounded(f64::from(x))));
-            self.actions.extend_from_slice(&buffer.actions[i * buffer.action_dim..(i + 1) * buffer.action_dim]);
-            self.old_log_probs.push(buffer.log_probs[i]);
-            self.advantages.push(buffer.advantages[i]);
-            self.returns.push(buffer.returns[i]);
+            self.actions.extend_from_slice(&rollout.actions[i * rollout.action_dim..(i + 1) * rollout.action_dim]);
+            self.old_log_probs.push(rollout.log_probs[i]);
+            self.advantages.push(rollout.advantages[i]);
+            self.returns.push(rollout.returns[i]);
+            self.old_values.push(rollout.values[i]);
         }
     }
 
@@ -117,15 +126,18 @@ mod tests {
 
     #[test]
     fn gathering_follows_the_given_order() {
-        let mut buffer = RolloutBuffer::new(3, 1, 2, 1);
-        buffer.obs = vec![0.0, 0.5, 1.0, 1.5, 2.0, 2.5];
-        buffer.actions = vec![10.0, 11.0, 12.0];
-        buffer.returns = vec![20.0, 21.0, 22.0];
-        let mut batch = Minibatch::<f64>::with_capacity(2, 2, 1);
-        batch.gather(&buffer, &[2, 0]);
-        assert_eq!(batch.obs, [2.0, 2.5, 0.0, 0.5]);
-        assert_eq!(batch.actions, [12.0, 10.0]);
-        assert_eq!(batch.returns, [22.0, 20.0]);
-        assert_eq!(batch.len(), 2);
+        let mut rollouts = vec![Rollout::new(3, 2, 1); 2];
+        rollouts[0].obs = vec![0.0, 0.5, 1.0, 1.5, 2.0, 2.5];
+        rollouts[0].actions = vec![10.0, 11.0, 12.0];
+        rollouts[0].returns = vec![20.0, 21.0, 22.0];
+        rollouts[1].obs = vec![3.0, 3.5, 4.0, 4.5, 5.0, 5.5];
+        rollouts[1].values = vec![30.0, 31.0, 32.0];
+        let mut batch = Minibatch::<f64>::with_capacity(3, 2, 1);
+        batch.gather(&rollouts, &[2, 4, 0]);
+        assert_eq!(batch.obs, [2.0, 2.5, 4.0, 4.5, 0.0, 0.5]);
+        assert_eq!(batch.actions, [12.0, 0.0, 10.0]);
+        assert_eq!(batch.returns, [22.0, 0.0, 20.0]);
+        assert_eq!(batch.old_values, [0.0, 31.0, 0.0]);
+        assert_eq!(batch.len(), 3);
     }
 }

@@ -1,41 +1,63 @@
 //! Reinforcement learning: proximal policy optimisation and what it needs. Knows no car.
 //!
 //! An [`Env`] is what there is to learn, a [`PpoConfig`] how, and [`train`] turns both into an [`ActorCritic`] and its
-//! learning curve. The algorithm is that of stable-baselines3's `PPO` for continuous actions, with the same order of
-//! operations: collect a rollout, estimate advantages, then several epochs of minibatches, each with its own gradient
-//! step. Everything random comes from named streams and training is sequential, so that the same seed gives the same bits.
-//! This holds between processors that agree in whether they have AVX and fused multiply-add: the general matrix product
-//! uses what it finds, which rounds differently.
+//! learning curve; a [`Trainer`] does the same update by update and can be saved in between. The algorithm is that of
+//! stable-baselines3's `PPO` for continuous actions, with the same order of operations: collect a rollout, estimate
+//! advantages, then several epochs of minibatches, each with its own gradient step. Its schedules, early stopping, stacked
+//! and normalised observations and rewards are there, too; observations are stacked first, then normalised.
+//!
+//! Everything random comes from named streams, and environments that run side by side have streams of their own, so that
+//! the same seed gives the same bits on any number of threads. This holds between processors that agree in whether they
+//! have AVX2 and fused multiply-add: minibatches are computed with them where they are, which rounds differently. With
+//! [`PpoConfig::portable_bits`] they are not used, and the bits are the same on all processors. Acting never uses them: a
+//! policy, once trained, acts the same everywhere.
 //!
 //! Networks compute in `f32`; rewards, advantages, densities and losses are `f64`. Matrices are column-major, one sample
-//! per column.
+//! per column. Nothing allocates while acting and learning but the report of each update.
 
 mod config;
+mod schedule;
 mod env;
+mod frame_stack;
 
 mod actor_critic;
+mod moments;
+mod archive;
 mod checkpoint;
 mod gaussian;
 mod init;
 mod mlp;
 mod normal;
-mod product;
-mod real;
 mod tanh;
+mod product;
+mod arithmetic;
+mod real;
 
-mod adam;
-mod collector;
-mod gae;
-mod log;
-mod loss;
-mod minibatch;
 mod ppo;
+mod trainer;
+mod train_state;
+mod train_error;
+mod collector;
+mod lane;
 mod rollout;
+mod gae;
+mod learner;
+mod recorded;
+mod minibatch;
+mod loss;
+mod adam;
+mod log;
 
 pub use actor_critic::{ActorCritic, Scratch};
 pub use checkpoint::CheckpointError;
 pub use config::PpoConfig;
 pub use env::{Env, Step};
+pub use frame_stack::FrameStack;
 pub use log::{FinishedEpisode, UpdateLog};
-pub use ppo::{Quantity, TrainError, Trained, train};
+pub use moments::RunningMoments;
+pub use ppo::{Trained, train};
 pub use real::Real;
+pub use recorded::{RecordedRollout, RecordedUpdate, update_on_recorded};
+pub use schedule::Schedule;
+pub use train_error::{Quantity, TrainError};
+pub use trainer::Trainer;

@@ -1,65 +1,243 @@
 //! Products and transposes of column-major matrices in slices.
 //!
-//! nalgebra's general product serves only operands that are contiguous, column-major and larger than [`SMALL`] in every
-//! dimension: below that nalgebra 0.35 takes another path, which is slow for matrices of few rows and unsound for views
-//! with a row stride. Plain loops serve the rest. The general product packs its operands into memory that it allocates in
-//! every call; nothing else here allocates.
+//! The loops keep a block of the result in registers while they run over the inner dimension. Every element is the sum of
+//! its terms in their order, however the blocks fall, so that the result does not depend on the shape of the blocks.
+//! nalgebra's products are not used: they allocate in every call, choose their instructions themselves, and nalgebra 0.35
+//! is unsound for small views with a row stride.
 
-use nalgebra::{DMatrixView, DMatrixViewMut};
-
+use super::arithmetic::{Arithmetic, Kernel};
 use super::real::Real;
 
-/// The largest dimension that the general product does not accept.
-pub(super) const SMALL: usize = 5;
+/// A matrix product `c = a · b`, or `c = a · bᵀ`; with `init`, every column of it plus `init`.
+pub(super) struct Product<'a, T, const B_TRANSPOSED: bool> {
+    /// rows × inner.
+    pub(super) a: &'a [T],
+    /// inner × columns, or columns × inner for the product with the transpose.
+    pub(super) b: &'a [T],
+    /// What every column begins with instead of zeros, one element per row.
+    pub(super) init: Option<&'a [T]>,
+    /// rows × columns.
+    pub(super) c: &'a mut [T],
+    /// The number of rows of `a` and `c`.
+    pub(super) rows: usize,
+    /// The number of columns of `a`.
+    pub(super) inner: usize,
+    /// The number of columns of `c`.
+    pub(super) columns: usize,
+}
 
-/// Writes the product of `a` (rows × inner) and `b` (inner × columns) into `c` (rows × columns).
-pub(super) fn product<T: Real>(a: &[T], b: &[T], c: &mut [T], rows: usize, inner: usize, columns: usize) {
-    if rows > SMALL && inner > SMALL && columns > SMALL {
-        let a = DMatrixView::from_slice(a, rows, inner);
-        let b = DMatrixView::from_slice(b, inner, columns);
-        DMatrixViewMut::from_slice(c, rows, columns).gemm(T::one(), &a, &b, T::zero());
-        return;
+impl<T: Real, const B_TRANSPOSED: bool> Product<'_, T, B_TRANSPOSED> {
+    /// Computes the rows `row..row + R` of four columns at a time, then of single ones.
+    #[inline(always)]
+    fn rows<A: Arithmetic, const R: usize>(&mut self, row: usize) {
+        let mut at = 0;
+        while at + 4 <= self.columns {
+            self.four_columns::<A, R>(row, at);
+            at += 4;
+        }
+        while at < self.columns {
+            self.one_column::<A, R>(row, at);
+            at += 1;
+        }
     }
-    for (c, b) in c.chunks_exact_mut(rows).zip(b.chunks_exact(inner)) {
-        c.fill(T::zero());
-        let (quads, rest) = b.as_chunks::<4>();
-        let (a_quads, a_rest) = a[..rows * inner].split_at(rows * 4 * quads.len());
-        for (a, &[b0, b1, b2, b3]) in a_quads.chunks_exact(4 * rows).zip(quads) {
-            let (a0, a) = a.split_at(rows);
-            let (a1, a) = a.split_at(rows);
-            let (a2, a3) = a.split_at(rows);
-            for ((((c, a0), a1), a2), a3) in c.iter_mut().zip(a0).zip(a1).zip(a2).zip(a3) {
-                *c += *a0 * b0 + *a1 * b1 + *a2 * b2 + *a3 * b3;
+
+    /// Computes the columns `at..at + 4` in rows `row..row + R`, written out so that the sums get registers.
+    #[inline(always)]
+    fn four_columns<A: Arithmetic, const R: usize>(&mut self, row: usize, at: usize) {
+        let [mut s0, mut s1, mut s2, mut s3] = [self.first_sums(row); 4];
+        let a = self.a[..self.rows * self.inner].chunks_exact(self.rows);
+        if B_TRANSPOSED {
+            for (a, b) in a.zip(self.b.chunks_exact(self.columns)) {
+                let (a, [b0, b1, b2, b3]) = (block(&a[row..]), *block(&b[at..]));
+                add_multiple::<A, T, R>(&mut s0, a, b0);
+                add_multiple::<A, T, R>(&mut s1, a, b1);
+                add_multiple::<A, T, R>(&mut s2, a, b2);
+                add_multiple::<A, T, R>(&mut s3, a, b3);
+            }
+        } else {
+            let column = |j: usize| &self.b[(at + j) * self.inner..][..self.inner];
+            let columns = column(0).iter().zip(column(1)).zip(column(2)).zip(column(3));
+            for (a, (((b0, b1), b2), b3)) in a.zip(columns) {
+                let a = block(&a[row..]);
+                add_multiple::<A, T, R>(&mut s0, a, *b0);
+                add_multiple::<A, T, R>(&mut s1, a, *b1);
+                add_multiple::<A, T, R>(&mut s2, a, *b2);
+                add_multiple::<A, T, R>(&mut s3, a, *b3);
             }
         }
-        for (a, b) in a_rest.chunks_exact(rows).zip(rest) {
-            for (c, a) in c.iter_mut().zip(a) {
-                *c += *a * *b;
+        self.store(row, at, &s0);
+        self.store(row, at + 1, &s1);
+        self.store(row, at + 2, &s2);
+        self.store(row, at + 3, &s3);
+    }
+
+    /// Computes the column `at` in rows `row..row + R`.
+    #[inline(always)]
+    fn one_column<A: Arithmetic, const R: usize>(&mut self, row: usize, at: usize) {
+        let mut sums = self.first_sums(row);
+        let a = self.a[..self.rows * self.inner].chunks_exact(self.rows);
+        if B_TRANSPOSED {
+            for (a, b) in a.zip(self.b.chunks_exact(self.columns)) {
+                add_multiple::<A, T, R>(&mut sums, block(&a[row..]), b[at]);
+            }
+        } else {
+            for (a, b) in a.zip(&self.b[at * self.inner..][..self.inner]) {
+                add_multiple::<A, T, R>(&mut sums, block(&a[row..]), *b);
+            }
+        }
+        self.store(row, at, &sums);
+    }
+
+    #[inline(always)]
+    fn first_sums<const R: usize>(&self, row: usize) -> [T; R] {
+        self.init.map_or([T::zero(); R], |init| *block(&init[row..]))
+    }
+
+    #[inline(always)]
+    fn store<const R: usize>(&mut self, row: usize, at: usize, sums: &[T; R]) {
+        self.c[at * self.rows + row..][..R].copy_from_slice(sums);
+    }
+}
+
+/// Returns the beginning of a slice.
+#[inline(always)]
+fn block<T, const N: usize>(values: &[T]) -> &[T; N] {
+    values.first_chunk().expect("a block lies inside of its matrix")
+}
+
+/// Adds `a · b` to sums that lie in registers.
+#[inline(always)]
+fn add_multiple<A: Arithmetic, T: Real, const R: usize>(sums: &mut [T; R], a: &[T; R], b: T) {
+    for (sum, a) in sums.iter_mut().zip(a) {
+        *sum = A::mul_add(*a, b, *sum);
+    }
+}
+
+impl<T: Real, const B_TRANSPOSED: bool> Kernel for Product<'_, T, B_TRANSPOSED> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arithmetic>(mut self) {
+        let mut row = 0;
+        // Eight registers of eight numbers hide the latency of an addition. Four columns of sixteen rows need the fewest
+        // loads, but their sums stay in memory when the compiler has debug assertions to check: twenty times slower. Without
+        // wide instructions the registers hold four columns of eight rows.
+        while cfg!(debug_assertions) && row + 64 <= self.rows {
+            for at in 0..self.columns {
+                self.one_column::<A, 64>(row, at);
+            }
+            row += 64;
+        }
+        while A::FUSED && row + 16 <= self.rows {
+            self.rows::<A, 16>(row);
+            row += 16;
+        }
+        while row + 8 <= self.rows {
+            self.rows::<A, 8>(row);
+            row += 8;
+        }
+        while row < self.rows {
+            self.rows::<A, 1>(row);
+            row += 1;
+        }
+    }
+}
+
+/// The product of `a`ᵀ and `b` for `a` of few columns: inner products of whole columns.
+pub(super) struct ProductOfTranspose<'a, T> {
+    /// inner × rows.
+    pub(super) a: &'a [T],
+    /// inner × columns.
+    pub(super) b: &'a [T],
+    /// What every column begins with, one element per row.
+    pub(super) init: &'a [T],
+    /// rows × columns.
+    pub(super) c: &'a mut [T],
+    /// The number of columns of `a`.
+    pub(super) rows: usize,
+    /// The number of rows of `a` and `b`.
+    pub(super) inner: usize,
+}
+
+impl<T: Real> Kernel for ProductOfTranspose<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arithmetic>(self) {
+        for (c, b) in self.c.chunks_exact_mut(self.rows).zip(self.b.chunks_exact(self.inner)) {
+            for ((c, a), init) in c.iter_mut().zip(self.a.chunks_exact(self.inner)).zip(self.init) {
+                *c = *init + dot::<A, T>(a, b);
             }
         }
     }
 }
 
-/// Writes the product of `a`ᵀ and `b` into `c` (rows × columns), for `a` (inner × rows) of few columns.
-pub(super) fn product_of_transpose<T: Real>(a: &[T], b: &[T], c: &mut [T], rows: usize, inner: usize) {
-    for (c, b) in c.chunks_exact_mut(rows).zip(b.chunks_exact(inner)) {
-        for (c, a) in c.iter_mut().zip(a.chunks_exact(inner)) {
-            *c = dot(a, b);
-        }
+/// The sum of the squares of a vector's elements.
+pub(super) struct SquaredNorm<'a, T>(pub(super) &'a [T]);
+
+impl<T: Real> Kernel for SquaredNorm<'_, T> {
+    type Output = T;
+
+    #[inline(always)]
+    fn run<A: Arithmetic>(self) -> T {
+        dot::<A, T>(self.0, self.0)
     }
 }
 
-/// Returns the inner product of two vectors of equal length, summed in eight lanes.
-pub(super) fn dot<T: Real>(a: &[T], b: &[T]) -> T {
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
-    let mut lanes = [T::zero(); 8];
+/// Returns the inner product of two vectors of equal length, summed in 32 lanes.
+#[inline(always)]
+fn dot<A: Arithmetic, T: Real>(a: &[T], b: &[T]) -> T {
+    const LANES: usize = 32;
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+    let mut lanes = [T::zero(); LANES];
     for (a, b) in a.iter().zip(b) {
-        for lane in 0..8 {
-            lanes[lane] += a[lane] * b[lane];
+        for ((lane, a), b) in lanes.iter_mut().zip(a).zip(b) {
+            *lane = A::mul_add(*a, *b, *lane);
         }
     }
-    let rest = a_rest.iter().zip(b_rest).fold(T::zero(), |sum, (a, b)| sum + *a * *b);
-    lanes.into_iter().fold(rest, |sum, lane| sum + lane)
+    let mut width = LANES / 2;
+    while width > 0 {
+        let (low, high) = lanes.split_at_mut(width);
+        for (low, high) in low.iter_mut().zip(high) {
+            *low += *high;
+        }
+        width /= 2;
+    }
+    a_rest.iter().zip(b_rest).fold(lanes[0], |sum, (a, b)| A::mul_add(*a, *b, sum))
+}
+
+/// Multiplies a matrix (outputs × inputs) by one vector and adds another.
+///
+/// Always with the plain arithmetic: acting gives the same bits on every processor.
+pub(super) fn affine<T: Real>(weight: &[T], bias: &[T], x: &[T], y: &mut [T]) {
+    let mut row = 0;
+    while row + 32 <= y.len() {
+        affine_rows::<T, 32>(weight, bias, x, y, row);
+        row += 32;
+    }
+    while row + 8 <= y.len() {
+        affine_rows::<T, 8>(weight, bias, x, y, row);
+        row += 8;
+    }
+    while row + 2 <= y.len() {
+        affine_rows::<T, 2>(weight, bias, x, y, row);
+        row += 2;
+    }
+    if row < y.len() {
+        affine_rows::<T, 1>(weight, bias, x, y, row);
+    }
+}
+
+#[inline(always)]
+fn affine_rows<T: Real, const R: usize>(weight: &[T], bias: &[T], x: &[T], y: &mut [T], row: usize) {
+    let mut sums: [T; R] = *bias[row..].first_chunk().expect("one element per output");
+    for (weight, x) in weight.chunks_exact(y.len()).zip(x) {
+        let weight: &[T; R] = weight[row..].first_chunk().expect("one element per output");
+        for (sum, weight) in sums.iter_mut().zip(weight) {
+            *sum += *weight * *x;
+        }
+    }
+    y[row..row + R].copy_from_slice(&sums);
 }
 
 /// Writes the transpose of `a` (rows × columns) into `out` (columns × rows).
@@ -82,51 +260,87 @@ pub(super) fn transpose<T: Real>(a: &[T], out: &mut [T], rows: usize, columns: u
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rl::arithmetic::{Path, all_paths};
     use crate::rl::normal::standard_normal;
     use crate::seed::Seed;
+    use nalgebra::DMatrix;
 
-    fn naive(a: &[f64], b: &[f64], rows: usize, inner: usize, columns: usize) -> Vec<f64> {
-        let mut c = vec![0.0; rows * columns];
-        for i in 0..rows {
-            for j in 0..columns {
-                c[j * rows + i] = (0..inner).map(|k| a[k * rows + i] * b[j * inner + k]).sum();
+    const SIZES: [usize; 11] = [1, 2, 3, 4, 5, 6, 7, 16, 22, 41, 64];
+
+    fn for_all_shapes(mut check: impl FnMut(DMatrix<f64>, DMatrix<f64>, Vec<f64>)) {
+        let mut stream = Seed::root(3).stream();
+        for rows in SIZES {
+            for inner in SIZES {
+                for columns in SIZES {
+                    let mut draw = |m, n| DMatrix::from_fn(m, n, |_, _| standard_normal(&mut stream));
+                    check(draw(rows, inner), draw(inner, columns), draw(rows, 1).as_slice().to_vec());
+                }
             }
         }
-        c
+    }
+
+    fn assert_close(found: &[f64], expected: &DMatrix<f64>) {
+        assert_eq!(found.len(), expected.len());
+        for (found, expected) in found.iter().zip(expected.iter()) {
+            assert!((found - expected).abs() < 1e-12, "{:?}: {found} against {expected}", expected);
+        }
     }
 
     #[test]
-    fn all_shapes_agree_with_naive_loops() {
-        let mut stream = Seed::root(3).stream();
-        let mut draw = |n: usize| -> Vec<f64> { (0..n).map(|_| standard_normal(&mut stream)).collect() };
-        let sizes = [1, 2, 3, 4, 5, 6, 7, 22, 64];
-        for rows in sizes {
-            for inner in sizes {
-                for columns in sizes {
-                    let (a, b) = (draw(rows * inner), draw(inner * columns));
-                    let expected = naive(&a, &b, rows, inner, columns);
-                    // One element more than needed shows a write out of bounds.
-                    let mut c = vec![f64::NAN; rows * columns + 1];
-                    c[rows * columns] = 42.0;
-                    product(&a, &b, &mut c[..rows * columns], rows, inner, columns);
-                    let mut a_transposed = vec![0.0; a.len()];
-                    transpose(&a, &mut a_transposed, rows, inner);
-                    let mut d = vec![f64::NAN; rows * columns];
-                    product_of_transpose(&a_transposed, &b, &mut d, rows, inner);
-                    assert_eq!(c[rows * columns], 42.0);
-                    for ((c, d), expected) in c.iter().zip(&d).zip(&expected) {
-                        assert!((c - expected).abs() < 1e-12, "{rows}x{inner}x{columns}");
-                        assert!((d - expected).abs() < 1e-12, "{rows}x{inner}x{columns}, transposed");
-                    }
+    fn products_of_all_shapes_agree_with_nalgebra() {
+        for path in all_paths() {
+            for_all_shapes(|a, b, init| {
+                let ((rows, inner), columns) = (a.shape(), b.ncols());
+                let product = &a * &b;
+                let shifted = DMatrix::from_fn(rows, columns, |i, j| product[(i, j)] + init[i]);
+                let (transposed_a, transposed_b) = (a.transpose(), b.transpose());
+                for (init, expected) in [(None, &product), (Some(init.as_slice()), &shifted)] {
+                    let (a, mut c) = (a.as_slice(), vec![f64::NAN; rows * columns]);
+                    let b = b.as_slice();
+                    path.run(Product::<_, false> { a, b, init, c: &mut c, rows, inner, columns });
+                    assert_close(&c, expected);
+                    let b = transposed_b.as_slice();
+                    path.run(Product::<_, true> { a, b, init, c: &mut c, rows, inner, columns });
+                    assert_close(&c, expected);
                 }
+                let mut c = vec![f64::NAN; rows * columns];
+                let (a, b) = (transposed_a.as_slice(), b.as_slice());
+                path.run(ProductOfTranspose { a, b, init: &init, c: &mut c, rows, inner });
+                assert_close(&c, &shifted);
+            });
+        }
+    }
+
+    #[test]
+    fn the_product_with_one_vector_is_the_plain_product_bit_for_bit() {
+        for_all_shapes(|a, b, init| {
+            let (rows, inner) = a.shape();
+            let x = &b.as_slice()[..inner];
+            let (mut y, mut c) = (vec![f64::NAN; rows], vec![f64::NAN; rows]);
+            affine(a.as_slice(), &init, x, &mut y);
+            let (a, init) = (a.as_slice(), Some(init.as_slice()));
+            Path::plain().run(Product::<_, false> { a, b: x, init, c: &mut c, rows, inner, columns: 1 });
+            assert_eq!(y, c);
+        });
+    }
+
+    #[test]
+    fn a_squared_norm_counts_every_element_once() {
+        for path in all_paths() {
+            for count in 0..100 {
+                let values: Vec<f64> = (0..count).map(f64::from).collect();
+                let expected: f64 = values.iter().map(|x| x * x).sum();
+                assert_eq!(path.run(SquaredNorm(&values)), expected);
             }
         }
     }
 
     #[test]
     fn a_transpose_exchanges_rows_and_columns() {
-        let mut out = [0.0; 6];
-        transpose(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], &mut out, 2, 3);
-        assert_eq!(out, [1.0, 3.0, 5.0, 2.0, 4.0, 6.0]);
+        for_all_shapes(|a, _, _| {
+            let mut out = vec![f64::NAN; a.len()];
+            transpose(a.as_slice(), &mut out, a.nrows(), a.ncols());
+            assert_eq!(out, a.transpose().as_slice());
+        });
     }
 }

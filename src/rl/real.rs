@@ -1,5 +1,6 @@
 //! The number types the networks can be built from.
 
+use super::arithmetic::Arithmetic;
 use super::tanh;
 
 mod sealed {
@@ -19,42 +20,63 @@ pub trait Real: nalgebra::RealField + Copy + sealed::Sealed {
     /// Returns the correctly rounded square root, by the processor's own instruction.
     fn square_root(self) -> Self;
 
+    /// Returns `self · b + c`, rounded once.
+    fn fused(self, b: Self, c: Self) -> Self;
+
     /// Replaces every element by its hyperbolic tangent.
-    fn tanh_slice(values: &mut [Self]);
+    fn tanh_slice<A: Arithmetic>(values: &mut [Self]);
 }
 
 impl Real for f32 {
+    #[inline(always)]
     fn rounded(value: f64) -> Self {
         value as f32
     }
 
+    #[inline(always)]
     fn widened(self) -> f64 {
         f64::from(self)
     }
 
+    #[inline(always)]
     fn square_root(self) -> Self {
         self.sqrt()
     }
 
-    fn tanh_slice(values: &mut [Self]) {
-        tanh::tanh_f32(values);
+    #[inline(always)]
+    fn fused(self, b: Self, c: Self) -> Self {
+        Self::mul_add(self, b, c)
+    }
+
+    #[inline(always)]
+    fn tanh_slice<A: Arithmetic>(values: &mut [Self]) {
+        tanh::tanh_f32::<A>(values);
     }
 }
 
 impl Real for f64 {
+    #[inline(always)]
     fn rounded(value: f64) -> Self {
         value
     }
 
+    #[inline(always)]
     fn widened(self) -> f64 {
         self
     }
 
+    #[inline(always)]
     fn square_root(self) -> Self {
         self.sqrt()
     }
 
-    fn tanh_slice(values: &mut [Self]) {
+    #[inline(always)]
+    fn fused(self, b: Self, c: Self) -> Self {
+        Self::mul_add(self, b, c)
+    }
+
+    #[inline(always)]
+    fn tanh_slice<A: Arithmetic>(values: &mut [Self]) {
         for value in values {
             *value = libm::tanh(*value);
         }

@@ -1,10 +1,12 @@
 //! One update on experience from outside.
 
 use super::actor_critic::ActorCritic;
+use super::arithmetic::Path;
 use super::config::PpoConfig;
-use super::gaussian::Gaussian;
-use super::ppo::{Learner, Quantity};
-use super::rollout::RolloutBuffer;
+use super::gaussian::{Gaussian, Spread};
+use super::learner::{Learner, Rates};
+use super::rollout::Rollout;
+use super::train_error::Quantity;
 
 /// One environment's experience over a rollout, as it was recorded, perhaps by another program.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,8 +54,8 @@ pub struct RecordedUpdate {
 ///
 /// Does what [`train`](super::train) does with a rollout, but for who collected it: values it, estimates advantages, and
 /// takes the same gradient steps, from an optimiser that has seen nothing yet. `epochs` holds the sample numbers of every
-/// epoch in the order in which they are cut into minibatches. `config.rollout_steps` and `config.total_steps` are without
-/// effect.
+/// epoch in the order in which they are cut into minibatches. `config.rollout_steps`, `config.total_steps` and
+/// the schedules are without effect.
 ///
 /// # Errors
 /// The quantity that was not finite.
@@ -77,14 +79,15 @@ pub fn update_on_recorded(
             && rollout.last_obs.len() == obs_dim,
         "the parts of a rollout must have the same number of steps"
     );
-    let mut buffer = RolloutBuffer::new(steps, 1, obs_dim, action_dim);
+    let mut buffer = Rollout::new(steps, obs_dim, action_dim);
     buffer.obs.copy_from_slice(&rollout.obs);
     buffer.actions.copy_from_slice(&rollout.actions);
     buffer.rewards.copy_from_slice(&rollout.rewards);
     buffer.episode_starts.copy_from_slice(&rollout.episode_starts);
 
     let mut scratch = actor_critic.scratch(1);
-    let log_std: Vec<f64> = actor_critic.log_std().iter().map(|x| f64::from(*x)).collect();
+    let mut spread = Spread::new(action_dim);
+    spread.set(actor_critic.log_std());
     let (mut obs, mut mean) = (vec![0.0; obs_dim], vec![0.0; action_dim]);
     for step in 0..steps {
         for (slot, x) in obs.iter_mut().zip(&buffer.obs[step * obs_dim..]) {
@@ -92,17 +95,20 @@ pub fn update_on_recorded(
         }
         actor_critic.act(&obs, &mut mean, &mut scratch);
         let action = &buffer.actions[step * action_dim..(step + 1) * action_dim];
-        buffer.log_probs[step] = Gaussian { mean: &mean, log_std: &log_std }.log_prob(action);
+        buffer.log_probs[step] = Gaussian { mean: &mean, spread: &spread }.log_prob(action);
         buffer.values[step] = actor_critic.value(&obs, &mut scratch);
     }
     let last_value = actor_critic.value(&rollout.last_obs, &mut scratch);
-    buffer.finish(&[last_value], &[rollout.last_done], config.gamma, config.gae_lambda);
+    buffer.finish(last_value, rollout.last_done, config.gamma, config.gae_lambda);
 
-    let mut learner = Learner::new(actor_critic, config, steps);
+    let mut learner = Learner::new(actor_critic, config, steps, Path::of(config));
     let mut recorded = epochs.iter();
-    let means = learner.learn(&buffer, &mut |order| {
+    let rates = Rates { learning_rate: config.learning_rate, clip_coef: config.clip_coef };
+    let rollouts = [buffer];
+    let means = learner.learn(&rollouts, config, rates, &mut |order| {
         order.copy_from_slice(recorded.next().expect("there is an order for every epoch"));
     })?;
+    let [buffer] = rollouts;
     Ok(RecordedUpdate {
         actor_critic: learner.policy,
         values: buffer.values,

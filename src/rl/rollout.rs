@@ -2,20 +2,17 @@
 
 use super::gae::{Trajectory, advantages_and_returns};
 
-/// The experience of several environments over a fixed number of steps.
-///
-/// All columns are ordered by step, then environment: the sample of step `t` in environment `e` is `t · n_envs + e`.
+/// The experience of one environment over a fixed number of steps.
 ///
 /// # Source
 /// `RolloutBuffer` of stable-baselines3.
-#[derive(Debug, Clone)]
-pub(super) struct RolloutBuffer {
-    pub(super) n_envs: usize,
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Rollout {
     pub(super) obs_dim: usize,
     pub(super) action_dim: usize,
-    /// obs_dim × samples, column-major.
+    /// obs_dim × steps, column-major, as the networks see them.
     pub(super) obs: Vec<f32>,
-    /// action_dim × samples, column-major, before clipping to the bounds.
+    /// action_dim × steps, column-major, before clipping to the bounds.
     pub(super) actions: Vec<f64>,
     pub(super) log_probs: Vec<f64>,
     /// With the value of the final observation added where an episode was cut off.
@@ -26,59 +23,50 @@ pub(super) struct RolloutBuffer {
     pub(super) returns: Vec<f64>,
 }
 
-impl RolloutBuffer {
-    /// Makes room for `steps` steps of each environment.
-    pub(super) fn new(steps: usize, n_envs: usize, obs_dim: usize, action_dim: usize) -> Self {
-        let samples = steps * n_envs;
-        let zeros = || vec![0.0; samples];
+impl Rollout {
+    /// Makes room for so many steps.
+    pub(super) fn new(steps: usize, obs_dim: usize, action_dim: usize) -> Self {
+        let zeros = || vec![0.0; steps];
         Self {
-            n_envs,
             obs_dim,
             action_dim,
-            obs: vec![0.0; samples * obs_dim],
-            actions: vec![0.0; samples * action_dim],
+            obs: vec![0.0; steps * obs_dim],
+            actions: vec![0.0; steps * action_dim],
             log_probs: zeros(),
             rewards: zeros(),
-            episode_starts: vec![false; samples],
+            episode_starts: vec![false; steps],
             values: zeros(),
             advantages: zeros(),
             returns: zeros(),
         }
     }
 
-    /// Returns the number of samples.
+    /// Returns the number of steps.
     pub(super) fn len(&self) -> usize {
         self.rewards.len()
     }
 
     /// Computes advantages and returns from rewards and values.
     ///
-    /// `last_values` are the critic's values of the observations after the last step, `last_dones` whether that step ended
-    /// an episode; one element per environment.
-    pub(super) fn finish(&mut self, last_values: &[f64], last_dones: &[bool], gamma: f64, lambda: f64) {
-        for env in 0..self.n_envs {
-            let trajectory = Trajectory {
-                rewards: &self.rewards[env..],
-                values: &self.values[env..],
-                episode_starts: &self.episode_starts[env..],
-                last_value: last_values[env],
-                last_done: last_dones[env],
-            };
-            let (advantages, returns) = (&mut self.advantages[env..], &mut self.returns[env..]);
-            advantages_and_returns(trajectory, self.n_envs, gamma, lambda, advantages, returns);
-        }
-    }
-
-    /// Returns the share of the returns' variance that the values explain; absent when the returns do not vary.
-    pub(super) fn explained_variance(&self) -> Option<f64> {
-        let variance_of_returns = variance(self.returns.iter().copied());
-        let residuals = self.returns.iter().zip(&self.values).map(|(expected, value)| expected - value);
-        (variance_of_returns > 0.0).then(|| 1.0 - variance(residuals) / variance_of_returns)
+    /// `last_value` is the critic's value of the observation after the last step, `last_done` whether that step ended an
+    /// episode.
+    pub(super) fn finish(&mut self, last_value: f64, last_done: bool, gamma: f64, lambda: f64) {
+        let Self { rewards, values, episode_starts, advantages, returns, .. } = self;
+        let trajectory = Trajectory { rewards, values, episode_starts, last_value, last_done };
+        advantages_and_returns(trajectory, gamma, lambda, advantages, returns);
     }
 }
 
-fn variance(values: impl ExactSizeIterator<Item = f64> + Clone) -> f64 {
-    let count = values.len() as f64;
+/// Returns the share of the returns' variance that the values explain; absent when the returns do not vary.
+pub(super) fn explained_variance(rollouts: &[Rollout]) -> Option<f64> {
+    let variance_of_returns = variance(rollouts.iter().flat_map(|rollout| rollout.returns.iter().copied()));
+    let residuals = rollouts.iter().flat_map(|rollout| rollout.returns.iter().zip(&rollout.values));
+    let residuals = residuals.map(|(expected, value)| expected - value);
+    (variance_of_returns > 0.0).then(|| 1.0 - variance(residuals) / variance_of_returns)
+}
+
+fn variance(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    let count = values.clone().count() as f64;
     let mean = values.clone().sum::<f64>() / count;
     values.map(|value| (value - mean) * (value - mean)).sum::<f64>() / count
 }
@@ -89,22 +77,25 @@ mod tests {
 
     #[test]
     fn explained_variance_is_one_for_a_perfect_critic_and_absent_without_variance() {
-        let mut buffer = RolloutBuffer::new(2, 2, 1, 1);
-        assert_eq!(buffer.explained_variance(), None);
-        buffer.returns = vec![1.0, 2.0, 3.0, 4.0];
-        assert_eq!(buffer.explained_variance(), Some(0.0));
+        let mut rollouts = vec![Rollout::new(2, 1, 1); 2];
+        assert_eq!(explained_variance(&rollouts), None);
+        (rollouts[0].returns, rollouts[1].returns) = (vec![1.0, 2.0], vec![3.0, 4.0]);
+        assert_eq!(explained_variance(&rollouts), Some(0.0));
         // A constant error is not variance.
-        buffer.values = vec![0.0, 1.0, 2.0, 3.0];
-        assert_eq!(buffer.explained_variance(), Some(1.0));
-        buffer.values = vec![4.0, 3.0, 2.0, 1.0];
-        assert_eq!(buffer.explained_variance(), Some(-3.0));
+        (rollouts[0].values, rollouts[1].values) = (vec![0.0, 1.0], vec![2.0, 3.0]);
+        assert_eq!(explained_variance(&rollouts), Some(1.0));
+        (rollouts[0].values, rollouts[1].values) = (vec![4.0, 3.0], vec![2.0, 1.0]);
+        assert_eq!(explained_variance(&rollouts), Some(-3.0));
     }
 
     #[test]
-    fn environments_are_finished_independently() {
-        let mut buffer = RolloutBuffer::new(2, 2, 1, 1);
-        buffer.rewards = vec![1.0, 10.0, 1.0, 10.0];
-        buffer.finish(&[4.0, 40.0], &[true, false], 0.5, 1.0);
-        assert_eq!(buffer.advantages, [1.5, 25.0, 1.0, 30.0]);
+    fn the_last_value_counts_unless_an_episode_has_ended() {
+        let mut rollout = Rollout::new(2, 1, 1);
+        rollout.rewards = vec![1.0, 1.0];
+        rollout.finish(4.0, true, 0.5, 1.0);
+        assert_eq!(rollout.advantages, [1.5, 1.0]);
+        rollout.rewards = vec![10.0, 10.0];
+        rollout.finish(40.0, false, 0.5, 1.0);
+        assert_eq!(rollout.advantages, [25.0, 30.0]);
     }
 }

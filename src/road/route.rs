@@ -80,7 +80,14 @@ pub struct RandomWalk {
 impl RandomWalk {
     /// Makes a walk that chooses by a rule.
     pub fn new(rule: ForkRule) -> Self {
-        Self { rule, ..Self::default() }
+        // Room for any junction, so that walking allocates nothing.
+        let room = 16;
+        Self {
+            rule,
+            branches: Vec::with_capacity(room),
+            past: Vec::with_capacity(room),
+            options: Vec::with_capacity(room),
+        }
     }
 
     /// The point `step` (m) further along the reference line; none at the end of the road.

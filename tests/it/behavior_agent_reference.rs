@@ -157,7 +157,7 @@ fn replay(
     let name = case["name"].as_str().expect("a case has a name");
     let town_name = case["town"].as_str().expect("a case has a town");
     let Some(town) = towns.entry(town_name.to_owned()).or_insert_with(|| read_town(town_name)) else {
-        eprintln!("SKIPPED: {name} of CARLA {}, for want of its map", release.name());
+        loud!("SKIPPED: {name} of CARLA {}, for want of its map", release.name());
         return;
     };
     let profile = case["behavior"].as_str().and_then(Profile::from_name).expect("a case has a behaviour");
@@ -258,7 +258,7 @@ fn least_bearing(ego: &Actor, obstacle: &Actor) -> f64 {
 fn recorded_decisions_are_repeated_reference() {
     let root = reference().join("reference").join("behavior_agent_traces");
     let Ok(folders) = fs::read_dir(&root) else {
-        eprintln!("SKIPPED: no recordings of CARLA's agent in {}", root.display());
+        loud!("SKIPPED: no recordings of CARLA's agent in {}", root.display());
         return;
     };
     let mut folders: Vec<PathBuf> = folders.flatten().map(|entry| entry.path()).filter(|path| path.is_dir()).collect();
@@ -269,11 +269,11 @@ fn recorded_decisions_are_repeated_reference() {
     for folder in folders {
         let Some(version) = folder.file_name().and_then(|name| name.to_str()?.strip_prefix('v')) else { continue };
         let Some(release) = Release::from_name(version) else {
-            eprintln!("SKIPPED: recordings of CARLA {version}, which no agent here claims to be");
+            loud!("SKIPPED: recordings of CARLA {version}, which no agent here claims to be");
             continue;
         };
         let Some(cases) = read_text(&folder.join("cases.json")) else {
-            eprintln!("SKIPPED: {} has no cases.json", folder.display());
+            loud!("SKIPPED: {} has no cases.json", folder.display());
             continue;
         };
         let cases: Value = serde_json::from_str(&cases).expect("cases.json is JSON");
@@ -312,7 +312,7 @@ fn recorded_decisions_are_repeated_reference() {
         }
     }
     if replayed == 0 {
-        eprintln!("SKIPPED: no readable recordings of CARLA's agent in {}", root.display());
+        loud!("SKIPPED: no readable recordings of CARLA's agent in {}", root.display());
     }
     assert!(failures.is_empty(), "the agents of CARLA {} decide otherwise", failures.join(", "));
 }

@@ -181,6 +181,24 @@ fn a_byte_order_mark_does_no_harm() {
 }
 
 #[test]
+fn a_map_takes_the_place_of_a_town() {
+    let folder = tempfile::tempdir().unwrap();
+    let map = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite/files/odd.xodr");
+    std::fs::write(folder.path().join("tiny.scn"), campaign()).unwrap();
+    let village = format!("village={}", map.display());
+    let output = falsify(&["check", "tiny.scn", "--map", &village], folder.path());
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    assert!(error(&output).contains("warning[map-warning]"), "{}", error(&output));
+    for (wrong, said) in
+        [("vilage=a.xodr", "nothing uses"), ("village", "write TOWN=FILE"), ("village=no.xodr", "unusable-map")]
+    {
+        let output = falsify(&["check", "tiny.scn", "--map", wrong], folder.path());
+        assert_ne!(output.status.code(), Some(0));
+        assert!(error(&output).contains(said), "{wrong}: {}", error(&output));
+    }
+}
+
+#[test]
 fn colour_is_off_unless_asked_for() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("bad.scn"), "edition 1\nrewrd a {}\n").unwrap();

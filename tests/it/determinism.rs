@@ -58,3 +58,27 @@ fn one_thread_and_four_give_the_same_bytes_and_another_seed_others() {
         |files: &[(String, Vec<u8>)]| files.iter().find(|(name, _)| name.ends_with("episodes.csv")).unwrap().1.clone();
     assert_ne!(episodes(&one), episodes(&other));
 }
+
+/// The digests of many episodes: whoever changes behaviour changes this number, and should have meant to.
+#[test]
+fn a_long_chaotic_run_has_the_digest_it_always_had() {
+    use falsify::compile::{Catalog, compile};
+    use falsify::falsifier::{Random, try_walker};
+    use falsify::seed::Seed;
+    use std::ops::ControlFlow;
+
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/twice.scn");
+    let read = |path: &Path| if path == root { Ok(SCENARIO.to_string()) } else { std::fs::read_to_string(path) };
+    let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Default::default()).unwrap();
+    let plan = compiled.plan.unwrap();
+    let digests: Vec<u64> = ["behavior", "blind"]
+        .into_iter()
+        .map(|policy| {
+            let evaluation = plan.campaigns[0].evaluations.iter().find(|each| each.policy == policy).unwrap();
+            let (seed, go_on) = (Seed::root(11), &mut |_| ControlFlow::Continue(()));
+            let outcomes = try_walker(&mut Random::default(), &evaluation.scenario, 50, &seed, &seed.child("w"), go_on);
+            outcomes.iter().fold(0, |sum: u64, outcome| sum.rotate_left(7) ^ outcome.digest)
+        })
+        .collect();
+    assert_eq!(digests, [17_420_662_082_827_457_773, 16_184_717_274_838_429_150]);
+}

@@ -1,12 +1,27 @@
 //! The integration tests, in one binary: one module for each boundary.
+//!
+//! Tests whose names contain `reference` compare with recordings of independent programs. They look for them in the folder
+//! that `FALSIFY_REFERENCE_DIR` names (default `../shared`) and pass, saying so, where there are none.
 
+/// Writes past the capture of test output: what was skipped must be seen.
+macro_rules! loud {
+    ($($text:tt)*) => {{
+        use std::io::Write;
+        let _ = writeln!(std::io::stderr(), $($text)*);
+    }};
+}
+
+mod allocation;
 mod behavior_agent_reference;
 mod command_line;
 mod determinism;
 mod layers;
 mod learning;
+mod ped_world;
+mod recorded_update;
 mod road_reference;
 mod routes_reference;
+mod sb3_curves;
 mod scenarios;
 mod suite;
 mod tidy;

@@ -302,7 +302,7 @@ fn recordings() -> Vec<PathBuf> {
 fn ped_world_reference() {
     let recordings = recordings();
     if recordings.is_empty() {
-        eprintln!("SKIPPED: no golden.json below the reference folder; set FALSIFY_REFERENCE_DIR");
+        loud!("SKIPPED: no golden.json below the reference folder; set FALSIFY_REFERENCE_DIR");
         return;
     }
     let (mut decisions, mut hits, mut worst) = (0, 0, 0.0f64);

@@ -137,7 +137,7 @@ impl Findings {
 fn with_tables(kind: &str, compare: impl Fn(&Case, &mut Findings)) {
     let folder = maps_folder();
     let Ok(entries) = fs::read_dir(folder.join("oracle")) else {
-        eprintln!("SKIPPED: no reference maps in {}", folder.display());
+        loud!("SKIPPED: no reference maps in {}", folder.display());
         return;
     };
     let files: Vec<String> = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();

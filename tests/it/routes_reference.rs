@@ -100,7 +100,7 @@ fn forget_first_junction(route: &mut [RoutePoint]) {
 fn routes_agree_with_the_reference() {
     let folder = reference().join("reference").join("behavior_agent_traces");
     let Ok(entries) = fs::read_dir(&folder) else {
-        eprintln!("SKIPPED: no recorded routes in {}", folder.display());
+        loud!("SKIPPED: no recorded routes in {}", folder.display());
         return;
     };
     let mut files: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
@@ -109,11 +109,11 @@ fn routes_agree_with_the_reference() {
     for file in files {
         let Some(file_name) = file.file_name().and_then(|name| name.to_str()) else { continue };
         if file_name.ends_with("_routes.csv.gz") {
-            eprintln!("SKIPPED: {file_name} is compressed; unpack it to compare");
+            loud!("SKIPPED: {file_name} is compressed; unpack it to compare");
         }
         let Some(town_name) = file_name.strip_suffix("_routes.csv") else { continue };
         let Ok(map) = fs::read_to_string(reference().join("maps").join(format!("{town_name}.xodr"))) else {
-            eprintln!("SKIPPED: {file_name}, for want of its map");
+            loud!("SKIPPED: {file_name}, for want of its map");
             continue;
         };
         let town = Town::new(opendrive::read(&map, town_name).expect("the map of recorded routes is readable"));
@@ -155,7 +155,7 @@ fn routes_agree_with_the_reference() {
         all += routes.len();
     }
     if all == 0 {
-        eprintln!("SKIPPED: no readable routes in {}", folder.display());
+        loud!("SKIPPED: no readable routes in {}", folder.display());
     }
     assert_eq!(agreeing, all, "routes that agree with CARLA's");
 }
@@ -165,7 +165,7 @@ fn routes_agree_with_the_reference() {
 fn topology_and_branches_are_in_the_order_of_the_reference() {
     let folder = reference().join("maps");
     let Ok(entries) = fs::read_dir(folder.join("oracle")) else {
-        eprintln!("SKIPPED: no topologies in {}", folder.display());
+        loud!("SKIPPED: no topologies in {}", folder.display());
         return;
     };
     let mut files: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
@@ -175,7 +175,7 @@ fn topology_and_branches_are_in_the_order_of_the_reference() {
             continue;
         };
         let Ok(map) = fs::read_to_string(folder.join(format!("{town_name}.xodr"))) else {
-            eprintln!("SKIPPED: the topology of {town_name}, for want of its map");
+            loud!("SKIPPED: the topology of {town_name}, for want of its map");
             continue;
         };
         let town = Town::new(opendrive::read(&map, town_name).expect("the map of a topology is readable"));

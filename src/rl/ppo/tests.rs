@@ -2,6 +2,9 @@ use rand::Rng;
 
 use super::*;
 use crate::rl::env::Step;
+use crate::rl::schedule::Schedule;
+use crate::rl::train_error::Quantity;
+use crate::seed::Stream;
 
 /// Asks for the action that equals the observation, a number in [−1, 1]; an episode is one decision.
 struct Identity {
@@ -35,6 +38,9 @@ impl Env for Identity {
         Step { reward: -(action[0] - self.target) * (action[0] - self.target), terminated: true, truncated: false }
     }
 }
+
+/// What portable training leaves behind after one update of the identity task.
+const DIGEST: u64 = 0xdd78_c603_3e11_8fe2;
 
 fn keep_going(_: &UpdateLog) -> ControlFlow<()> {
     ControlFlow::Continue(())
@@ -140,6 +146,133 @@ fn the_norm_of_the_gradient_is_bounded() {
 }
 
 #[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    for normalize in [false, true] {
+        let config = PpoConfig { normalize_obs: normalize, normalize_reward: normalize, ..config(1_500) };
+        let run = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let mut envs = [0, 1, 2, 3, 4].map(Identity::new);
+            pool.install(|| train(&mut envs, &config, &Seed::root(1), &mut keep_going).unwrap())
+        };
+        let one = run(1);
+        assert_eq!(one, run(2));
+        assert_eq!(one, run(7));
+    }
+}
+
+#[test]
+fn portable_bits_change_no_more_than_rounding() {
+    let run = |portable_bits| {
+        let config = PpoConfig { portable_bits, ..config(150) };
+        train(&mut [Identity::new(0)], &config, &Seed::root(1), &mut keep_going).unwrap()
+    };
+    let (plain, widest) = (run(true), run(false));
+    // The experience is the same bit for bit: only learning uses wide instructions.
+    assert_eq!(plain.learning_curve[0].finished, widest.learning_curve[0].finished);
+    for (a, b) in plain.actor_critic.parameters().iter().zip(widest.actor_critic.parameters()) {
+        assert!((a - b).abs() < 1e-3, "{a} against {b}");
+    }
+    // The recorded bits of the plain path, for every processor.
+    let digest = plain
+        .actor_critic
+        .parameters()
+        .iter()
+        .fold(0u64, |sum, x| sum.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(u64::from(x.to_bits())));
+    assert_eq!(digest, DIGEST, "{digest:#x}");
+}
+
+#[test]
+fn schedules_reach_the_optimiser_and_the_loss() {
+    let linear = PpoConfig { learning_rate_schedule: Schedule::Linear, clip_schedule: Schedule::Linear, ..config(450) };
+    let trained = train(&mut [Identity::new(0)], &linear, &Seed::root(1), &mut keep_going).unwrap();
+    let rates: Vec<f64> = trained.learning_curve.iter().map(|log| log.learning_rate).collect();
+    for (rate, expected) in rates.iter().zip([2e-4, 1e-4, 0.0]) {
+        assert!((rate - expected).abs() < 1e-12);
+    }
+    assert!((trained.learning_curve[0].clip_coef - 0.2 * 2.0 / 3.0).abs() < 1e-12);
+    // The last update, at rate zero, moves nothing.
+    let shorter = PpoConfig { total_steps: 450, ..linear.clone() };
+    let mut envs = [Identity::new(0)];
+    let mut trainer = Trainer::new(&mut envs, &shorter, &Seed::root(1)).unwrap();
+    trainer.update(&mut envs).unwrap();
+    trainer.update(&mut envs).unwrap();
+    let before = trainer.actor_critic().clone();
+    let log = trainer.update(&mut envs).unwrap();
+    assert_eq!((trainer.actor_critic(), log.clip_fraction > 0.0), (&before, true));
+    let constant = train(&mut [Identity::new(0)], &config(450), &Seed::root(1), &mut keep_going).unwrap();
+    assert!(constant.learning_curve.iter().all(|log| (log.learning_rate, log.clip_coef) == (3e-4, 0.2)));
+}
+
+#[test]
+fn normalising_learns_what_badly_scaled_numbers_keep_from_learning() {
+    // Observations a thousand times too large and off zero, rewards a thousand times too small.
+    struct Scaled(Identity);
+    impl Env for Scaled {
+        fn obs_dim(&self) -> usize {
+            1
+        }
+        fn action_bounds(&self) -> Vec<(f64, f64)> {
+            self.0.action_bounds()
+        }
+        fn reset(&mut self, obs: &mut [f64]) {
+            self.0.reset(obs);
+            obs[0] = 5_000.0 + 1_000.0 * obs[0];
+        }
+        fn step(&mut self, action: &[f64], obs: &mut [f64]) -> Step {
+            let step = self.0.step(action, obs);
+            obs[0] = 5_000.0 + 1_000.0 * obs[0];
+            Step { reward: step.reward * 1e-3, ..step }
+        }
+    }
+    let error = |normalize| {
+        let config = PpoConfig { normalize_obs: normalize, normalize_reward: normalize, ..config(30_000) };
+        let mut envs = [Scaled(Identity::new(0))];
+        let policy = train(&mut envs, &config, &Seed::root(1), &mut keep_going).unwrap().actor_critic;
+        let (mut action, mut scratch, mut squares) = ([0.0], policy.scratch(1), 0.0);
+        for i in 0..=200 {
+            let target = f64::from(i) / 100.0 - 1.0;
+            policy.act(&[5_000.0 + 1_000.0 * target], &mut action, &mut scratch);
+            squares += (action[0].clamp(-1.0, 1.0) - target).powi(2) / 201.0;
+        }
+        squares
+    };
+    assert!(error(true) < 0.03, "{}", error(true));
+    assert!(error(false) > 0.2, "{}", error(false));
+}
+
+#[test]
+fn stacked_observations_let_a_policy_remember() {
+    // The target is shown in the first observation only, the action counts in the second.
+    struct Memory(Identity, bool);
+    impl Env for Memory {
+        fn obs_dim(&self) -> usize {
+            1
+        }
+        fn action_bounds(&self) -> Vec<(f64, f64)> {
+            self.0.action_bounds()
+        }
+        fn reset(&mut self, obs: &mut [f64]) {
+            self.0.reset(obs);
+            self.1 = false;
+        }
+        fn step(&mut self, action: &[f64], obs: &mut [f64]) -> Step {
+            let step = self.0.step(action, obs);
+            obs[0] = 0.0;
+            let second = std::mem::replace(&mut self.1, true);
+            Step { reward: if second { step.reward } else { 0.0 }, terminated: second, truncated: false }
+        }
+    }
+    let mean_reward = |frame_stack| {
+        let config = PpoConfig { frame_stack, ..config(45_000) };
+        let trained = train(&mut [Memory(Identity::new(0), false)], &config, &Seed::root(1), &mut keep_going).unwrap();
+        assert_eq!(trained.actor_critic.obs_dim(), frame_stack);
+        trained.learning_curve.last().unwrap().mean_reward.unwrap()
+    };
+    let (without, with) = (mean_reward(1), mean_reward(2));
+    assert!(with > 0.6 * without, "{with} against {without}");
+}
+
+#[test]
 fn the_observer_can_stop() {
     let mut stop = |log: &UpdateLog| if log.update == 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     let result = train(&mut [Identity::new(0)], &config(10_000), &Seed::root(1), &mut stop);
@@ -193,44 +326,4 @@ fn numbers_that_are_not_finite_are_reported() {
     let mut envs = [Broken { steps: 0, at: 0, reward: 0.0, obs: 0.0 }];
     let result = train(&mut envs, &config, &Seed::root(1), &mut keep_going);
     assert_eq!(result, Err(TrainError::NonFinite { update: 1, quantity: Quantity::Action }));
-}
-
-/// A rollout of the identity task and a learner that has not seen it yet.
-fn learner_and_rollout(config: &PpoConfig) -> (Learner<'_>, RolloutBuffer) {
-    let policy = ActorCritic::new(1, 1, &config.hidden, 0.0, &mut Seed::root(1).stream());
-    let mut buffer = RolloutBuffer::new(150, 1, 1, 1);
-    let mut envs = [Identity::new(0)];
-    let noise = Seed::root(2).stream();
-    Collector::new(&mut envs, &policy, 0.98, 64, noise).unwrap().collect(&policy, &mut buffer, 0.95).unwrap();
-    (Learner::new(policy, config, 150, Seed::root(3).stream()), buffer)
-}
-
-#[test]
-fn every_epoch_has_an_order_of_its_own() {
-    let after = |epochs| {
-        let config = PpoConfig { epochs, ..PpoConfig::paper() };
-        let (mut learner, buffer) = learner_and_rollout(&config);
-        learner.learn(&buffer).unwrap();
-        learner.order
-    };
-    let (first, second) = (after(1), after(2));
-    let identity: Vec<usize> = (0..150).collect();
-    assert!(first != identity && second != identity && first != second);
-    let mut sorted = second;
-    sorted.sort_unstable();
-    assert_eq!(sorted, identity);
-}
-
-#[test]
-fn the_reported_divergence_is_that_of_the_last_epoch() {
-    let run = |epochs| {
-        let config = PpoConfig { epochs, batch_size: 150, learning_rate: 3e-3, ..PpoConfig::paper() };
-        let (mut learner, buffer) = learner_and_rollout(&config);
-        let means = learner.learn(&buffer).unwrap();
-        (means.approx_kl, learner.loss.compute(&learner.policy, &learner.batch, &config).approx_kl)
-    };
-    let (_, after_two) = run(2);
-    let (reported, _) = run(3);
-    assert!(after_two > 1e-5, "{after_two}");
-    assert!((reported - after_two).abs() < 1e-3 * after_two, "{reported} against {after_two}");
 }

@@ -1,0 +1,61 @@
+//! The last observations side by side.
+
+/// The last observations of an episode, the oldest first; zeros stand for those before its beginning.
+///
+/// A policy trained with `PpoConfig::frame_stack` expects this instead of a single observation.
+///
+/// # Source
+/// `VecFrameStack` of stable-baselines3.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrameStack {
+    frame_dim: usize,
+    stacked: Vec<f64>,
+}
+
+impl FrameStack {
+    /// Makes room for so many observations of `frame_dim` components each.
+    pub fn new(frame_dim: usize, frames: usize) -> Self {
+        Self { frame_dim, stacked: vec![0.0; frame_dim * frames] }
+    }
+
+    /// Begins an episode with its first observation.
+    pub fn begin(&mut self, frame: &[f64]) {
+        self.stacked.fill(0.0);
+        self.push(frame);
+    }
+
+    /// Adds an observation and forgets the oldest.
+    pub fn push(&mut self, frame: &[f64]) {
+        self.stacked.copy_within(self.frame_dim.., 0);
+        let newest = self.stacked.len() - self.frame_dim;
+        self.stacked[newest..].copy_from_slice(frame);
+    }
+
+    /// Returns the observations, the oldest first.
+    pub fn as_slice(&self) -> &[f64] {
+        &self.stacked
+    }
+
+    /// Replaces the content, by one of equal length.
+    pub(super) fn restore(&mut self, stacked: &[f64]) {
+        self.stacked.copy_from_slice(stacked);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_oldest_comes_first_and_an_episode_begins_with_zeros() {
+        let mut stack = FrameStack::new(2, 3);
+        stack.begin(&[1.0, 2.0]);
+        assert_eq!(stack.as_slice(), [0.0, 0.0, 0.0, 0.0, 1.0, 2.0]);
+        stack.push(&[3.0, 4.0]);
+        stack.push(&[5.0, 6.0]);
+        stack.push(&[7.0, 8.0]);
+        assert_eq!(stack.as_slice(), [3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
+        stack.begin(&[9.0, 9.5]);
+        assert_eq!(stack.as_slice(), [0.0, 0.0, 0.0, 0.0, 9.0, 9.5]);
+    }
+}

@@ -1,0 +1,143 @@
+//! The half of PPO that learns from rollouts.
+
+use super::actor_critic::ActorCritic;
+use super::adam::Adam;
+use super::arithmetic::Path;
+use super::config::PpoConfig;
+use super::loss::LossGradient;
+use super::minibatch::Minibatch;
+use super::rollout::Rollout;
+use super::train_error::Quantity;
+
+/// How far above its target the divergence may go before an update ends.
+const KL_TOLERANCE: f64 = 1.5;
+
+/// The means of an update's minibatches.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct UpdateMeans {
+    pub(super) policy: f64,
+    pub(super) value: f64,
+    pub(super) entropy: f64,
+    /// Over the minibatches of the last epoch.
+    pub(super) approx_kl: f64,
+    pub(super) clip_fraction: f64,
+    pub(super) grad_norm: f64,
+    pub(super) gradient_steps: u64,
+}
+
+/// What the schedules have made of two settings.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Rates {
+    pub(super) learning_rate: f64,
+    pub(super) clip_coef: f64,
+}
+
+impl Rates {
+    /// The rates of the update on a rollout that ends at `steps`.
+    pub(super) fn at(config: &PpoConfig, steps: u64) -> Self {
+        let total = config.total_steps;
+        Self {
+            learning_rate: config.learning_rate_schedule.at(config.learning_rate, steps, total),
+            clip_coef: config.clip_schedule.at(config.clip_coef, steps, total),
+        }
+    }
+}
+
+/// A policy with what it takes to improve it.
+#[derive(Debug, Clone)]
+pub(super) struct Learner {
+    pub(super) policy: ActorCritic,
+    pub(super) adam: Adam<f32>,
+    loss: LossGradient<f32>,
+    batch: Minibatch<f32>,
+    order: Vec<usize>,
+    path: Path,
+}
+
+impl Learner {
+    /// Makes room for updates on so many samples.
+    pub(super) fn new(policy: ActorCritic, config: &PpoConfig, samples: usize, path: Path) -> Self {
+        let capacity = config.batch_size.min(samples);
+        Self {
+            adam: Adam::new(policy.parameters().len(), config.adam_eps),
+            loss: LossGradient::new(&policy, capacity, path),
+            batch: Minibatch::with_capacity(capacity, policy.obs_dim(), policy.action_dim()),
+            order: (0..samples).collect(),
+            policy,
+            path,
+        }
+    }
+
+    /// Takes the gradient steps of one update; `reorder` brings the numbers of the samples into the order of the next epoch.
+    ///
+    /// # Source
+    /// `PPO.train` of stable-baselines3. A minibatch whose divergence is too high counts in the means of the losses, but no
+    /// step is taken on it.
+    pub(super) fn learn(
+        &mut self,
+        rollouts: &[Rollout],
+        config: &PpoConfig,
+        rates: Rates,
+        reorder: &mut dyn FnMut(&mut [usize]),
+    ) -> Result<UpdateMeans, Quantity> {
+        // From a fixed order, so that an update does not depend on the orders of earlier ones.
+        for (i, slot) in self.order.iter_mut().enumerate() {
+            *slot = i;
+        }
+        let limit = config.target_kl.map_or(f64::INFINITY, |target| KL_TOLERANCE * target);
+        let mut sums = UpdateMeans::default();
+        let (mut minibatches, mut in_epoch) = (0.0, 0.0);
+        'update: for _ in 0..config.epochs {
+            reorder(&mut self.order);
+            (sums.approx_kl, in_epoch) = (0.0, 0.0);
+            for samples in self.order.chunks(config.batch_size) {
+                self.batch.gather(rollouts, samples);
+                if config.norm_adv {
+                    self.batch.normalise_advantages();
+                }
+                let terms = self.loss.compute(&self.policy, &self.batch, config, rates.clip_coef);
+                if !terms.total(config).is_finite() {
+                    return Err(Quantity::Loss);
+                }
+                minibatches += 1.0;
+                in_epoch += 1.0;
+                sums.policy += terms.policy;
+                sums.value += terms.value;
+                sums.entropy += terms.entropy;
+                sums.approx_kl += terms.approx_kl;
+                sums.clip_fraction += terms.clip_fraction;
+                if terms.approx_kl > limit {
+                    break 'update;
+                }
+
+                let norm = self.loss.norm();
+                if !norm.is_finite() {
+                    return Err(Quantity::Gradient);
+                }
+                let scale = (config.max_grad_norm / (norm + 1e-6)).min(1.0);
+                let parameters = self.policy.parameters_mut();
+                self.adam.step(parameters, &self.loss.gradient, rates.learning_rate, scale, self.path);
+                sums.grad_norm += norm;
+                sums.gradient_steps += 1;
+            }
+        }
+        Ok(UpdateMeans {
+            policy: sums.policy / minibatches,
+            value: sums.value / minibatches,
+            entropy: sums.entropy / minibatches,
+            approx_kl: sums.approx_kl / in_epoch,
+            clip_fraction: sums.clip_fraction / minibatches,
+            grad_norm: sums.grad_norm / (sums.gradient_steps as f64).max(1.0),
+            gradient_steps: sums.gradient_steps,
+        })
+    }
+
+    /// Returns the mean over the action's components of the standard deviation.
+    pub(super) fn mean_std(&self) -> f64 {
+        let log_std = self.policy.log_std();
+        log_std.iter().map(|log_std| libm::exp(f64::from(*log_std))).sum::<f64>() / log_std.len() as f64
+    }
+}
+
+#[cfg(test)]
+mod tests;

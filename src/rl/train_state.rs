@@ -1,0 +1,149 @@
+//! Saving and continuing a training.
+
+use std::collections::BTreeMap;
+
+use rand::SeedableRng;
+use safetensors::SafeTensors;
+
+use super::actor_critic::ActorCritic;
+use super::archive::{Writer, read, read_vector};
+use super::checkpoint::{CheckpointError, read_moments, write_moments};
+use super::collector::observe;
+use super::config::PpoConfig;
+use super::env::Env;
+use super::log::FinishedEpisode;
+use super::trainer::{Trainer, dimensions};
+use crate::seed::{Seed, Stream};
+
+impl Trainer {
+    /// Encodes all that the next updates depend on, except the settings.
+    ///
+    /// These are the policy and the critic, Adam's moments, the positions in the random streams, the statistics, the
+    /// episodes in hand, and what [`Env::save`] returns for each environment. The format is safetensors; policies can be
+    /// read from it, too.
+    pub fn state<E: Env>(&self, envs: &[E]) -> Vec<u8> {
+        let mut writer = Writer::default();
+        self.learner.policy.write(&mut writer);
+        writer.vector("adam.first", &self.learner.adam.first);
+        writer.vector("adam.second", &self.learner.adam.second);
+        writer.vector("adam.powers", &self.learner.adam.powers);
+        writer.vector("count", &[self.updates, self.steps]);
+        writer.vector("minibatches", &position(&self.minibatches));
+        let recent = &self.collector.recent;
+        writer.add("recent.reward", &[recent.len()], recent.iter().map(|episode| episode.reward));
+        writer.add("recent.length", &[recent.len()], recent.iter().map(|episode| episode.length));
+        if let Some(moments) = &self.collector.return_moments {
+            write_moments(&mut writer, "ret_rms", moments);
+        }
+        for (i, lane) in self.collector.lanes.iter().enumerate() {
+            writer.vector(&format!("env.{i}.noise"), &position(&lane.noise));
+            writer.vector(&format!("env.{i}.obs"), lane.stack.as_slice());
+            writer.vector(&format!("env.{i}.episode"), &[lane.running.reward, lane.discounted]);
+            writer.vector(&format!("env.{i}.length"), &[lane.running.length, u64::from(lane.start)]);
+        }
+        for (i, env) in envs.iter().enumerate() {
+            if let Some(state) = env.save() {
+                writer.vector(&format!("env.{i}.state"), &state);
+            }
+        }
+        writer.finish(&BTreeMap::new())
+    }
+
+    /// Continues from [`Trainer::state`] with as many environments, made as they were for [`Trainer::new`].
+    ///
+    /// With the same settings and environments that save their state, the updates that follow are those of an
+    /// uninterrupted training, bit for bit. An environment without a saved state begins a new episode.
+    ///
+    /// # Errors
+    /// Whatever keeps the bytes from being the state of a training with these settings and environments, and a new
+    /// episode whose first observation is not finite.
+    ///
+    /// # Panics
+    /// As [`Trainer::new`] does.
+    pub fn from_state<E: Env>(bytes: &[u8], envs: &mut [E], config: &PpoConfig) -> Result<Self, CheckpointError> {
+        let (obs_dim, action_dim) = dimensions(envs, config);
+        let tensors = &SafeTensors::deserialize(bytes).map_err(CheckpointError::Format)?;
+        let policy = ActorCritic::read(tensors)?;
+        let widths: Vec<usize> = policy.actor().layers().iter().map(|layer| layer.outputs).collect();
+        let critic_widths = policy.critic().layers().iter().map(|layer| layer.outputs);
+        let expected = config.hidden.iter().copied();
+        if policy.obs_dim() != obs_dim
+            || policy.observation_moments().is_some() != config.normalize_obs
+            || !widths.iter().copied().eq(expected.clone().chain([action_dim]))
+            || !critic_widths.eq(expected.chain([1]))
+        {
+            let found = [&[policy.obs_dim()], widths.as_slice()].concat();
+            return Err(CheckpointError::Shape { name: "mlp_extractor".to_owned(), found });
+        }
+
+        // No stream of this seed is used: every one continues from its saved position.
+        let mut this = Self::assemble(envs, policy, config, &Seed::root(0));
+        let parameters = this.learner.policy.parameters().len();
+        this.learner.adam.first = read_vector(tensors, "adam.first", parameters)?;
+        this.learner.adam.second = read_vector(tensors, "adam.second", parameters)?;
+        this.learner.adam.powers.copy_from_slice(&read_vector(tensors, "adam.powers", 2)?);
+        let count: Vec<u64> = read_vector(tensors, "count", 2)?;
+        (this.updates, this.steps) = (count[0], count[1]);
+        this.minibatches = read_stream(tensors, "minibatches")?;
+        let rewards = read::<f64>(tensors, "recent.reward")?.values;
+        let lengths: Vec<u64> = read_vector(tensors, "recent.length", rewards.len())?;
+        let episodes = rewards.into_iter().zip(lengths).map(|(reward, length)| FinishedEpisode { reward, length });
+        this.collector.recent.extend(episodes);
+        if config.normalize_reward {
+            let moments = read_moments(tensors, "ret_rms", 1)?;
+            let missing = || CheckpointError::Missing { name: "ret_rms.mean".to_owned() };
+            this.collector.return_moments = Some(moments.ok_or_else(missing)?);
+        }
+        let others = tensors.tensor(&format!("env.{}.noise", envs.len()));
+        if others.is_ok() {
+            return Err(CheckpointError::Env { env: envs.len() });
+        }
+        let mut anew = false;
+        for (i, (env, lane)) in envs.iter_mut().zip(&mut this.collector.lanes).enumerate() {
+            lane.noise = read_stream(tensors, &format!("env.{i}.noise"))?;
+            let name = format!("env.{i}.state");
+            if tensors.tensor(&name).is_err() {
+                let name = format!("env.{i}.obs");
+                lane.begin(env).map_err(|_| CheckpointError::NonFinite { name })?;
+                anew = true;
+                continue;
+            }
+            if !env.load(&read::<u8>(tensors, &name)?.values) {
+                return Err(CheckpointError::Env { env: i });
+            }
+            lane.stack.restore(&read_vector(tensors, &format!("env.{i}.obs"), obs_dim)?);
+            let episode: Vec<f64> = read_vector(tensors, &format!("env.{i}.episode"), 2)?;
+            let length: Vec<u64> = read_vector(tensors, &format!("env.{i}.length"), 2)?;
+            lane.running = FinishedEpisode { reward: episode[0], length: length[0] };
+            lane.discounted = episode[1];
+            lane.start = length[1] != 0;
+        }
+        if anew {
+            observe(&mut this.learner.policy, &this.collector.lanes);
+        }
+        Ok(this)
+    }
+}
+
+/// Returns a stream's seed and its position in 32-bit words, as four words and two.
+fn position(stream: &Stream) -> [u64; 6] {
+    let seed = stream.get_seed();
+    let (words, _) = seed.as_chunks::<8>();
+    let at = stream.get_word_pos();
+    let mut position = [0, 0, 0, 0, at as u64, (at >> 64) as u64];
+    for (slot, word) in position.iter_mut().zip(words) {
+        *slot = u64::from_le_bytes(*word);
+    }
+    position
+}
+
+fn read_stream(tensors: &SafeTensors<'_>, name: &str) -> Result<Stream, CheckpointError> {
+    let position: Vec<u64> = read_vector(tensors, name, 6)?;
+    let mut seed = [0; 32];
+    for (bytes, word) in seed.chunks_exact_mut(8).zip(&position) {
+        bytes.copy_from_slice(&word.to_le_bytes());
+    }
+    let mut stream = Stream::from_seed(seed);
+    stream.set_word_pos(u128::from(position[4]) | u128::from(position[5]) << 64);
+    Ok(stream)
+}

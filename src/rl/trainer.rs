@@ -1,0 +1,167 @@
+//! Training in steps that can be interrupted.
+
+use super::actor_critic::ActorCritic;
+use super::arithmetic::Path;
+use super::collector::Collector;
+use super::config::PpoConfig;
+use super::env::Env;
+use super::learner::{Learner, Rates};
+use super::log::UpdateLog;
+use super::minibatch::shuffle;
+use super::moments::RunningMoments;
+use super::rollout::{Rollout, explained_variance};
+use super::train_error::{Quantity, TrainError};
+use crate::seed::{Seed, Stream};
+
+/// A training between two updates.
+///
+/// The environments stay with the caller, who hands in the same ones every time.
+///
+/// # Example
+/// ```
+/// use falsify::rl::{CheckpointError, Env, PpoConfig, TrainError, Trainer};
+/// use falsify::seed::Seed;
+///
+/// fn in_two_parts<E: Env + Send>(envs: &mut [E], config: &PpoConfig) -> Result<Trainer, Box<dyn std::error::Error>> {
+///     let mut trainer = Trainer::new(envs, config, &Seed::root(7))?;
+///     trainer.update(envs)?;
+///     let bytes = trainer.state(envs);
+///     let mut trainer = Trainer::from_state(&bytes, envs, config)?;
+///     trainer.update(envs)?;
+///     Ok(trainer)
+/// }
+/// ```
+#[derive(Debug, Clone)]
+pub struct Trainer {
+    pub(super) config: PpoConfig,
+    pub(super) learner: Learner,
+    pub(super) collector: Collector,
+    /// Draws the order of the samples.
+    pub(super) minibatches: Stream,
+    pub(super) updates: u64,
+    pub(super) steps: u64,
+    rollouts: Vec<Rollout>,
+}
+
+impl Trainer {
+    /// Draws the first weights and begins an episode in every environment.
+    ///
+    /// First weights, the order of minibatches and the action noise of every environment have streams of their own.
+    ///
+    /// # Errors
+    /// [`TrainError::NonFinite`] when a first observation is not finite.
+    ///
+    /// # Panics
+    /// When there is no environment, when environments differ in their dimensions, or when `rollout_steps`,
+    /// `batch_size`, `epochs`, `frame_stack` or a width in `config` is zero.
+    pub fn new<E: Env>(envs: &mut [E], config: &PpoConfig, seed: &Seed) -> Result<Self, TrainError> {
+        let (obs_dim, action_dim) = dimensions(envs, config);
+        let stream = &mut seed.child("init").stream();
+        let mut policy = ActorCritic::new(obs_dim, action_dim, &config.hidden, config.initial_log_std, stream);
+        *policy.observation_moments_mut() = config.normalize_obs.then(|| RunningMoments::new(obs_dim));
+        let mut this = Self::assemble(envs, policy, config, seed);
+        let begun = this.collector.begin(envs, &mut this.learner.policy);
+        begun.map_err(|quantity| TrainError::NonFinite { update: 1, quantity })?;
+        Ok(this)
+    }
+
+    /// Puts a trainer together that stands before the first episodes.
+    pub(super) fn assemble<E: Env>(envs: &[E], policy: ActorCritic, config: &PpoConfig, seed: &Seed) -> Self {
+        let path = Path::of(config);
+        let rollout = Rollout::new(config.rollout_steps, policy.obs_dim(), policy.action_dim());
+        let samples = config.rollout_steps * envs.len();
+        Self {
+            collector: Collector::new(envs, &policy, config, &seed.child("action noise"), path),
+            learner: Learner::new(policy, config, samples, path),
+            minibatches: seed.child("minibatches").stream(),
+            config: config.clone(),
+            updates: 0,
+            steps: 0,
+            rollouts: vec![rollout; envs.len()],
+        }
+    }
+
+    /// Collects a rollout and learns from it.
+    ///
+    /// The environments run side by side on the threads of the current rayon pool, with the same bits on any number of
+    /// them.
+    ///
+    /// # Errors
+    /// [`TrainError::NonFinite`] at the first number that is not finite; the trainer is of no use after that.
+    pub fn update<E: Env + Send>(&mut self, envs: &mut [E]) -> Result<UpdateLog, TrainError> {
+        assert!(envs.len() == self.rollouts.len(), "a training keeps its environments");
+        self.updates += 1;
+        let update = self.updates;
+        let non_finite = |quantity: Quantity| TrainError::NonFinite { update, quantity };
+        let policy = &mut self.learner.policy;
+        let finished = self.collector.collect(envs, policy, &mut self.rollouts).map_err(non_finite)?;
+        self.steps += (self.config.rollout_steps * envs.len()) as u64;
+        let rates = Rates::at(&self.config, self.steps);
+        let minibatches = &mut self.minibatches;
+        let reorder = &mut |order: &mut [usize]| shuffle(order, minibatches);
+        let means = self.learner.learn(&self.rollouts, &self.config, rates, reorder).map_err(non_finite)?;
+        let recent = self.collector.recent_means();
+        Ok(UpdateLog {
+            update,
+            steps: self.steps,
+            episodes: finished.len(),
+            finished,
+            mean_reward: recent.map(|(reward, _)| reward),
+            mean_length: recent.map(|(_, length)| length),
+            approx_kl: means.approx_kl,
+            clip_fraction: means.clip_fraction,
+            explained_variance: explained_variance(&self.rollouts),
+            entropy: means.entropy,
+            policy_loss: means.policy,
+            value_loss: means.value,
+            grad_norm: means.grad_norm,
+            gradient_steps: means.gradient_steps,
+            learning_rate: rates.learning_rate,
+            clip_coef: rates.clip_coef,
+            std: self.learner.mean_std(),
+        })
+    }
+
+    /// Tells whether as many steps have been taken as the settings ask for.
+    pub fn is_done(&self) -> bool {
+        self.steps >= self.config.total_steps
+    }
+
+    /// Returns the number of updates so far.
+    pub fn updates(&self) -> u64 {
+        self.updates
+    }
+
+    /// Returns the number of environment steps so far, over all environments.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// Returns the policy and the critic as they are.
+    pub fn actor_critic(&self) -> &ActorCritic {
+        &self.learner.policy
+    }
+
+    /// Ends the training.
+    pub fn into_actor_critic(self) -> ActorCritic {
+        self.learner.policy
+    }
+}
+
+/// Returns what the networks see and give: the components of stacked observations and of actions.
+pub(super) fn dimensions<E: Env>(envs: &[E], config: &PpoConfig) -> (usize, usize) {
+    assert!(!envs.is_empty(), "training needs an environment");
+    assert!(
+        config.rollout_steps > 0 && config.batch_size > 0 && config.epochs > 0 && config.frame_stack > 0,
+        "rollouts, minibatches, epochs and stacks must not be empty"
+    );
+    let (obs_dim, action_dim) = (envs[0].obs_dim(), envs[0].action_bounds().len());
+    assert!(
+        envs.iter().all(|env| (env.obs_dim(), env.action_bounds().len()) == (obs_dim, action_dim)),
+        "environments must agree in their dimensions"
+    );
+    (obs_dim * config.frame_stack, action_dim)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,73 @@
+//! A tick allocates nothing: the memory of an episode is there before it begins.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::path::Path;
+use std::sync::Arc;
+
+use falsify::compile::{Catalog, compile};
+use falsify::diagnostic::Sources;
+use falsify::env::PedestrianEnv;
+use falsify::seed::Seed;
+
+/// Counts the allocations of each thread.
+struct Counting;
+
+thread_local! {
+    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+#[expect(unsafe_code, reason = "an allocator cannot be written otherwise; it passes everything on")]
+// SAFETY: every call is passed on to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        let _ = ALLOCATIONS.try_with(|count| count.set(count.get() + 1));
+        // SAFETY: the caller's promise about the layout is passed on.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the caller's promise about pointer and layout is passed on.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+const SCENARIO: &str = r#"
+edition 1
+import "lib/paper.scn"
+import "lib/drivers.scn"
+import "lib/towns.scn"
+campaign ticks {
+  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
+  train { towns: [harbour] policies: [behavior] rewards: [r2] runs: 1 }
+  evaluate { towns: [village] policies: [behavior, behavior_0_9_11, behavior_0_9_13, careful, blind] pedestrians: [intercept] }
+}
+"#;
+
+#[test]
+fn a_tick_allocates_nothing_with_any_driver() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/ticks.scn");
+    let read = |path: &Path| if path == root { Ok(SCENARIO.to_string()) } else { std::fs::read_to_string(path) };
+    let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
+    let plan = compiled.plan.unwrap();
+    for evaluation in &plan.campaigns[0].evaluations {
+        let mut env = PedestrianEnv::new(Arc::clone(&evaluation.scenario), Seed::root(1));
+        let mut walk = |episode| {
+            env.begin(episode);
+            let before = ALLOCATIONS.get();
+            while env.outcome().is_none() {
+                env.walk(env.intercept());
+            }
+            ALLOCATIONS.get() - before
+        };
+        // Indices and queues are filled in the first episodes.
+        for episode in 0..10 {
+            walk(episode);
+        }
+        let allocations: u64 = (10..60).map(&mut walk).sum();
+        assert_eq!(allocations, 0, "{}", evaluation.policy);
+    }
+}
