@@ -1,6 +1,8 @@
-use crate::rl::PpoConfig;
+use crate::rl::{PpoConfig, Schedule};
 use crate::signature::{Arguments, Form, Param, Signature, Type};
 use crate::units::Dimension;
+
+const SCHEDULES: &[&str] = &["constant", "linear"];
 
 /// The form `training`.
 pub fn form() -> Form {
@@ -60,6 +62,41 @@ fn params() -> Vec<Param> {
             "0",
             "First logarithm of the action's standard deviation.",
         ),
+        Param::with_default(
+            "learning_rate_schedule",
+            Type::Choice(SCHEDULES),
+            "constant",
+            "Whether the learning rate falls to 0 over the training.",
+        ),
+        Param::with_default(
+            "clip_schedule",
+            Type::Choice(SCHEDULES),
+            "constant",
+            "Whether the clip falls to 0 over the training.",
+        ),
+        Param::optional(
+            "target_kl",
+            ratio(f64::MIN_POSITIVE, 1e6),
+            "Ends an update early when policies differ by 1.5 times this.",
+        ),
+        Param::with_default(
+            "normalize_observations",
+            Type::Boolean,
+            "false",
+            "Whether states are standardised by what was seen so far.",
+        ),
+        Param::with_default(
+            "normalize_rewards",
+            Type::Boolean,
+            "false",
+            "Whether rewards are scaled by the spread of returns so far.",
+        ),
+        Param::with_default(
+            "portable_bits",
+            Type::Boolean,
+            "false",
+            "Whether a training gives the same bits on every processor; it takes about twice as long.",
+        ),
         Param::with_default("hidden", Type::List(Box::new(count(4096))), "[64, 64]", "Widths of the hidden layers."),
     ]
 }
@@ -70,6 +107,10 @@ pub fn lower(arguments: &Arguments) -> (PpoConfig, usize) {
     let width = |value: &crate::signature::Value| match value {
         crate::signature::Value::Integer(width) => *width as usize,
         other => panic!("checked: a whole number, not {other:?}"),
+    };
+    let schedule = |key: &str| match arguments.choice(key) {
+        "linear" => Schedule::Linear,
+        _ => Schedule::Constant,
     };
     let config = PpoConfig {
         total_steps: arguments.integer("steps") as u64,
@@ -86,6 +127,12 @@ pub fn lower(arguments: &Arguments) -> (PpoConfig, usize) {
         max_grad_norm: arguments.number("max_gradient_norm"),
         norm_adv: arguments.boolean("normalize_advantages"),
         initial_log_std: arguments.number("initial_log_std"),
+        learning_rate_schedule: schedule("learning_rate_schedule"),
+        clip_schedule: schedule("clip_schedule"),
+        target_kl: arguments.has("target_kl").then(|| arguments.number("target_kl")),
+        normalize_obs: arguments.boolean("normalize_observations"),
+        normalize_reward: arguments.boolean("normalize_rewards"),
+        portable_bits: arguments.boolean("portable_bits"),
         hidden: arguments.list("hidden").iter().map(width).collect(),
         ..PpoConfig::paper()
     };
