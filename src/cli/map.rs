@@ -64,6 +64,7 @@ fn describe(town: &Town) {
     front::say(&format!("  sidewalks       {:.2} km", kilometres(LaneKind::Sidewalk)));
     front::say(&format!("  traffic lights  {}", town.traffic_lights.len()));
     front::say(&format!("  speed signs     {}", town.speed_signs.len()));
+    front::say(&format!("  crosswalks      {}", town.crosswalks.len()));
     front::say(&format!("  obstacles       {}", town.obstacles.len()));
     front::say(&format!("  warnings        {}", town.warnings.len()));
     for warning in &town.warnings {

@@ -11,18 +11,23 @@ pub fn form() -> Form {
     let frame = || Type::Choice(FRAMES);
     let scaling = || Type::Choice(SCALINGS);
     let params = vec![
-        Param::with_default("body", Type::Choice(&["adult", "child"]), "adult", "Its size: CARLA's adult or child."),
+        Param::with_default(
+            "body",
+            Type::Choice(&["adult", "child"]),
+            "adult",
+            "Its size: CARLA's adult (radius 0.188 m) or child (0.25 m) (B).",
+        ),
         Param::with_default(
             "ramp",
             Type::non_negative(Dimension::TIME),
             "2 s",
-            "Time from rest to any speed; `0 s` for at once. CARLA's walkers take 2 s.",
+            "Time from rest to any speed; `0 s` for at once. CARLA's walkers take 2 s (the formula A, its 20.48 m/s^2 D).",
         ),
         Param::with_default(
             "turning",
             Type::positive(Dimension::FREQUENCY),
             "8 Hz",
-            "Rate at which its velocity turns; 20 Hz or more for at once.",
+            "Rate at which its velocity turns; 20 Hz or more for at once. CARLA's 8 Hz is Unreal's default (D).",
         ),
         Param::with_default(
             "speed",

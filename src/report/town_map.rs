@@ -24,7 +24,7 @@ pub fn town_map(town: &Town, rows: &[&EpisodeRow]) -> String {
     let mut page = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{left:.1} {top:.1} {width:.1} {height:.1}\" width=\"1000\" \
          font-family=\"sans-serif\">\n<title>{}</title>\n\
-         <style>.ground{{fill:#e8ebe4}}.sidewalk{{fill:#cfd1d4}}.lane{{fill:#8b9096}}\
+         <style>.ground{{fill:#e8ebe4}}.sidewalk{{fill:#cfd1d4}}.lane{{fill:#8b9096}}.crosswalk{{fill:#f2f2ee;fill-opacity:.8}}\
          .building{{fill:#b9a68c;stroke:#8f7c63;stroke-width:.3}}.start{{stroke-width:.6}}</style>\n\
          <rect class=\"ground\" x=\"{left:.1}\" y=\"{top:.1}\" width=\"{width:.1}\" height=\"{height:.1}\"/>\n",
         escape(&town.name),
@@ -33,6 +33,9 @@ pub fn town_map(town: &Town, rows: &[&EpisodeRow]) -> String {
         for road in &town.roads {
             outline(&mut page, road, class, &|kind| (kind == LaneKind::Driving) == wanted && kind != LaneKind::None);
         }
+    }
+    for crosswalk in &town.crosswalks {
+        polygon(&mut page, "crosswalk", crosswalk);
     }
     for building in &town.obstacles {
         polygon(&mut page, "building", &building.corners());

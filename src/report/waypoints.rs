@@ -24,6 +24,7 @@ pub fn waypoints(town: &Town, spacing: f64) -> DataFrame {
         number("s", all.iter().map(|each| each.s).collect()),
         number("x", poses.iter().map(|pose| pose.x).collect()),
         number("y", poses.iter().map(|pose| -pose.y).collect()),
+        number("z", all.iter().map(|each| town.elevation(*each)).collect()),
         number("yaw", poses.iter().map(|pose| -pose.yaw.to_degrees()).collect()),
         number("lane_width", all.iter().map(|each| town.lane_width(*each)).collect()),
         Column::from(Series::new("lane_type".into(), vec!["Driving"; all.len()])),

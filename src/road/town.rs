@@ -22,6 +22,8 @@ pub struct TownParts {
     pub speed_signs: Vec<SpeedSign>,
     /// Traffic lights.
     pub traffic_lights: Vec<TrafficLight>,
+    /// Crosswalks: their corners in order.
+    pub crosswalks: Vec<Vec<Point>>,
     /// Buildings, walls, trees: whatever blocks walkers and sight.
     pub obstacles: Vec<OrientedBox>,
     /// What the reader of a file had to skip or guess.
@@ -43,6 +45,8 @@ pub struct Town {
     pub speed_signs: Vec<SpeedSign>,
     /// Traffic lights.
     pub traffic_lights: Vec<TrafficLight>,
+    /// Crosswalks: their corners in order.
+    pub crosswalks: Vec<Vec<Point>>,
     /// Buildings, walls, trees: whatever blocks walkers and sight.
     pub obstacles: Vec<OrientedBox>,
     /// What the reader of a file had to skip or guess.
@@ -66,13 +70,14 @@ impl Town {
         };
         let driving_lanes = driving.map(stretch).collect();
         let bounds = bounds(&parts, &network);
-        let TownParts { name, roads, junctions, speed_signs, traffic_lights, obstacles, warnings } = parts;
+        let TownParts { name, roads, junctions, speed_signs, traffic_lights, crosswalks, obstacles, warnings } = parts;
         Self {
             name,
             roads,
             junctions,
             speed_signs,
             traffic_lights,
+            crosswalks,
             obstacles,
             warnings,
             network,

@@ -1,7 +1,7 @@
 use roxmltree::{Document, ParsingOptions};
 
 use super::attributes::{Context, children};
-use super::{OpenDriveError, junctions, roads, signals, traffic_lights};
+use super::{OpenDriveError, crosswalks, junctions, roads, signals, traffic_lights};
 use crate::road::TownParts;
 use crate::road::lane_network::LaneNetwork;
 
@@ -39,6 +39,7 @@ pub fn read(xml: &str, name: &str) -> Result<TownParts, OpenDriveError> {
     roads.link(&mut context, &junctions.by_id);
     let network = LaneNetwork::new(&roads.roads, &junctions.junctions);
     let speed_signs = signals::speed_signs(&mut context, &roads, &network);
+    let crosswalks = crosswalks::crosswalks(&mut context, &roads, &network);
     let traffic_lights = traffic_lights::read(&mut context, root, &roads, &junctions, &network);
     Ok(TownParts {
         name: name.to_owned(),
@@ -46,6 +47,7 @@ pub fn read(xml: &str, name: &str) -> Result<TownParts, OpenDriveError> {
         junctions: junctions.junctions,
         speed_signs,
         traffic_lights,
+        crosswalks,
         obstacles: Vec::new(),
         warnings: context.warnings,
     })

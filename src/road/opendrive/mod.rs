@@ -10,6 +10,7 @@ mod lanes;
 mod roads;
 mod junctions;
 mod signals;
+mod crosswalks;
 mod traffic_lights;
 mod file;
 

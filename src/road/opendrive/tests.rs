@@ -369,3 +369,23 @@ proptest! {
         exercise(&text.into_iter().collect::<String>());
     }
 }
+
+#[test]
+fn crosswalks_are_polygons_in_the_world() {
+    let corners =
+        "<outline><cornerLocal u='-2' v='-1'/><cornerLocal u='2' v='-1'/><cornerLocal u='2' v='1'/></outline>";
+    let along = "<outline><cornerRoad s='10' t='0'/><cornerRoad s='12' t='0'/><cornerRoad s='12' t='3'/></outline>";
+    let xml = format!(
+        "<OpenDRIVE><road id='1' length='100' junction='-1'><planView><geometry s='0' x='5' y='0' hdg='0' length='100'><line/>\
+         </geometry></planView><lanes><laneSection s='0'><right><lane id='-1' type='driving'><width sOffset='0' a='3.5' b='0' \
+         c='0' d='0'/></lane></right></laneSection></lanes><objects><object id='1' type='crosswalk' s='20' t='1' \
+         hdg='1.5707963267948966'>{corners}</object><object id='2' name='Crosswalk_2' s='0' t='0'>{along}</object>\
+         <object id='3' type='crosswalk' s='0'/></objects></road></OpenDRIVE>"
+    );
+    let parts = super::read(&xml, "x").unwrap();
+    assert_eq!(parts.crosswalks.len(), 2);
+    let near =
+        |corner: &crate::geometry::Point, x: f64, y: f64| (corner - crate::geometry::Point::new(x, y)).norm() < 1e-9;
+    assert!(near(&parts.crosswalks[0][0], 26.0, -1.0) && near(&parts.crosswalks[0][1], 26.0, 3.0));
+    assert!(near(&parts.crosswalks[1][2], 17.0, 3.0));
+}

@@ -1,0 +1,41 @@
+use super::attributes::{Context, children};
+use super::roads::Roads;
+use super::signals::placed;
+use crate::geometry::{Point, Pose, Vector};
+use crate::road::lane_network::LaneNetwork;
+
+/// Reads crosswalks: objects of that type or name, whose outlines give corners in the object's own frame or along the road.
+///
+/// # Source
+/// OpenDRIVE 1.4 and later, `objects/object/outline` with `cornerLocal` (u, v) or `cornerRoad` (s, t).
+pub(super) fn crosswalks(context: &mut Context, roads: &Roads, network: &LaneNetwork) -> Vec<Vec<Point>> {
+    let wanted = |node: roxmltree::Node| {
+        ["type", "name"]
+            .iter()
+            .any(|key| node.attribute(*key).is_some_and(|value| value.to_ascii_lowercase().contains("crosswalk")))
+    };
+    let mut found = Vec::new();
+    for object in placed(context, roads, network, ["objects", "object"], wanted) {
+        let road = &roads.roads[object.road.0 as usize];
+        let (t, hdg) = (context.number_or_zero(object.node, "t"), context.number_or_zero(object.node, "hdg"));
+        let line = road.plan_view.pose(object.s);
+        let middle = line.to_world(Vector::new(0.0, t));
+        let own = Pose::new(middle.x, middle.y, line.yaw + hdg);
+        for outline in object.node.descendants().filter(|node| node.tag_name().name() == "outline") {
+            let mut corners: Vec<Point> = Vec::new();
+            for corner in children(outline, "cornerLocal") {
+                let (u, v) = (context.number(corner, "u"), context.number(corner, "v"));
+                corners.extend(u.zip(v).map(|(u, v)| own.to_world(Vector::new(u, v))));
+            }
+            for corner in children(outline, "cornerRoad") {
+                let (s, t) = (context.number(corner, "s"), context.number(corner, "t"));
+                let place = |(s, t): (f64, f64)| road.plan_view.pose(s).to_world(Vector::new(0.0, t));
+                corners.extend(s.zip(t).map(place));
+            }
+            if corners.len() > 2 && corners.iter().all(|corner| corner.coords.iter().all(|x| x.is_finite())) {
+                found.push(corners);
+            }
+        }
+    }
+    found
+}
