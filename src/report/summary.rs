@@ -4,9 +4,10 @@ use super::{Cell, Manifest, Spread};
 
 /// What the simulator leaves out, for every summary.
 const LEFT_OUT: &str = "\
-The simulator is flat and has one car and one pedestrian: no other traffic, no parked cars, no kerbs, no weather. \
-The car is a kinematic bicycle whose pedals are fitted to figures that others printed from CARLA, and its driver sees \
-everything near it exactly. The pedestrian is a disc. Maps from OpenDRIVE hold no buildings unless the scenario adds them.";
+The simulator is flat and has one car and one pedestrian: no other traffic, no kerbs, no weather, and parked cars and trees \
+only where the scenario puts them. The car is a kinematic bicycle whose pedals are fitted to figures that others printed from \
+CARLA, and its driver knows without error and at once whatever it looks at. The pedestrian is a disc. Maps from OpenDRIVE hold \
+no buildings unless the scenario adds them.";
 
 /// The page to read first: one table of cells, how it was made, and what it does not say.
 pub fn summary(name: &str, docs: &[String], cells: &[Cell], manifest: &Manifest) -> String {
