@@ -91,9 +91,9 @@ impl Sensors {
             height: body.half_height,
         });
         self.lights.clear();
-        if world.lights.is_some() {
-            let lamps = world.town.traffic_lights.iter().enumerate();
-            self.lights.extend(lamps.map(|(i, lamp)| Light { trigger: lamp.stop, colour: world.light_colour(i) }));
+        if let Some(clock) = world.light_clock() {
+            let lamps = world.town.traffic_lights.iter();
+            self.lights.extend(lamps.map(|lamp| Light { trigger: lamp.stop, colour: clock.colour(lamp) }));
         }
         Perception {
             town: &world.town,

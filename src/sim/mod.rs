@@ -13,6 +13,6 @@ mod world;
 pub use blueprint::{ThrottleLine, VehicleBlueprint};
 pub use contact::Contact;
 pub use pedestrian::{PedestrianBody, PedestrianState, WalkCommand};
-pub use traffic_light::{LightColour, LightCycle};
+pub use traffic_light::{LightClock, LightColour, LightCycle};
 pub use vehicle::{Control, VehicleState};
 pub use world::{Scene, World};

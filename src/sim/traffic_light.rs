@@ -39,13 +39,41 @@ impl LightCycle {
 
     /// What a light shows so long (s) after its group's first turn began.
     pub fn colour(&self, light: &TrafficLight, time: f64) -> LightColour {
-        let turn = self.turn();
-        let period = turn * f64::from(light.turns.max(1));
-        // Dividing is much cheaper than `rem_euclid`, and every light is asked at every tick.
-        let since = time - period * (time / period).floor() - turn * f64::from(light.turn);
-        if since < 0.0 || since >= self.green + self.yellow {
+        self.clock(time).colour(light)
+    }
+
+    /// The clock of all groups so long (s) after their first turns began.
+    pub fn clock(&self, time: f64) -> LightClock {
+        let within = |turns: usize| {
+            let period = self.turn() * turns.max(1) as f64;
+            time - period * (time / period).floor()
+        };
+        LightClock { cycle: *self, time, within: std::array::from_fn(within) }
+    }
+}
+
+/// A moment in the cycles of all groups; every light is asked at every tick, so the division is done once.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LightClock {
+    cycle: LightCycle,
+    time: f64,
+    /// Time within the cycle of a group with so many turns (s).
+    within: [f64; 5],
+}
+
+impl LightClock {
+    /// What a light shows.
+    pub fn colour(&self, light: &TrafficLight) -> LightColour {
+        let turns = light.turns.max(1) as usize;
+        let turn = self.cycle.turn();
+        let within = self.within.get(turns).copied().unwrap_or_else(|| {
+            let period = turn * turns as f64;
+            self.time - period * (self.time / period).floor()
+        });
+        let since = within - turn * f64::from(light.turn);
+        if since < 0.0 || since >= self.cycle.green + self.cycle.yellow {
             LightColour::Red
-        } else if since < self.green {
+        } else if since < self.cycle.green {
             LightColour::Green
         } else {
             LightColour::Yellow

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use super::{
-    Contact, Control, LightColour, LightCycle, PedestrianBody, PedestrianState, VehicleBlueprint, VehicleState,
+    Contact, Control, LightClock, LightCycle, PedestrianBody, PedestrianState, VehicleBlueprint, VehicleState,
     WalkCommand,
 };
 use crate::geometry::{Obstacles, Pose, first_touch};
@@ -92,10 +92,9 @@ impl World {
         f64::from(self.ticks) * self.dt
     }
 
-    /// What a traffic light of the town shows.
-    pub fn light_colour(&self, light: usize) -> LightColour {
-        let lamp = &self.town.traffic_lights[light];
-        self.lights.map_or(LightColour::Green, |cycle| cycle.colour(lamp, self.light_phase + self.elapsed()))
+    /// The clock of the traffic lights; none where they are switched off.
+    pub fn light_clock(&self) -> Option<LightClock> {
+        self.lights.map(|cycle| cycle.clock(self.light_phase + self.elapsed()))
     }
 
     /// The traffic light in whose trigger box the ego stands.
