@@ -3,16 +3,15 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::fs;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use crate::reference;
 use falsify::av::behavior_agent::{AgentConfig, BehaviorAgent, Profile, Quirks, Release};
 use falsify::av::{Actor, DrivingPolicy, Light, Perception};
 use falsify::geometry::{Obstacles, Pose, Vector};
 use falsify::road::{RoadIndex, RoadOption, RoutePoint, Town, Waypoint, opendrive};
 use falsify::seed::Seed;
 use falsify::sim::{LightColour, VehicleBlueprint};
-use flate2::read::GzDecoder;
 use serde_json::Value;
 
 /// Half sizes of the recorded cars and walkers (m).
@@ -25,23 +24,6 @@ const DISTANCE_TOLERANCE: f64 = 1e-4;
 /// Within so much of dead ahead CARLA's agent may or may not see (degrees).
 const DEAD_AHEAD: f64 = 0.01;
 
-fn reference() -> PathBuf {
-    std::env::var_os("FALSIFY_REFERENCE_DIR")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"), PathBuf::from)
-}
-
-/// The text of a file, or of its compressed twin.
-fn read_text(path: &Path) -> Option<String> {
-    if let Ok(text) = fs::read_to_string(path) {
-        return Some(text);
-    }
-    let mut packed = path.as_os_str().to_owned();
-    packed.push(".gz");
-    let mut text = String::new();
-    GzDecoder::new(fs::File::open(packed).ok()?).read_to_string(&mut text).expect("a compressed file is readable");
-    Some(text)
-}
-
 /// A table with a header, asked by column name.
 struct Table {
     columns: BTreeMap<String, usize>,
@@ -50,7 +32,7 @@ struct Table {
 
 impl Table {
     fn read(path: &Path) -> Self {
-        let text = read_text(path).unwrap_or_else(|| panic!("{} is not there", path.display()));
+        let text = reference::read_text(path).unwrap_or_else(|| panic!("{} is not there", path.display()));
         let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
         let header = lines.next().expect("a table has a header");
         Self { columns: header.into_iter().enumerate().map(|(i, name)| (name, i)).collect(), rows: lines.collect() }
@@ -142,8 +124,8 @@ impl Agreement {
 
 /// None where the map is not at hand.
 fn read_town(name: &str) -> Option<Town> {
-    let path = reference().join("maps").join(format!("{name}.xodr"));
-    let text = read_text(&path)?;
+    let path = reference::folder().join("maps").join(format!("{name}.xodr"));
+    let text = reference::read_text(&path)?;
     Some(Town::new(opendrive::read(&text, name).expect("the map of a case is readable")))
 }
 
@@ -256,7 +238,7 @@ fn least_bearing(ego: &Actor, obstacle: &Actor) -> f64 {
 
 #[test]
 fn recorded_decisions_are_repeated_reference() {
-    let root = reference().join("reference").join("behavior_agent_traces");
+    let root = reference::folder().join("reference").join("behavior_agent_traces");
     let Ok(folders) = fs::read_dir(&root) else {
         loud!("SKIPPED: no recordings of CARLA's agent in {}", root.display());
         return;
@@ -272,7 +254,7 @@ fn recorded_decisions_are_repeated_reference() {
             loud!("SKIPPED: recordings of CARLA {version}, which no agent here claims to be");
             continue;
         };
-        let Some(cases) = read_text(&folder.join("cases.json")) else {
+        let Some(cases) = reference::read_text(&folder.join("cases.json")) else {
             loud!("SKIPPED: {} has no cases.json", folder.display());
             continue;
         };

@@ -19,6 +19,7 @@ mod layers;
 mod learning;
 mod ped_world;
 mod recorded_update;
+mod reference;
 mod road_reference;
 mod routes_reference;
 mod sb3_curves;

@@ -3,7 +3,7 @@
 //! It is no part of the program. It is what the learner and stable-baselines3 are compared on.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use falsify::geometry::wrap_angle;
 use falsify::rl::{Env, Step};
@@ -282,9 +282,7 @@ fn numbers(value: &Value) -> Vec<f64> {
 
 /// Every recording of the world below the reference folder.
 fn recordings() -> Vec<PathBuf> {
-    let root = std::env::var_os("FALSIFY_REFERENCE_DIR")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"), PathBuf::from);
-    let mut folders = vec![root];
+    let mut folders = vec![crate::reference::folder()];
     let mut found = Vec::new();
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {

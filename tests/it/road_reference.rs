@@ -2,31 +2,17 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
+use crate::reference;
 use falsify::geometry::{Point, Pose, wrap_angle};
 use falsify::road::{LaneFilter, LaneId, LaneKind, RoadIndex, Town, Waypoint, opendrive};
-use flate2::read::GzDecoder;
 
 /// Agreement asked for, in metres and in radians.
 const TOLERANCE: f64 = 1e-3;
 
 fn maps_folder() -> PathBuf {
-    let folder = std::env::var_os("FALSIFY_REFERENCE_DIR").map(PathBuf::from);
-    folder.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared")).join("maps")
-}
-
-/// The text of a file, or of its compressed twin.
-fn read_text(path: &Path) -> Option<String> {
-    if let Ok(text) = fs::read_to_string(path) {
-        return Some(text);
-    }
-    let mut packed = path.as_os_str().to_owned();
-    packed.push(".gz");
-    let mut text = String::new();
-    GzDecoder::new(fs::File::open(packed).ok()?).read_to_string(&mut text).expect("a compressed file is readable");
-    Some(text)
+    reference::folder().join("maps")
 }
 
 /// A map with one table of the oracle.
@@ -155,11 +141,12 @@ fn with_tables(kind: &str, compare: impl Fn(&Case, &mut Findings)) {
         "ties"
     );
     for name in names {
-        let Some(xml) = read_text(&folder.join(format!("{name}.xodr"))) else {
+        let Some(xml) = reference::read_text(&folder.join(format!("{name}.xodr"))) else {
             page += &format!("{name:<24} SKIPPED: there is no map beside its table\n");
             continue;
         };
-        let text = read_text(&folder.join("oracle").join(format!("{name}{ending}"))).expect("the table is there");
+        let text =
+            reference::read_text(&folder.join("oracle").join(format!("{name}{ending}"))).expect("the table is there");
         let town = match opendrive::read(&xml, name) {
             Ok(parts) => Town::new(parts),
             Err(error) => {

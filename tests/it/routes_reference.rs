@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
+use crate::reference;
 use falsify::geometry::{Point, Vector};
 use falsify::road::{RoadOption, RoutePlanner, RoutePoint, Town, opendrive};
 
@@ -16,11 +17,6 @@ const TOLERANCE: f64 = 1e-3;
 const NUDGE: f64 = 0.02;
 /// One route in so many may hang on that, or on a route before it that the table does not have.
 const ROUTES_PER_EXCEPTION: usize = 10;
-
-fn reference() -> PathBuf {
-    std::env::var_os("FALSIFY_REFERENCE_DIR")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"), PathBuf::from)
-}
 
 /// A route as recorded, in CARLA's left-handed axes.
 #[derive(Default)]
@@ -98,7 +94,7 @@ fn forget_first_junction(route: &mut [RoutePoint]) {
 
 #[test]
 fn routes_agree_with_the_reference() {
-    let folder = reference().join("reference").join("behavior_agent_traces");
+    let folder = reference::folder().join("reference").join("behavior_agent_traces");
     let Ok(entries) = fs::read_dir(&folder) else {
         loud!("SKIPPED: no recorded routes in {}", folder.display());
         return;
@@ -112,7 +108,7 @@ fn routes_agree_with_the_reference() {
             loud!("SKIPPED: {file_name} is compressed; unpack it to compare");
         }
         let Some(town_name) = file_name.strip_suffix("_routes.csv") else { continue };
-        let Ok(map) = fs::read_to_string(reference().join("maps").join(format!("{town_name}.xodr"))) else {
+        let Ok(map) = fs::read_to_string(reference::folder().join("maps").join(format!("{town_name}.xodr"))) else {
             loud!("SKIPPED: {file_name}, for want of its map");
             continue;
         };
@@ -163,7 +159,7 @@ fn routes_agree_with_the_reference() {
 /// What is first at a fork decides where CARLA's driver without a destination goes.
 #[test]
 fn topology_and_branches_are_in_the_order_of_the_reference() {
-    let folder = reference().join("maps");
+    let folder = reference::folder().join("maps");
     let Ok(entries) = fs::read_dir(folder.join("oracle")) else {
         loud!("SKIPPED: no topologies in {}", folder.display());
         return;
