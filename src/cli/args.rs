@@ -7,6 +7,8 @@ Examples:
   falsify run scenarios/*.scn                run all campaigns, reports go to reports/
   falsify run --smoke scenarios/*.scn        see in seconds whether everything works
   falsify run --list scenarios/*.scn         see what would be run
+  falsify run --set 'ppo_paper.total_steps=10000' my.scn
+                                             change a value without touching the file
   falsify check my.scn                       find mistakes without running anything
   falsify map Town02.xodr --waypoints 2      draw a map, list what it holds
 
@@ -50,9 +52,9 @@ pub struct RunOptions {
     /// Scenario files; their campaigns are run in order.
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
-    /// Take the roads of a town from an OpenDRIVE map instead; buildings are kept.
-    #[arg(long, value_name = "TOWN=FILE", value_parser = town_and_file)]
-    pub map: Vec<(String, PathBuf)>,
+    /// What replaces parts of the files.
+    #[command(flatten)]
+    pub given: GivenOptions,
     /// Folder for the reports, one folder in it for each campaign.
     #[arg(long, short, default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
     pub out: PathBuf,
@@ -76,9 +78,20 @@ pub struct CheckOptions {
     /// Scenario files.
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
+    /// What replaces parts of the files.
+    #[command(flatten)]
+    pub given: GivenOptions,
+}
+
+/// Options that replace parts of the files.
+#[derive(Debug, Default, Args)]
+pub struct GivenOptions {
     /// Take the roads of a town from an OpenDRIVE map instead; buildings are kept.
     #[arg(long, value_name = "TOWN=FILE", value_parser = town_and_file)]
     pub map: Vec<(String, PathBuf)>,
+    /// Give a parameter or a key of a declaration another value, as `far=20 m` or `ppo_paper.total_steps=1000`.
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
 }
 
 fn town_and_file(text: &str) -> Result<(String, PathBuf), String> {

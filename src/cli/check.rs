@@ -2,7 +2,7 @@ use super::{ExitCode, args::CheckOptions, front};
 
 /// `falsify check`
 pub fn check(options: &CheckOptions) -> ExitCode {
-    match front::compile_files(&options.files, &options.map) {
+    match front::compile_files(&options.files, &options.given) {
         Ok((plan, files)) => {
             let (files, campaigns) = (files.len(), plan.campaigns.len());
             let plural = |n: usize| if n == 1 { "" } else { "s" };

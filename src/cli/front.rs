@@ -1,14 +1,14 @@
 //! Files → plan, with everything that is to be said about them on the error stream.
 
 use std::cell::RefCell;
-use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anstyle::{AnsiColor, Style};
 
 use super::ExitCode;
-use crate::compile::{Catalog, Plan, compile_with_maps};
+use super::args::GivenOptions;
+use crate::compile::{Catalog, Overrides, Plan, compile_with};
 use crate::diagnostic::{Colour, Severity, Sources, render};
 use crate::lang::reason;
 use crate::report::FileRecord;
@@ -32,7 +32,7 @@ pub fn say(line: &str) {
 ///
 /// # Errors
 /// The exit code, after the reason has been printed.
-pub fn compile_files(files: &[PathBuf], maps: &[(String, PathBuf)]) -> Result<(Plan, Vec<FileRecord>), ExitCode> {
+pub fn compile_files(files: &[PathBuf], given: &GivenOptions) -> Result<(Plan, Vec<FileRecord>), ExitCode> {
     let mut sources = Sources::default();
     let records = RefCell::new(Vec::new());
     let read = |path: &Path| {
@@ -40,8 +40,8 @@ pub fn compile_files(files: &[PathBuf], maps: &[(String, PathBuf)]) -> Result<(P
         records.borrow_mut().push(FileRecord::new(path.display().to_string(), &text));
         Ok(text)
     };
-    let maps: BTreeMap<String, PathBuf> = maps.iter().cloned().collect();
-    let compiled = match compile_with_maps(files, &maps, &Catalog::builtin(), &read, &mut sources) {
+    let overrides = Overrides { maps: given.map.iter().cloned().collect(), settings: given.set.clone() };
+    let compiled = match compile_with(files, &overrides, &Catalog::builtin(), &read, &mut sources) {
         Ok(compiled) => compiled,
         Err((path, error)) => {
             fail(&format!("cannot read `{}`: {}", path.display(), reason(&error)));
@@ -57,7 +57,7 @@ pub fn compile_files(files: &[PathBuf], maps: &[(String, PathBuf)]) -> Result<(P
     }
     let errors = compiled.diagnostics.iter().filter(|each| each.severity == Severity::Error).count();
     match compiled.plan {
-        Some(plan) => match maps.keys().find(|name| !plan.has_town(name)) {
+        Some(plan) => match overrides.maps.keys().find(|name| !plan.has_town(name)) {
             None => Ok((plan, records.into_inner())),
             Some(name) => {
                 fail(&format!("--map names the town `{name}`, which nothing uses"));

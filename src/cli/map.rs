@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use super::args::MapOptions;
+use super::args::{GivenOptions, MapOptions};
 use super::{ExitCode, front};
 use crate::lang::reason;
 use crate::report;
@@ -10,7 +10,7 @@ use crate::road::{LaneKind, Town, opendrive};
 pub fn map(options: &MapOptions) -> ExitCode {
     let is_scenario = options.file.extension().is_some_and(|extension| extension == "scn");
     let towns = if is_scenario {
-        match front::compile_files(std::slice::from_ref(&options.file), &[]) {
+        match front::compile_files(std::slice::from_ref(&options.file), &GivenOptions::default()) {
             Ok((plan, _)) => plan.towns.into_iter().map(|named| named.town).collect(),
             Err(code) => return code,
         }

@@ -13,7 +13,7 @@ use crate::seed::Seed;
 
 /// `falsify run`
 pub fn run(options: &RunOptions) -> ExitCode {
-    let (mut plan, files) = match front::compile_files(&options.files, &options.map) {
+    let (mut plan, files) = match front::compile_files(&options.files, &options.given) {
         Ok(compiled) => compiled,
         Err(code) => return code,
     };
@@ -152,6 +152,7 @@ fn manifest(
         version: env!("CARGO_PKG_VERSION").into(),
         campaign: campaign.name.clone(),
         seed: options.seed,
+        settings: campaign.settings.clone(),
         smoke: options.smoke,
         complete: all_trained
             && finished.rows.len() == planned

@@ -71,6 +71,7 @@ pub fn form() -> Form {
         name: "adversary",
         doc: "The pedestrian that attacks: its body, and how its states and actions are to be read.",
         plain: Some(Signature::new("adversary", "", params)),
+        multiplies: false,
         kinds: Vec::new(),
     }
 }

@@ -52,6 +52,11 @@ pub fn form() -> Form {
             spawn(),
         ],
     );
+    let matrix = Signature::new(
+        "matrix",
+        "Runs the campaign once for every combination of values: `name: [value, …]`, each the name of a `param`.",
+        Vec::new(),
+    );
     let params = vec![
         Param::required("vehicle", name("vehicle"), "The model of car under test."),
         Param::required("adversary", name("adversary"), "The pedestrian."),
@@ -62,7 +67,8 @@ pub fn form() -> Form {
     Form {
         name: "campaign",
         doc: "What is run: which pedestrians are trained, and where they are tried.",
-        plain: Some(Signature { children: vec![train, evaluate], ..Signature::new("campaign", "", params) }),
+        plain: Some(Signature { children: vec![matrix, train, evaluate], ..Signature::new("campaign", "", params) }),
+        multiplies: true,
         kinds: Vec::new(),
     }
 }

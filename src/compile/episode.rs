@@ -43,6 +43,7 @@ pub fn form() -> Form {
         name: "episode",
         doc: "How long an episode lasts and what ends it.",
         plain: Some(Signature::new("episode", "", params)),
+        multiplies: false,
         kinds: Vec::new(),
     }
 }

@@ -59,6 +59,7 @@ impl Lowering<'_> {
         let mut campaign = Campaign {
             name: declaration.name.clone(),
             docs: declaration.docs.clone(),
+            settings: Vec::new(),
             towns: Vec::new(),
             trainings: Vec::new(),
             evaluations: Vec::new(),

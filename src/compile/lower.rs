@@ -9,7 +9,7 @@ use super::{Catalog, town};
 use crate::diagnostic::{Diagnostic, Severity, Sources};
 use crate::geometry::Obstacles;
 use crate::lang::hir::{Block, Declaration, Program};
-use crate::lang::{self, Reader, codes};
+use crate::lang::{self, Matrix, Reader, codes};
 use crate::road::Town;
 use crate::signature::{Arguments, DeclarationId, Value};
 
@@ -22,6 +22,15 @@ pub struct Compiled {
     pub diagnostics: Vec<Diagnostic>,
 }
 
+/// What a user gives beside the files.
+#[derive(Debug, Clone, Default)]
+pub struct Overrides {
+    /// OpenDRIVE maps that take the place of the roads of towns; what the scenario places beside them is kept.
+    pub maps: BTreeMap<String, PathBuf>,
+    /// Values for parameters and keys: `name=value`.
+    pub settings: Vec<String>,
+}
+
 /// Reads, checks and lowers files with all that they import.
 ///
 /// # Errors
@@ -32,37 +41,92 @@ pub fn compile(
     read: &Reader,
     sources: &mut Sources,
 ) -> Result<Compiled, (PathBuf, std::io::Error)> {
-    compile_with_maps(paths, &BTreeMap::new(), catalog, read, sources)
+    compile_with(paths, &Overrides::default(), catalog, read, sources)
 }
 
-/// Does as [`compile`], with the roads of some towns taken from OpenDRIVE maps instead; what the scenario places beside
-/// them is kept.
+/// Does as [`compile`], with some things replaced.
 ///
 /// # Errors
 /// As [`compile`].
-pub fn compile_with_maps(
+pub fn compile_with(
     paths: &[PathBuf],
-    maps: &BTreeMap<String, PathBuf>,
+    overrides: &Overrides,
     catalog: &Catalog,
     read: &Reader,
     sources: &mut Sources,
 ) -> Result<Compiled, (PathBuf, std::io::Error)> {
     let mut loaded = lang::load(paths, read, sources)?;
     let mut diagnostics = std::mem::take(&mut loaded.diagnostics);
-    let (program, said) = lang::check(&loaded, sources, &catalog.forms, &catalog.vocabulary);
+    let (settings, said) = lang::settings(&overrides.settings, sources);
     diagnostics.extend(said);
+    diagnostics.extend(lang::apply(&settings, &mut loaded));
+    let (matrices, said) = lang::matrices(&mut loaded, &catalog.forms);
+    diagnostics.extend(said);
+    let variants = variants(&loaded, &matrices, catalog, sources, &mut diagnostics);
     let is_error = |each: &Diagnostic| each.severity == Severity::Error;
     if diagnostics.iter().any(is_error) {
+        lang::once(&mut diagnostics);
         return Ok(Compiled { plan: None, diagnostics });
     }
-    let mut lowering =
-        Lowering { program: &program, catalog, sources, read, maps, said: &mut diagnostics, towns: BTreeMap::new() };
-    let plan = lowering.plan();
-    lowering.warn_of_unused();
+    let mut shared = Shared { towns: BTreeMap::new(), used: BTreeSet::new() };
+    let mut plan = Plan::default();
+    for variant in &variants {
+        let (program, maps) = (&variant.program, &overrides.maps);
+        let mut lowering =
+            Lowering { program, catalog, sources, read, maps, said: &mut diagnostics, shared: &mut shared };
+        lowering.variant(variant, &mut plan);
+    }
+    let outside: Vec<String> = settings.iter().map(|each| each.text(sources)).collect();
+    plan.campaigns.iter_mut().for_each(|campaign| drop(campaign.settings.splice(0..0, outside.iter().cloned())));
+    let base = &variants.first().expect("the files as they are").program;
+    forbid_equal_names(base, &plan, &mut diagnostics);
+    warn_of_unused(base, &shared.used, &mut diagnostics);
     // One mistake may show in many cells.
     lang::once(&mut diagnostics);
     let plan = (!diagnostics.iter().any(is_error)).then_some(plan);
     Ok(Compiled { plan, diagnostics })
+}
+
+/// The files checked with one combination of settings, and the campaigns that are run that way.
+struct Variant {
+    program: Program,
+    /// The campaign that a matrix multiplies; none for the files as they are.
+    multiplied: Option<DeclarationId>,
+    /// Campaigns that belong to other variants.
+    left_out: BTreeSet<DeclarationId>,
+    settings: Vec<String>,
+}
+
+/// The files as they are, and once for each combination of each matrix.
+fn variants(
+    loaded: &lang::Loaded,
+    matrices: &[Matrix],
+    catalog: &Catalog,
+    sources: &Sources,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Vec<Variant> {
+    let mut check = |loaded: &lang::Loaded| {
+        let (program, said) = lang::check(loaded, sources, &catalog.forms, &catalog.vocabulary);
+        diagnostics.extend(said);
+        program
+    };
+    let program = check(loaded);
+    let id = |matrix: &Matrix| program.place(matrix.declaration.0, matrix.declaration.1);
+    let left_out = matrices.iter().map(id).collect();
+    let ids: Vec<DeclarationId> = matrices.iter().map(id).collect();
+    let mut variants = vec![Variant { program, multiplied: None, left_out, settings: Vec::new() }];
+    let mut said = Vec::new();
+    for (matrix, id) in matrices.iter().zip(ids) {
+        for combination in &matrix.combinations {
+            let mut copy = loaded.clone();
+            said.extend(lang::apply(combination, &mut copy));
+            let settings = combination.iter().map(|each| each.text(sources)).collect();
+            let program = check(&copy);
+            variants.push(Variant { program, multiplied: Some(id), left_out: BTreeSet::new(), settings });
+        }
+    }
+    diagnostics.extend(said);
+    variants
 }
 
 /// A town with what stands in it, ready to be shared.
@@ -70,6 +134,14 @@ pub fn compile_with_maps(
 pub(super) struct BuiltTown {
     pub town: Arc<Town>,
     pub obstacles: Arc<Obstacles>,
+}
+
+/// What all variants of the files have in common.
+struct Shared {
+    /// Towns that have been built, by their declaration and what it says.
+    towns: BTreeMap<DeclarationId, Vec<(Block, Option<BuiltTown>)>>,
+    /// Declarations that campaigns use.
+    used: BTreeSet<DeclarationId>,
 }
 
 /// What every step of the way from HIR to plan needs.
@@ -80,61 +152,98 @@ pub(super) struct Lowering<'a> {
     sources: &'a Sources,
     read: &'a Reader<'a>,
     maps: &'a BTreeMap<String, PathBuf>,
-    towns: BTreeMap<DeclarationId, Option<BuiltTown>>,
+    shared: &'a mut Shared,
 }
 
 impl Lowering<'_> {
-    fn plan(&mut self) -> Plan {
+    fn variant(&mut self, variant: &Variant, plan: &mut Plan) {
         let program = self.program;
-        // Towns of the named files are built even when nothing uses them: a library of towns is checked that way.
-        let mut towns = Vec::new();
-        for declaration in program.of_form("town") {
-            let built = self.town(declaration.id);
-            towns.extend(built.map(|built| NamedTown { name: declaration.name.clone(), town: built.town }));
+        if variant.multiplied.is_none() {
+            // Towns of the named files are built even when nothing uses them: a library of towns is checked that way.
+            for declaration in program.of_form("town") {
+                let built = self.town(declaration.id);
+                plan.towns.extend(built.map(|built| NamedTown { name: declaration.name.clone(), town: built.town }));
+            }
         }
-        self.forbid_equal_names();
-        let campaigns = program.of_form("campaign").map(|campaign| self.campaign(campaign)).collect();
-        Plan { campaigns, towns }
-    }
-
-    /// Campaigns of different files may share a name as far as the language goes, but their reports may not.
-    fn forbid_equal_names(&mut self) {
-        let mut seen: BTreeMap<&str, &Declaration> = BTreeMap::new();
-        for campaign in self.program.of_form("campaign") {
-            if let Some(first) = seen.insert(&campaign.name, campaign) {
-                let (here, there) = (campaign.block.head, first.block.head);
-                self.said.push(codes::duplicate_declaration(here, "campaign", &campaign.name, there));
+        for declaration in program.of_form("campaign") {
+            let chosen =
+                variant.multiplied.map_or(!variant.left_out.contains(&declaration.id), |id| id == declaration.id);
+            if chosen {
+                let mut campaign = self.campaign(declaration);
+                campaign.name = named(&campaign.name, &variant.settings);
+                campaign.docs.extend(variant.settings.iter().map(|setting| format!("With {setting}.")));
+                campaign.settings.clone_from(&variant.settings);
+                plan.campaigns.push(campaign);
+                self.note_used(declaration.id);
             }
         }
     }
 
     pub fn town(&mut self, id: DeclarationId) -> Option<BuiltTown> {
-        if let Some(built) = self.towns.get(&id) {
+        let declaration = self.program.get(id);
+        let known = self.shared.towns.get(&id).into_iter().flatten();
+        if let Some((_, built)) = known.clone().find(|(block, _)| *block == declaration.block) {
             return built.clone();
         }
-        let declaration = self.program.get(id);
         let map = self.maps.get(&declaration.name).map(PathBuf::as_path);
         let built = town::lower(declaration, map, self.sources, self.read, self.said)
             .map(|town| BuiltTown { obstacles: Arc::new(Obstacles::new(&town.obstacles)), town: Arc::new(town) });
-        self.towns.insert(id, built.clone());
+        self.shared.towns.entry(id).or_default().push((declaration.block.clone(), built.clone()));
         built
     }
 
-    fn warn_of_unused(&mut self) {
-        let program = self.program;
-        let mut used: BTreeSet<DeclarationId> = BTreeSet::new();
-        let mut open: Vec<DeclarationId> = program.of_form("campaign").map(|campaign| campaign.id).collect();
-        // A file without a campaign is a library: nothing in it is unused.
-        let with_campaign: BTreeSet<_> = program.of_form("campaign").map(|campaign| campaign.source).collect();
+    fn note_used(&mut self, campaign: DeclarationId) {
+        let mut open = vec![campaign];
+        let mut seen = BTreeSet::new();
         while let Some(id) = open.pop() {
-            if used.insert(id) {
-                references(&program.get(id).block, &mut open);
+            if seen.insert(id) {
+                references(&self.program.get(id).block, &mut open);
             }
         }
-        for declaration in &program.declarations {
-            if with_campaign.contains(&declaration.source) && !used.contains(&declaration.id) {
-                self.said.push(codes::unused(declaration.block.head, declaration.form, &declaration.name));
-            }
+        self.shared.used.extend(seen);
+    }
+}
+
+/// The name of a campaign with settings, fit for a folder.
+fn named(name: &str, settings: &[String]) -> String {
+    let plain = |setting: &String| -> String {
+        let kept = setting.chars().filter(|c| !c.is_whitespace());
+        kept.map(|c| if c.is_ascii_alphanumeric() || "=.-_".contains(c) { c } else { '_' }).collect()
+    };
+    let parts: Vec<String> = std::iter::once(name.to_string()).chain(settings.iter().map(plain)).collect();
+    parts.join("-")
+}
+
+/// Campaigns of different files may share a name as far as the language goes, but their reports may not.
+fn forbid_equal_names(program: &Program, plan: &Plan, said: &mut Vec<Diagnostic>) {
+    let mut seen: BTreeMap<&str, &Declaration> = BTreeMap::new();
+    for campaign in program.of_form("campaign") {
+        if let Some(first) = seen.insert(&campaign.name, campaign) {
+            let (here, there) = (campaign.block.head, first.block.head);
+            said.push(codes::duplicate_declaration(here, "campaign", &campaign.name, there));
+        }
+    }
+    let (mut names, distinct) = (BTreeSet::new(), seen.len() == program.of_form("campaign").count());
+    for campaign in &plan.campaigns {
+        if distinct && !names.insert(&campaign.name) {
+            let source = program.of_form("campaign").find(|each| campaign.name.starts_with(&each.name));
+            let head = source.expect("a campaign is made from a declaration").block.head;
+            said.push(codes::contradiction(head, format!("two combinations would both be named `{}`", campaign.name)));
+        }
+    }
+}
+
+fn warn_of_unused(program: &Program, used: &BTreeSet<DeclarationId>, said: &mut Vec<Diagnostic>) {
+    // A file without a campaign is a library: nothing in it is unused.
+    let with_campaign: BTreeSet<_> = program.of_form("campaign").map(|campaign| campaign.source).collect();
+    for declaration in &program.declarations {
+        if with_campaign.contains(&declaration.source) && !used.contains(&declaration.id) {
+            said.push(codes::unused(declaration.block.head, declaration.form, &declaration.name));
+        }
+    }
+    for param in &program.params {
+        if with_campaign.contains(&param.source) && !param.used {
+            said.push(codes::unused(param.span, "param", &param.name));
         }
     }
 }

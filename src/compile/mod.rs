@@ -20,5 +20,5 @@ mod lower;
 mod grid;
 
 pub use catalog::Catalog;
-pub use lower::{Compiled, compile, compile_with_maps};
+pub use lower::{Compiled, Overrides, compile, compile_with};
 pub use plan::{Campaign, Evaluation, NamedTown, Pedestrian, Plan, Training, TrainingKey};

@@ -28,6 +28,8 @@ pub struct Campaign {
     pub name: String,
     /// Its documentation, one string a line.
     pub docs: Vec<String>,
+    /// What was set from outside the files, and the combination of its `matrix`, as `name = value`.
+    pub settings: Vec<String>,
     /// The towns that it uses, each once.
     pub towns: Vec<NamedTown>,
     /// The trainings, in order of town, policy, reward, run.

@@ -31,6 +31,7 @@ pub fn form(kinds: &[PolicyKind]) -> Form {
         name: "policy",
         doc: "A driver under test.",
         plain: None,
+        multiplies: false,
         kinds: kinds.iter().map(|kind| (kind.signature)()).collect(),
     }
 }

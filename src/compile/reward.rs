@@ -9,6 +9,7 @@ pub fn form() -> Form {
         doc: "What the pedestrian is paid for: `on event => formula`, a plain number each. \
               An event without a clause is worth nothing.",
         plain: Some(Signature { clauses: true, ..Signature::new("reward", "", Vec::new()) }),
+        multiplies: false,
         kinds: Vec::new(),
     }
 }

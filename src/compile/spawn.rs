@@ -48,6 +48,7 @@ pub fn form() -> Form {
         name: "spawn",
         doc: "Where an episode begins.",
         plain: Some(Signature::new("spawn", "", params)),
+        multiplies: false,
         kinds: Vec::new(),
     }
 }

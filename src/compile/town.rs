@@ -26,6 +26,7 @@ pub fn form() -> Form {
         name: "town",
         doc: "Roads with lanes and sidewalks, junctions, and what stands beside them: written here, or read from a map.",
         plain: Some(designed()),
+        multiplies: false,
         kinds: vec![Signature {
             children: obstacles(),
             ..Signature::new(

@@ -10,6 +10,7 @@ pub fn form() -> Form {
         name: "training",
         doc: "How pedestrians are trained. The defaults are the paper's, and stable-baselines3's where it is silent.",
         plain: None,
+        multiplies: false,
         kinds: vec![Signature::new("ppo", "Proximal policy optimisation.", params())],
     }
 }

@@ -9,6 +9,7 @@ pub fn form() -> Form {
         name: "vehicle",
         doc: "The model of car under test. Every key overrides a figure of the model.",
         plain: None,
+        multiplies: false,
         kinds: vec![
             kind("model3", "CARLA's Tesla Model 3."),
             kind("mkz_2017", "CARLA's Lincoln MKZ 2017, which LAV and InterFuser drive."),

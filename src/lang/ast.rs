@@ -1,6 +1,8 @@
 //! The untyped tree: what was written, with a span on every node. No name is resolved at this stage.
 
 use crate::diagnostic::{SourceId, Span};
+use crate::signature::DeclarationId;
+use crate::units::Dimension;
 
 /// A word with its place.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,19 +22,36 @@ pub struct File {
     pub edition: Option<(f64, Span)>,
     /// The files it imports.
     pub imports: Vec<Import>,
+    /// Its parameters, in order.
+    pub params: Vec<Param>,
     /// Its declarations, in order.
     pub declarations: Vec<Declaration>,
 }
 
-/// `import "path"`
+/// `import "path"`, `import a, b from "path"`
 #[derive(Debug, Clone, PartialEq)]
 pub struct Import {
+    /// The names to take over; all when none is named.
+    pub names: Vec<Name>,
     /// The path as written.
     pub path: String,
     /// The place of the path.
     pub span: Span,
     /// The file it led to, once loaded.
     pub source: Option<SourceId>,
+}
+
+/// `param name: type = value`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Param {
+    /// The text of its `///` lines.
+    pub docs: Vec<String>,
+    /// Its name.
+    pub name: Name,
+    /// The word for its type.
+    pub ty: Name,
+    /// Its value, unless it is set to another.
+    pub value: Expression,
 }
 
 /// `form name = kind(…) { … }`
@@ -136,6 +155,19 @@ pub enum ExpressionKind {
     Group(Vec<Expression>),
     /// `[a, b]`
     List(Vec<Expression>),
+    /// What a parameter stands for; no text is read as this.
+    Known(Known),
+}
+
+/// The checked value of a parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Known {
+    /// A quantity in SI.
+    Quantity(f64, Dimension),
+    /// A declaration of this form.
+    Declaration(&'static str, DeclarationId),
+    /// The parameter is wrong itself, which has been said.
+    Wrong,
 }
 
 /// The sign between two expressions.

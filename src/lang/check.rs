@@ -5,6 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::ast::{self, Entry};
 use super::formula::{Scope, Sort, formula};
 use super::hir::{Block, Clause, Declaration, Program};
+use super::names::{Names, names_of_all};
+use super::params::Params;
 use super::value::{Context, value};
 use super::{Loaded, codes, parse};
 use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
@@ -22,17 +24,21 @@ pub fn check(
 ) -> (Program, Vec<Diagnostic>) {
     let mut diagnostics = Vec::new();
     let ids = number_declarations(&loaded.files);
-    let mut program = Program { declarations: Vec::new(), roots: loaded.roots.clone() };
+    let mut declarations = Vec::new();
     let form_names: Vec<&str> = forms.iter().map(|form| form.name).collect();
-    for file in &loaded.files {
-        let names = names_of(file, &loaded.files, &ids, &mut diagnostics);
-        let context = Context { vocabulary, names: &names, sources };
+    let names = names_of_all(&loaded.files, &ids, &mut diagnostics);
+    let mut params = Params::resolve(loaded, &names, forms, vocabulary, sources, &mut diagnostics);
+    for (place, file) in loaded.files.iter().enumerate() {
+        let context = Context { vocabulary, names: &names[place], sources };
         for (declaration, id) in file.declarations.iter().zip(&ids[&file.source]) {
+            let declaration = params.replace(declaration, place);
+            let before = diagnostics.len();
             let mut checker = Checker { context: &context, diagnostics: &mut diagnostics };
-            let checked = checker.declaration(declaration, *id, file.source, forms, &form_names);
-            program.declarations.push(checked);
+            declarations.push(checker.declaration(&declaration, *id, file.source, forms, &form_names));
+            params.explain(&mut diagnostics[before..]);
         }
     }
+    let program = Program { declarations, roots: loaded.roots.clone(), params: params.finish() };
     // A clash inside an imported file is found again by every file that imports it.
     once(&mut diagnostics);
     (program, diagnostics)
@@ -52,51 +58,6 @@ fn number_declarations(files: &[ast::File]) -> BTreeMap<SourceId, Vec<Declaratio
         (file.source, (first..next).map(DeclarationId).collect())
     };
     files.iter().map(&mut number).collect()
-}
-
-/// The names a file can see: its own and those of the files it imports.
-pub(super) struct Names<'a> {
-    known: BTreeMap<(&'a str, &'a str), (DeclarationId, Span)>,
-}
-
-impl<'a> Names<'a> {
-    pub(super) fn find(&self, form: &str, name: &str) -> Option<DeclarationId> {
-        self.known.get(&(form, name)).map(|(id, _)| *id)
-    }
-
-    pub(super) fn of_form(&self, form: &str) -> Vec<&'a str> {
-        self.known.keys().filter(|(f, _)| *f == form).map(|(_, name)| *name).collect()
-    }
-}
-
-fn names_of<'a>(
-    file: &'a ast::File,
-    files: &'a [ast::File],
-    ids: &BTreeMap<SourceId, Vec<DeclarationId>>,
-    diagnostics: &mut Vec<Diagnostic>,
-) -> Names<'a> {
-    let mut order = vec![file];
-    let mut next = 0;
-    while let Some(current) = order.get(next).copied() {
-        for import in current.imports.iter().filter_map(|import| import.source) {
-            let imported = files.iter().find(|candidate| candidate.source == import).expect("imports are loaded");
-            if !order.iter().any(|seen| seen.source == imported.source) {
-                order.push(imported);
-            }
-        }
-        next += 1;
-    }
-    let mut known = BTreeMap::new();
-    for visible in order.iter().rev() {
-        for (declaration, id) in visible.declarations.iter().zip(&ids[&visible.source]) {
-            let Some(name) = &declaration.name else { continue };
-            let key = (declaration.form.text.as_str(), name.text.as_str());
-            if let Some((_, first)) = known.insert(key, (*id, name.span)) {
-                diagnostics.push(codes::duplicate_declaration(name.span, key.0, key.1, first));
-            }
-        }
-    }
-    Names { known }
 }
 
 struct Checker<'a, 'b> {
@@ -281,7 +242,7 @@ fn default(param: &Param, text: &str, context: &Context) -> Value {
     let mut sources = Sources::default();
     let source = sources.add(format!("<default of {}>", param.name), text);
     let mut diagnostics = Vec::new();
-    let names = Names { known: BTreeMap::new() };
+    let names = Names::default();
     let inner = Context { vocabulary: context.vocabulary, names: &names, sources: &sources };
     let checked = parse::parse_value(source, text)
         .ok()

@@ -11,7 +11,7 @@ fn quoted<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
 }
 
 /// A thing with its article; what begins with a quote or `one of` has none.
-fn one(thing: impl std::fmt::Display) -> String {
+pub(super) fn one(thing: impl std::fmt::Display) -> String {
     let thing = thing.to_string();
     match thing.chars().next() {
         Some('`') => thing,
@@ -96,6 +96,55 @@ pub fn import_not_found(span: Span, path: &str, reason: &str) -> Diagnostic {
 pub fn import_cycle(span: Span, path: &str) -> Diagnostic {
     Diagnostic::error("import-cycle", span, format!("`{path}` imports this file in turn"))
         .help("move what both need into a third file")
+}
+
+/// An import names something that the file does not declare.
+pub fn unknown_import(span: Span, word: &str, path: &str, known: &[&str]) -> Diagnostic {
+    unknown("unknown-import", span, &format!("name in `{path}`"), word, known)
+}
+
+/// A parameter is defined by itself.
+pub fn param_cycle(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::error("param-cycle", span, format!("the parameter `{name}` is defined by itself"))
+        .help("give one of the parameters of the circle a value of its own")
+}
+
+/// A parameter bears the name of a variable of formulas.
+pub fn reserved_name(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::error("reserved-name", span, format!("`{name}` is a variable of formulas already"))
+        .help("give the parameter another name")
+}
+
+/// The type of a parameter is not known.
+pub fn unknown_type(span: Span, word: &str, known: &[&str]) -> Diagnostic {
+    unknown("unknown-type", span, "type", word, known)
+}
+
+/// A setting is not written as `name=value`.
+pub fn bad_setting(span: Span, reason: &str) -> Diagnostic {
+    Diagnostic::error("bad-setting", span, format!("this setting cannot be read: {reason}"))
+        .help("write `name=value` for a parameter, or `declaration.key=value`")
+}
+
+/// A setting names nothing.
+pub fn unknown_setting(span: Span, word: &str, known: &[&str]) -> Diagnostic {
+    unknown("unknown-setting", span, "parameter or declaration", word, known)
+}
+
+/// A setting names several things.
+pub fn ambiguous_setting(span: Span, word: &str, forms: &[&str]) -> Diagnostic {
+    let offers: Vec<String> = forms.iter().map(|form| format!("{form}.{word}.…")).collect();
+    Diagnostic::error("ambiguous-setting", span, format!("there are several declarations named `{word}`"))
+        .help(format!("put the form first: {}", quoted(offers.iter().map(String::as_str))))
+}
+
+/// A matrix multiplies beyond reason.
+pub fn too_many_combinations(span: Span, found: usize, limit: usize) -> Diagnostic {
+    Diagnostic::error(
+        "too-many-combinations",
+        span,
+        format!("this makes {found} combinations; at most {limit} are run"),
+    )
 }
 
 /// The first word of a declaration is no form.

@@ -1,6 +1,6 @@
 //! Checks formulas: names, arity, dimensions.
 
-use super::ast::{Expression, ExpressionKind, Name};
+use super::ast::{Expression, ExpressionKind, Known, Name};
 use super::codes;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::signature::{BinaryOperator, Formula, Function, VariableId, Vocabulary};
@@ -78,6 +78,11 @@ impl Checker<'_> {
                 Some((Formula::Constant(value * unit.factor), Sort::Quantity(unit.dimension)))
             }
             ExpressionKind::Name(word) => self.variable(word, span),
+            ExpressionKind::Known(Known::Quantity(value, dimension)) => {
+                Some((Formula::Constant(*value), Sort::Quantity(*dimension)))
+            }
+            ExpressionKind::Known(Known::Wrong) => None,
+            ExpressionKind::Known(Known::Declaration(form, _)) => self.say(codes::not_a(span, "formula", form)),
             ExpressionKind::Group(members) if members.len() == 1 => self.visit(&members[0]),
             ExpressionKind::Negate(inner) => {
                 let (formula, dimension) = self.quantity(inner)?;

@@ -10,12 +10,39 @@ pub struct Program {
     pub declarations: Vec<Declaration>,
     /// The files the user named.
     pub roots: Vec<SourceId>,
+    /// The parameters of all files.
+    pub params: Vec<Param>,
+}
+
+/// A parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Param {
+    /// The file it stands in.
+    pub source: SourceId,
+    /// Its name.
+    pub name: String,
+    /// The word for its type.
+    pub ty: String,
+    /// Its documentation, one string a line.
+    pub docs: Vec<String>,
+    /// Its value as written.
+    pub value: String,
+    /// Whether anything uses it.
+    pub used: bool,
+    /// The place of its name.
+    pub span: Span,
 }
 
 impl Program {
     /// The declaration with this id.
     pub fn get(&self, id: DeclarationId) -> &Declaration {
         &self.declarations[id.0]
+    }
+
+    /// The declaration at a place of a file.
+    pub fn place(&self, source: SourceId, index: usize) -> DeclarationId {
+        let mut here = self.declarations.iter().filter(|declaration| declaration.source == source);
+        here.nth(index).expect("the file has so many declarations").id
     }
 
     /// The declarations of a form in the files the user named, in order.

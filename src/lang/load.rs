@@ -10,7 +10,7 @@ use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
 pub type Reader<'a> = dyn Fn(&Path) -> std::io::Result<String> + 'a;
 
 /// Everything that was read.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Loaded {
     /// The trees, in the order of the sources.
     pub files: Vec<File>,

@@ -13,6 +13,9 @@ mod load;
 mod parse;
 pub mod ast;
 mod brackets;
+mod names;
+mod params;
+mod settings;
 mod check;
 mod formula;
 mod value;
@@ -22,4 +25,6 @@ mod suggest;
 
 pub use check::{check, once};
 pub use load::{Loaded, Reader, load, reason};
+pub use params::{DIMENSIONS, OTHER_TYPES};
 pub use parse::parse;
+pub use settings::{Matrix, Setting, apply, matrices, settings};

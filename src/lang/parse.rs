@@ -6,7 +6,9 @@ use pest::iterators::Pair;
 use pest::pratt_parser::{Assoc, Op, PrattParser};
 use std::sync::LazyLock;
 
-use super::ast::{Clause, Declaration, Entry, Expression, ExpressionKind, File, Import, Name, Operator, Property};
+use super::ast::{
+    Clause, Declaration, Entry, Expression, ExpressionKind, File, Import, Name, Operator, Param, Property,
+};
 use super::{brackets, codes};
 use crate::diagnostic::{Diagnostic, SourceId, Span};
 
@@ -30,7 +32,7 @@ const MAX_TERMS: usize = 500;
 /// could not.
 pub fn parse(source: SourceId, text: &str) -> (File, Vec<Diagnostic>) {
     let mut reader = Reader { source, offset: 0, diagnostics: Vec::new() };
-    let mut file = File { source, edition: None, imports: Vec::new(), declarations: Vec::new() };
+    let mut file = File { source, edition: None, imports: Vec::new(), params: Vec::new(), declarations: Vec::new() };
     if text.len() > MAX_BYTES {
         let span = Span { source, start: 0, end: 0 };
         return (file, vec![codes::too_large(span, text.len(), MAX_BYTES)]);
@@ -86,8 +88,21 @@ impl Reader {
                 file.edition = Some((read_number(number.as_str()), self.span(&number)));
             }
             Rule::import => {
-                let text = pair.into_inner().next().expect("import has a text");
-                file.imports.push(Import { path: inner_text(&text), span: self.span(&text), source: None });
+                let mut names = Vec::new();
+                for part in pair.into_inner() {
+                    match part.as_rule() {
+                        Rule::imported => names.extend(part.into_inner().map(|name| self.name(name))),
+                        Rule::text => {
+                            let (path, span) = (inner_text(&part), self.span(&part));
+                            file.imports.push(Import { names: std::mem::take(&mut names), path, span, source: None });
+                        }
+                        _ => {}
+                    }
+                }
+            }
+            Rule::param => {
+                let param = self.param(pair);
+                file.params.push(param);
             }
             Rule::declaration => {
                 let declaration = self.declaration(pair);
@@ -97,6 +112,23 @@ impl Reader {
             Rule::doc | Rule::EOI => {}
             other => unreachable!("file holds no {other:?}"),
         }
+    }
+
+    fn param(&mut self, pair: Pair<Rule>) -> Param {
+        let mut docs = Vec::new();
+        let mut names = Vec::new();
+        let mut value = None;
+        for part in pair.into_inner() {
+            match part.as_rule() {
+                Rule::doc => docs.push(part.as_str()[3..].trim().to_string()),
+                Rule::name => names.push(self.name(part)),
+                Rule::value => value = Some(self.value(part)),
+                _ => {}
+            }
+        }
+        let mut names = names.into_iter();
+        let mut name = || names.next().expect("a parameter has a name and a type");
+        Param { docs, name: name(), ty: name(), value: value.expect("a parameter has a value") }
     }
 
     fn declaration(&mut self, pair: Pair<Rule>) -> Declaration {
@@ -344,6 +376,9 @@ fn describe(rule: Rule) -> Option<&'static str> {
         Rule::list => "`[`",
         Rule::edition | Rule::edition_word => "`edition`",
         Rule::import | Rule::import_word => "`import`",
+        Rule::imported => "names",
+        Rule::from_word => "`from`",
+        Rule::param | Rule::param_word => "`param name: type = value`",
         Rule::declaration => "a declaration",
         Rule::property => "`key: value`",
         Rule::clause | Rule::on_word => "`on event => formula`",

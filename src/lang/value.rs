@@ -1,9 +1,9 @@
 //! Checks values against the types of their keys.
 
-use super::ast::{Expression, ExpressionKind};
-use super::check::Names;
+use super::ast::{Expression, ExpressionKind, Known};
 use super::codes;
 use super::formula::{Scope, Sort, formula};
+use super::names::Names;
 use crate::diagnostic::{Diagnostic, Sources, Span};
 use crate::signature::{Type, Value, VariableId, Vocabulary};
 use crate::units::Dimension;
@@ -28,6 +28,7 @@ pub(super) fn value(
         None
     };
     match (ty, &expression.kind) {
+        (_, ExpressionKind::Known(Known::Wrong)) => None,
         (Type::List(item), ExpressionKind::List(members)) => {
             if members.is_empty() {
                 diagnostics.push(codes::empty_list(span));
@@ -100,6 +101,9 @@ pub(super) fn value(
                 None
             }
         },
+        (Type::Reference(form), ExpressionKind::Known(Known::Declaration(known, id))) if form == known => {
+            Some(Value::Reference(*id))
+        }
         (Type::Point, ExpressionKind::Group(parts)) if parts.len() == 2 => {
             let numbers = parts.iter().map(|part| quantity(part, Dimension::LENGTH, context, diagnostics));
             let numbers: Vec<Option<f64>> = numbers.collect();
@@ -131,9 +135,11 @@ pub(super) fn value(
 fn is_formula(expression: &Expression) -> bool {
     match &expression.kind {
         ExpressionKind::Group(members) => members.len() == 1,
-        ExpressionKind::Text(_) | ExpressionKind::Range(..) | ExpressionKind::List(_) | ExpressionKind::Name(_) => {
-            false
-        }
+        ExpressionKind::Text(_)
+        | ExpressionKind::Range(..)
+        | ExpressionKind::List(_)
+        | ExpressionKind::Name(_)
+        | ExpressionKind::Known(Known::Declaration(..)) => false,
         _ => true,
     }
 }
@@ -204,6 +210,9 @@ fn describe(expression: &Expression) -> String {
     match &expression.kind {
         ExpressionKind::Number { unit: None, .. } => "a plain number".into(),
         ExpressionKind::Number { .. } => "a quantity".into(),
+        ExpressionKind::Known(Known::Quantity(_, dimension)) => codes::one(dimension),
+        ExpressionKind::Known(Known::Declaration(form, _)) => format!("the name of {}", codes::one(form)),
+        ExpressionKind::Known(Known::Wrong) => "a parameter".into(),
         ExpressionKind::Text(_) => "a text".into(),
         ExpressionKind::Name(word) => format!("the word `{word}`"),
         ExpressionKind::Range(..) => "a range".into(),

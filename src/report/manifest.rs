@@ -9,6 +9,8 @@ pub struct Manifest {
     pub campaign: String,
     /// The user's seed.
     pub seed: u64,
+    /// What was set from outside the files or by a `matrix`, as `name = value`.
+    pub settings: Vec<String>,
     /// Whether it was a trial of the machinery.
     pub smoke: bool,
     /// Whether every training and every episode is there.

@@ -32,6 +32,8 @@ pub struct Form {
     pub doc: &'static str,
     /// The keys of `form name { … }`; `None` when a kind must be named.
     pub plain: Option<Signature>,
+    /// Whether a `matrix` block may multiply its declarations.
+    pub multiplies: bool,
     /// The kinds of `form name = kind(…)`.
     pub kinds: Vec<Signature>,
 }

@@ -2,11 +2,12 @@
 //!
 //! A file of `tests/suite` holds sections, each begun by a line `//# name`. A line that is wrong says so itself:
 //! `// error: [code] "part of the message"`, or `// warning: …`, as often as there are diagnostics on it. Everything else
-//! must be silent. Imports are read from the folder `tests/suite`.
+//! must be silent. Imports are read from the folder `tests/suite`. A line `// set: name=value` gives a setting as `--set` does;
+//! what is wrong with it is expected on the section's first line.
 
 use std::path::{Path, PathBuf};
 
-use falsify::compile::{Catalog, compile};
+use falsify::compile::{Catalog, Overrides, compile_with};
 use falsify::diagnostic::{Severity, Sources};
 
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord, Clone)]
@@ -57,7 +58,10 @@ fn section(folder: &Path, body: &str) -> Result<(), String> {
     let root = folder.join("section.scn");
     let read = |path: &Path| if path == root { Ok(body.to_string()) } else { std::fs::read_to_string(path) };
     let mut sources = Sources::default();
-    let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut sources).unwrap();
+    let settings = body.lines().filter_map(|line| line.strip_prefix("// set: ")).map(str::to_string).collect();
+    let overrides = Overrides { settings, ..Overrides::default() };
+    let compiled =
+        compile_with(std::slice::from_ref(&root), &overrides, &Catalog::builtin(), &read, &mut sources).unwrap();
     let mut found: Vec<(Said, String)> = Vec::new();
     for each in &compiled.diagnostics {
         let span = each.primary.span;

@@ -1,0 +1,272 @@
+//! Parameters: `param far: length = 30 m`, used by name wherever a value may stand.
+//!
+//! A parameter is checked against its type once, where it is declared; what takes its place elsewhere is a known value.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::ast::{Clause, Declaration, Entry, Expression, ExpressionKind, Known, Param, Property};
+use super::names::{Names, ParamId};
+use super::value::{Context, value};
+use super::{Loaded, codes, hir};
+use crate::diagnostic::{Diagnostic, Sources, Span};
+use crate::signature::{Form, Type, Value, Vocabulary};
+use crate::units::Dimension;
+
+/// The longest chain of parameters that are defined by each other.
+const MOST_STEPS: usize = 50;
+
+/// Words for types that are dimensions.
+pub const DIMENSIONS: &[(&str, Dimension)] = &[
+    ("number", Dimension::RATIO),
+    ("length", Dimension::LENGTH),
+    ("time", Dimension::TIME),
+    ("speed", Dimension::SPEED),
+    ("acceleration", Dimension::ACCELERATION),
+    ("angle", Dimension::ANGLE),
+    ("frequency", Dimension::FREQUENCY),
+    ("turn_rate", Dimension::TURN_RATE),
+    ("mass", Dimension::MASS),
+];
+
+/// The other words for types; the name of a form is one as well.
+pub const OTHER_TYPES: &[&str] = &["integer", "boolean", "text", "word"];
+
+/// What parameters stand for.
+pub(super) struct Params<'a> {
+    loaded: &'a Loaded,
+    names: &'a [Names<'a>],
+    forms: &'a [Form],
+    vocabulary: &'a Vocabulary,
+    sources: &'a Sources,
+    known: BTreeMap<ParamId, Option<ExpressionKind>>,
+    used: BTreeSet<ParamId>,
+    /// Places where parameters stand, with their declarations.
+    uses: Vec<(Span, ParamId)>,
+}
+
+impl<'a> Params<'a> {
+    /// Checks all parameters of all files.
+    pub fn resolve(
+        loaded: &'a Loaded,
+        names: &'a [Names<'a>],
+        forms: &'a [Form],
+        vocabulary: &'a Vocabulary,
+        sources: &'a Sources,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> Self {
+        let (known, used, uses) = (BTreeMap::new(), BTreeSet::new(), Vec::new());
+        let mut params = Self { loaded, names, forms, vocabulary, sources, known, used, uses };
+        for (place, file) in loaded.files.iter().enumerate() {
+            for index in 0..file.params.len() {
+                params.find(place, (file.source, index), &mut Vec::new(), diagnostics);
+            }
+        }
+        params
+    }
+
+    /// The declaration with known values in place of parameters; `place` is its file's in the order of the files.
+    pub fn replace(&mut self, declaration: &Declaration, place: usize) -> Declaration {
+        let mut copy = declaration.clone();
+        if self.names[place].has_params() {
+            self.entries(&mut copy.entries, place);
+        }
+        copy
+    }
+
+    /// Shows where a value comes from, in messages about places where a parameter stands.
+    pub fn explain(&self, diagnostics: &mut [Diagnostic]) {
+        for diagnostic in diagnostics {
+            let primary = diagnostic.primary.span;
+            let inside =
+                |span: &Span| span.source == primary.source && primary.start <= span.start && span.end <= primary.end;
+            if let Some((_, id)) = self.uses.iter().find(|(span, _)| inside(span)) {
+                let param = self.param(*id);
+                let text = format!("the parameter `{}`", param.name.text);
+                diagnostic.labels.push(crate::diagnostic::Label { span: param.name.span.to(param.ty.span), text });
+            }
+        }
+    }
+
+    /// What became of the parameters, in the order of the files.
+    pub fn finish(self) -> Vec<hir::Param> {
+        let each = |(id, known): (&ParamId, &Option<ExpressionKind>)| {
+            let param = self.param(*id);
+            known.as_ref()?;
+            Some(hir::Param {
+                source: id.0,
+                name: param.name.text.clone(),
+                ty: param.ty.text.clone(),
+                docs: param.docs.clone(),
+                value: self.sources.text(param.value.span).to_string(),
+                used: self.used.contains(id),
+                span: param.name.span,
+            })
+        };
+        self.known.iter().filter_map(each).collect()
+    }
+
+    fn param(&self, id: ParamId) -> &'a Param {
+        let file = self.loaded.files.iter().find(|file| file.source == id.0).expect("the file is loaded");
+        &file.params[id.1]
+    }
+
+    fn find(
+        &mut self,
+        place: usize,
+        id: ParamId,
+        open: &mut Vec<ParamId>,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> Option<ExpressionKind> {
+        if let Some(known) = self.known.get(&id) {
+            return known.clone();
+        }
+        let param = self.param(id);
+        if open.contains(&id) || open.len() > MOST_STEPS {
+            diagnostics.push(codes::param_cycle(param.name.span, &param.name.text));
+            self.known.insert(id, None);
+            return None;
+        }
+        if self.vocabulary.variables.iter().any(|variable| variable.name == param.name.text) {
+            diagnostics.push(codes::reserved_name(param.name.span, &param.name.text));
+        }
+        open.push(id);
+        // What it is defined by comes first.
+        let mut needed = Vec::new();
+        mentioned(&param.value, &self.names[place], &mut needed);
+        for inner in needed {
+            let inner_place = self.loaded.files.iter().position(|file| file.source == inner.0).expect("loaded");
+            self.find(inner_place, inner, open, diagnostics);
+        }
+        open.pop();
+        if let Some(found) = self.known.get(&id) {
+            // It was part of a circle.
+            return found.clone();
+        }
+        let mut written = param.value.clone();
+        self.expression(&mut written, place);
+        let found = self.checked(param, &written, place, diagnostics);
+        self.known.insert(id, found.clone());
+        found
+    }
+
+    /// The value of a parameter, if it fits its type.
+    fn checked(
+        &self,
+        param: &Param,
+        written: &Expression,
+        place: usize,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> Option<ExpressionKind> {
+        let names = &self.names[place];
+        let context = Context { vocabulary: self.vocabulary, names, sources: self.sources };
+        let word = param.ty.text.as_str();
+        let mut check = |ty: Type| value(written, &ty, &context, diagnostics);
+        if let Some((_, dimension)) = DIMENSIONS.iter().find(|(name, _)| *name == word) {
+            let number = |value| ExpressionKind::Known(Known::Quantity(value, *dimension));
+            let (min, max) = (f64::NEG_INFINITY, f64::INFINITY);
+            return match &written.kind {
+                ExpressionKind::Range(low, high) => {
+                    let Value::Range(a, b) = check(Type::Range { dimension: *dimension, min, max })? else {
+                        return None;
+                    };
+                    let end = |value, span| Box::new(Expression { kind: number(value), span });
+                    Some(ExpressionKind::Range(end(a, low.span), end(b, high.span)))
+                }
+                _ => match check(Type::any(*dimension))? {
+                    Value::Number(value) => Some(number(value)),
+                    _ => None,
+                },
+            };
+        }
+        match word {
+            "integer" => match check(Type::Integer { min: -1_000_000_000_000, max: i64::MAX })? {
+                Value::Integer(value) => Some(ExpressionKind::Known(Known::Quantity(value as f64, Dimension::RATIO))),
+                _ => None,
+            },
+            "boolean" => check(Type::Boolean).map(|_| written.kind.clone()),
+            "text" => check(Type::Text).map(|_| written.kind.clone()),
+            "word" if matches!(written.kind, ExpressionKind::Name(_)) => Some(written.kind.clone()),
+            "word" => {
+                diagnostics.push(codes::not_a(written.span, "word", "value"));
+                None
+            }
+            _ => match self.forms.iter().find(|form| form.name == word) {
+                Some(form) => match check(Type::Reference(form.name))? {
+                    Value::Reference(id) => Some(ExpressionKind::Known(Known::Declaration(form.name, id))),
+                    _ => None,
+                },
+                None => {
+                    let mut known: Vec<&str> = DIMENSIONS.iter().map(|(name, _)| *name).collect();
+                    known.extend(OTHER_TYPES);
+                    known.extend(self.forms.iter().map(|form| form.name));
+                    diagnostics.push(codes::unknown_type(param.ty.span, word, &known));
+                    None
+                }
+            },
+        }
+    }
+
+    fn entries(&mut self, entries: &mut [Entry], place: usize) {
+        for entry in entries {
+            match entry {
+                Entry::Property(Property { value, .. }) | Entry::Bare(value) => self.expression(value, place),
+                Entry::Clause(Clause { formula, .. }) => self.expression(formula, place),
+                Entry::Child(child) => self.entries(&mut child.entries, place),
+            }
+        }
+    }
+
+    fn expression(&mut self, expression: &mut Expression, place: usize) {
+        let span = expression.span;
+        match &mut expression.kind {
+            ExpressionKind::Name(word) => {
+                if let Some(id) = self.names[place].param(word) {
+                    self.used.insert(id);
+                    self.uses.push((span, id));
+                    let known = self.known.get(&id).cloned().flatten();
+                    expression.kind = known.unwrap_or(ExpressionKind::Known(Known::Wrong));
+                    relocate(&mut expression.kind, span);
+                }
+            }
+            ExpressionKind::Call { arguments: members, .. }
+            | ExpressionKind::Group(members)
+            | ExpressionKind::List(members) => {
+                members.iter_mut().for_each(|member| self.expression(member, place));
+            }
+            ExpressionKind::Negate(inner) | ExpressionKind::Not(inner) | ExpressionKind::Conversion(inner, _) => {
+                self.expression(inner, place);
+            }
+            ExpressionKind::Binary { left, right, .. } | ExpressionKind::Range(left, right) => {
+                self.expression(left, place);
+                self.expression(right, place);
+            }
+            ExpressionKind::Number { .. } | ExpressionKind::Text(_) | ExpressionKind::Known(_) => {}
+        }
+    }
+}
+
+/// The parameters that an expression names.
+fn mentioned(expression: &Expression, names: &Names, found: &mut Vec<ParamId>) {
+    match &expression.kind {
+        ExpressionKind::Name(word) => found.extend(names.param(word)),
+        ExpressionKind::Call { arguments: members, .. }
+        | ExpressionKind::Group(members)
+        | ExpressionKind::List(members) => members.iter().for_each(|member| mentioned(member, names, found)),
+        ExpressionKind::Negate(inner) | ExpressionKind::Not(inner) | ExpressionKind::Conversion(inner, _) => {
+            mentioned(inner, names, found);
+        }
+        ExpressionKind::Binary { left, right, .. } | ExpressionKind::Range(left, right) => {
+            mentioned(left, names, found);
+            mentioned(right, names, found);
+        }
+        ExpressionKind::Number { .. } | ExpressionKind::Text(_) | ExpressionKind::Known(_) => {}
+    }
+}
+
+/// Messages about a value that a parameter stands for point to where it is used.
+fn relocate(kind: &mut ExpressionKind, place: Span) {
+    if let ExpressionKind::Range(low, high) = kind {
+        low.span = place;
+        high.span = place;
+    }
+}

@@ -1,0 +1,219 @@
+//! Values from outside a declaration: `--set far=20 m`, `--set ppo_paper.learning_rate=1e-3`, and the rows of a `matrix`.
+//!
+//! A setting is carried out on the tree, before anything is checked. So it is checked like what stands in a file.
+
+use super::ast::{Declaration, Entry, Expression, ExpressionKind, Name, Property};
+use super::parse::parse_value;
+use super::{Loaded, codes};
+use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
+use crate::signature::Form;
+
+/// The word of a block that multiplies a declaration.
+const MATRIX: &str = "matrix";
+/// Most combinations of one matrix.
+const MOST_COMBINATIONS: usize = 1000;
+
+/// A value for a parameter, or for a key of a declaration.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setting {
+    /// The name of a parameter, or the words that lead to a key.
+    pub path: Vec<Name>,
+    /// The value.
+    pub value: Expression,
+}
+
+impl Setting {
+    /// The setting as it is recorded.
+    pub fn text(&self, sources: &Sources) -> String {
+        let path: Vec<&str> = self.path.iter().map(|word| word.text.as_str()).collect();
+        format!("{} = {}", path.join("."), sources.text(self.value.span))
+    }
+}
+
+/// A declaration that is to be made once for each combination of settings.
+#[derive(Debug, Clone)]
+pub struct Matrix {
+    /// The file of the declaration, and its place in it.
+    pub declaration: (SourceId, usize),
+    /// The combinations, the last key changing fastest.
+    pub combinations: Vec<Vec<Setting>>,
+}
+
+/// Reads settings as they stand on a command line.
+pub fn settings(texts: &[String], sources: &mut Sources) -> (Vec<Setting>, Vec<Diagnostic>) {
+    let (mut settings, mut diagnostics) = (Vec::new(), Vec::new());
+    for text in texts {
+        let source = sources.add("--set", text.clone());
+        match read(source, text) {
+            Ok(setting) => settings.push(setting),
+            Err(diagnostic) => diagnostics.push(*diagnostic),
+        }
+    }
+    (settings, diagnostics)
+}
+
+fn read(source: SourceId, text: &str) -> Result<Setting, Box<Diagnostic>> {
+    let whole = Span { source, start: 0, end: text.len() };
+    let Some(sign) = text.find('=') else { return Err(codes::bad_setting(whole, "it has no `=`").into()) };
+    let mut path = Vec::new();
+    let mut start = 0;
+    for word in text[..sign].split('.') {
+        let trimmed = word.trim();
+        let begin = start + (word.len() - word.trim_start().len());
+        let span = Span { source, start: begin, end: begin + trimmed.len() };
+        if trimmed.is_empty() || !trimmed.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
+            return Err(codes::bad_setting(whole, "names are letters, digits and `_`").into());
+        }
+        path.push(Name { text: trimmed.to_string(), span });
+        start += word.len() + 1;
+    }
+    // The value keeps its place in the text.
+    let blank = " ".repeat(sign + 1);
+    let value = parse_value(source, &format!("{blank}{}", &text[sign + 1..]))?;
+    Ok(Setting { path, value })
+}
+
+/// Carries settings out, saying which lead nowhere.
+pub fn apply(settings: &[Setting], loaded: &mut Loaded) -> Vec<Diagnostic> {
+    settings.iter().filter_map(|setting| set(setting, loaded).err()).collect()
+}
+
+fn set(setting: &Setting, loaded: &mut Loaded) -> Result<(), Diagnostic> {
+    let path = setting.path.as_slice();
+    let first = path.first().expect("a path has a word");
+    if path.len() == 1 {
+        let params = loaded.files.iter_mut().flat_map(|file| &mut file.params);
+        let mut found: Vec<_> = params.filter(|param| param.name.text == first.text).collect();
+        if found.is_empty() {
+            let params = loaded.files.iter().flat_map(|file| &file.params);
+            let known: Vec<&str> = params.map(|param| param.name.text.as_str()).collect();
+            return Err(codes::unknown_setting(first.span, &first.text, &known));
+        }
+        found.iter_mut().for_each(|param| param.value = setting.value.clone());
+        return Ok(());
+    }
+    let all = || loaded.files.iter().flat_map(|file| &file.declarations);
+    let named = |declaration: &Declaration, name: &Name| declaration.name.as_ref().is_some_and(|n| n.text == name.text);
+    let forms: Vec<String> = all().filter(|each| named(each, first)).map(|each| each.form.text.clone()).collect();
+    let (form, name, rest) = match forms.as_slice() {
+        [form] => (form.clone(), first, &path[1..]),
+        [] if path.len() > 2 && all().any(|each| each.form.text == first.text && named(each, &path[1])) => {
+            (first.text.clone(), &path[1], &path[2..])
+        }
+        [] => {
+            let known: Vec<&str> = all().filter_map(|each| each.name.as_ref()).map(|name| name.text.as_str()).collect();
+            return Err(codes::unknown_setting(first.span, &first.text, &known));
+        }
+        several => {
+            let forms: Vec<&str> = several.iter().map(String::as_str).collect();
+            return Err(codes::ambiguous_setting(first.span, &first.text, &forms));
+        }
+    };
+    let all = loaded.files.iter_mut().flat_map(|file| &mut file.declarations);
+    for declaration in all.filter(|each| each.form.text == form && named(each, name)) {
+        enter(declaration, rest, &setting.value)?;
+    }
+    Ok(())
+}
+
+/// Sets a key of a declaration or of all its blocks with a word.
+fn enter(declaration: &mut Declaration, path: &[Name], value: &Expression) -> Result<(), Diagnostic> {
+    let (word, rest) = path.split_first().expect("a path has a word left");
+    if rest.is_empty() {
+        let given = declaration.entries.iter_mut().find_map(|entry| match entry {
+            Entry::Property(property) if property.key.text == word.text => Some(property),
+            _ => None,
+        });
+        match given {
+            Some(property) => property.value = value.clone(),
+            None => {
+                let property = Property { key: word.clone(), value: value.clone() };
+                declaration.entries.push(Entry::Property(property));
+            }
+        }
+        return Ok(());
+    }
+    let mut found = false;
+    let mut words: Vec<String> = Vec::new();
+    for entry in &mut declaration.entries {
+        if let Entry::Child(child) = entry {
+            words.push(child.form.text.clone());
+            if child.form.text == word.text {
+                found = true;
+                enter(child, rest, value)?;
+            }
+        }
+    }
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
+    if found { Ok(()) } else { Err(codes::unknown_setting(word.span, &word.text, &words)) }
+}
+
+/// Takes the `matrix` blocks out of the declarations whose form they may multiply.
+pub fn matrices(loaded: &mut Loaded, forms: &[Form]) -> (Vec<Matrix>, Vec<Diagnostic>) {
+    let (mut matrices, mut diagnostics) = (Vec::new(), Vec::new());
+    for file in &mut loaded.files {
+        for (index, declaration) in file.declarations.iter_mut().enumerate() {
+            if !forms.iter().any(|form| form.multiplies && form.name == declaration.form.text) {
+                continue;
+            }
+            let is_matrix = |entry: &Entry| matches!(entry, Entry::Child(child) if child.form.text == MATRIX);
+            let taken: Vec<Entry> = declaration.entries.extract_if(.., |entry| is_matrix(entry)).collect();
+            let mut axes: Vec<&Property> = Vec::new();
+            for block in &taken {
+                let Entry::Child(block) = block else { continue };
+                axis_of(block, &mut axes, &mut diagnostics);
+            }
+            if taken.is_empty() {
+                continue;
+            }
+            let found = axes.iter().map(|axis| members(axis).len()).fold(1_usize, usize::saturating_mul);
+            if found > MOST_COMBINATIONS {
+                diagnostics.push(codes::too_many_combinations(declaration.head, found, MOST_COMBINATIONS));
+                continue;
+            }
+            matrices.push(Matrix { declaration: (file.source, index), combinations: product(&axes) });
+        }
+    }
+    (matrices, diagnostics)
+}
+
+/// Collects the keys of a matrix.
+fn axis_of<'a>(block: &'a Declaration, axes: &mut Vec<&'a Property>, diagnostics: &mut Vec<Diagnostic>) {
+    for entry in &block.entries {
+        match entry {
+            Entry::Property(property) => match axes.iter().find(|axis| axis.key.text == property.key.text) {
+                Some(first) => {
+                    diagnostics.push(codes::duplicate_key(property.key.span, &property.key.text, first.key.span));
+                }
+                None if members(property).is_empty() => diagnostics.push(codes::empty_list(property.value.span)),
+                None => axes.push(property),
+            },
+            Entry::Bare(value) => diagnostics.push(codes::bare_argument(value.span, &[])),
+            Entry::Clause(clause) => diagnostics.push(codes::unexpected_clause(clause.event.span, MATRIX)),
+            Entry::Child(child) => {
+                diagnostics.push(codes::unknown_block(child.form.span, MATRIX, &child.form.text, &[]));
+            }
+        }
+    }
+}
+
+fn members(axis: &Property) -> &[Expression] {
+    match &axis.value.kind {
+        ExpressionKind::List(members) => members,
+        _ => std::slice::from_ref(&axis.value),
+    }
+}
+
+fn product(axes: &[&Property]) -> Vec<Vec<Setting>> {
+    let mut combinations = vec![Vec::new()];
+    for axis in axes {
+        let longer = combinations.iter().flat_map(|combination: &Vec<Setting>| {
+            members(axis).iter().map(move |value| {
+                let setting = Setting { path: vec![axis.key.clone()], value: value.clone() };
+                combination.iter().cloned().chain([setting]).collect()
+            })
+        });
+        combinations = longer.collect();
+    }
+    combinations
+}
