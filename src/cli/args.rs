@@ -10,6 +10,7 @@ Examples:
   falsify run --set 'ppo_paper.total_steps=10000' my.scn
                                              change a value without touching the file
   falsify check my.scn                       find mistakes without running anything
+  falsify check --sample 1000 my.scn         see where episodes would begin, and what is rejected
   falsify map Town02.xodr --waypoints 2      draw a map, list what it holds
 
 Exit codes:
@@ -81,6 +82,15 @@ pub struct CheckOptions {
     /// What replaces parts of the files.
     #[command(flatten)]
     pub given: GivenOptions,
+    /// Also draw so many beginnings of every spawn in every town, and say how many satisfy each constraint.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    pub sample: Option<u32>,
+    /// Folder for the pictures of `--sample`, `spawn-SPAWN-TOWN.svg`.
+    #[arg(long, short, default_value = ".", value_name = "DIR", requires = "sample")]
+    pub out: PathBuf,
+    /// Number from which the beginnings of `--sample` follow.
+    #[arg(long, default_value_t = 1, value_name = "N", requires = "sample")]
+    pub seed: u64,
 }
 
 /// Options that replace parts of the files.

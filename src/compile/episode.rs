@@ -22,7 +22,7 @@ pub fn form() -> Form {
         Param::with_default("ticks", Type::Integer { min: 1, max: 1_000_000 }, "600", "Most ticks of an episode."),
         Param::optional(
             "end_when",
-            Type::Condition,
+            Type::Condition("step"),
             "Ends the episode after a command without a hit when it holds; not in the paper.",
         ),
         Param::with_default(

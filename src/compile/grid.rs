@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::lower::{BuiltTown, Lowering};
 use super::plan::{Campaign, Evaluation, NamedTown, Pedestrian, Training, TrainingKey};
-use super::{adversary, episode, policy, reward, spawn, training, vehicle};
+use super::{adversary, episode, policy, reward, training, vehicle};
 use crate::env::{Adversary, EpisodeRule, PolicyMaker, RewardRule, Scenario, SpawnRule};
 use crate::lang::codes;
 use crate::lang::hir::{Block, Declaration};
@@ -67,7 +67,7 @@ impl Lowering<'_> {
         let mut rewards: BTreeMap<String, RewardRule> = BTreeMap::new();
         let (config, environments) = self.training(referred("training"));
         for train in block.nested("train") {
-            let spawn = self.spawn(block, train);
+            let Some(spawn) = self.spawn(block, train) else { continue };
             let (towns, policies) = (self.towns(train), self.policies(train));
             self.probe(block, train, &towns, &spawn, &[(&car.value, &walker.value)]);
             for town in &towns {
@@ -95,12 +95,12 @@ impl Lowering<'_> {
             }
         }
         self.forbid_repeated_trainings(block, &campaign);
-        if campaign.trainings.is_empty() {
+        if block.nested("train").next().is_none() {
             let message = "this campaign has no `train` block, so there is nobody to try".to_string();
             self.said.push(codes::contradiction(block.head, message));
         }
         for (number, evaluate) in block.nested("evaluate").enumerate() {
-            let spawn = self.spawn(block, evaluate);
+            let Some(spawn) = self.spawn(block, evaluate) else { continue };
             let (towns, policies) = (self.towns(evaluate), self.policies(evaluate));
             let named = |key: &str| evaluate.arguments.has(key).then(|| evaluate.arguments.references(key));
             let cars = named("vehicles").map(|ids| ids.into_iter().map(|id| self.vehicle(id)).collect());
@@ -189,9 +189,9 @@ impl Lowering<'_> {
         block.arguments.references("rewards").into_iter().map(each).collect()
     }
 
-    fn spawn(&self, campaign: &Block, block: &Block) -> SpawnRule {
+    fn spawn(&mut self, campaign: &Block, block: &Block) -> Option<SpawnRule> {
         let owner = if block.arguments.has("spawn") { block } else { campaign };
-        spawn::lower(&self.program.get(owner.arguments.reference("spawn")).block.arguments)
+        self.spawn_rule(owner.arguments.reference("spawn"))
     }
 
     /// Makes sure that somebody can be placed in every town, and not inside any of the cars.
@@ -207,10 +207,11 @@ impl Lowering<'_> {
         for (car, walker) in bodies {
             let corner = (car.half_length * car.half_length + car.half_width * car.half_width).sqrt();
             let reach = corner + walker.body.radius;
-            if spawn.distance.0 <= reach {
+            let nearest = spawn.distance.support().0;
+            if nearest <= reach {
                 let message = format!(
                     "a pedestrian {} m from the middle of the car may stand inside it: its corners reach {reach:.2} m",
-                    spawn.distance.0
+                    nearest
                 );
                 self.said.push(codes::contradiction(place, message));
                 return;

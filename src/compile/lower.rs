@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::plan::{NamedTown, Plan};
-use super::{Catalog, town};
+use super::{Catalog, spawn, town};
 use crate::diagnostic::{Diagnostic, Severity, Sources};
+use crate::env::SpawnRule;
 use crate::geometry::Obstacles;
 use crate::lang::hir::{Block, Declaration, Program};
 use crate::lang::{self, Matrix, Reader, codes};
@@ -164,6 +165,9 @@ impl Lowering<'_> {
                 let built = self.town(declaration.id);
                 plan.towns.extend(built.map(|built| NamedTown { name: declaration.name.clone(), town: built.town }));
             }
+            for declaration in program.of_form("spawn") {
+                let _ = self.spawn_rule(declaration.id);
+            }
         }
         for declaration in program.of_form("campaign") {
             let chosen =
@@ -190,6 +194,11 @@ impl Lowering<'_> {
             .map(|town| BuiltTown { obstacles: Arc::new(Obstacles::new(&town.obstacles)), town: Arc::new(town) });
         self.shared.towns.entry(id).or_default().push((declaration.block.clone(), built.clone()));
         built
+    }
+
+    pub fn spawn_rule(&mut self, id: DeclarationId) -> Option<SpawnRule> {
+        let declaration = self.program.get(id);
+        spawn::lower(&declaration.name, &declaration.block, &self.catalog.vocabulary, self.sources, self.said)
     }
 
     fn note_used(&mut self, campaign: DeclarationId) {

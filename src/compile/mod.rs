@@ -11,6 +11,7 @@ mod vehicle;
 mod policy;
 mod adversary;
 mod spawn;
+mod sector;
 mod reward;
 mod episode;
 mod training;

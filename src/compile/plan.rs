@@ -21,6 +21,21 @@ impl Plan {
     }
 }
 
+impl Campaign {
+    /// One scenario for every spawn rule in every town, with the town's name, each once.
+    pub fn beginnings(&self) -> Vec<(&str, &Arc<Scenario>)> {
+        let trained = self.trainings.iter().map(|training| (training.key.town.as_str(), &training.scenario));
+        let tried = self.evaluations.iter().map(|evaluation| (evaluation.town.as_str(), &evaluation.scenario));
+        let mut all: Vec<(&str, &Arc<Scenario>)> = Vec::new();
+        for (town, scenario) in trained.chain(tried) {
+            if all.iter().all(|(other, known)| *other != town || known.spawn != scenario.spawn) {
+                all.push((town, scenario));
+            }
+        }
+        all
+    }
+}
+
 /// A campaign: trainings, and evaluations of what they bring forth.
 #[derive(Debug, Clone)]
 pub struct Campaign {

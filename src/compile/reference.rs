@@ -20,7 +20,7 @@ impl Catalog {
             }
         }
         page.push_str("## Events\n\n`on event => formula` inside a `reward`.\n\n| event | words | variables | when |\n|---|---|---|---|\n");
-        for event in &self.vocabulary.events {
+        for event in self.vocabulary.events.iter().filter(|event| event.answered) {
             let words = quoted(event.words);
             let _ = writeln!(page, "| `{}` | {words} | {} | {} |", event.name, quoted(event.variables), event.doc);
         }

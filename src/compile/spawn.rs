@@ -1,8 +1,12 @@
 use std::f64::consts::PI;
 
-use crate::env::{EgoStart, Measure, SpawnRule};
+use super::sector::Sector;
+use crate::diagnostic::{Diagnostic, Sources};
+use crate::env::{Constraint, EgoStart, Ground, LanePiece, Measure, RoadShape, SpawnRule};
 use crate::geometry::Pose;
-use crate::signature::{Arguments, Form, Param, Signature, Type, Value};
+use crate::lang::codes;
+use crate::lang::hir::Block;
+use crate::signature::{Arguments, Distribution, Form, Param, Signature, Type, Value, Vocabulary};
 use crate::units::Dimension;
 
 /// The form `spawn`.
@@ -10,13 +14,13 @@ pub fn form() -> Form {
     let params = vec![
         Param::with_default(
             "bearing",
-            Type::Range { dimension: Dimension::ANGLE, min: -PI, max: PI },
+            Type::Distribution { dimension: Dimension::ANGLE, min: -PI, max: PI },
             "-60 deg .. 60 deg",
             "Bearing of the pedestrian from the ego's heading, positive to the left.",
         ),
         Param::with_default(
             "distance",
-            Type::Range { dimension: Dimension::LENGTH, min: 4.0, max: 1000.0 },
+            Type::Distribution { dimension: Dimension::LENGTH, min: 4.0, max: 1000.0 },
             "7 m .. 30 m",
             "Distance between the middles of ego and pedestrian.",
         ),
@@ -24,7 +28,7 @@ pub fn form() -> Form {
             "measure",
             Type::Choice(&["range", "area"]),
             "range",
-            "What is uniform: the distance, or the ground.",
+            "What is uniform: the distance (`range`), or the ground (`area`), for which the distance must be a range.",
         ),
         Param::with_default(
             "clearance",
@@ -33,41 +37,152 @@ pub fn form() -> Form {
             "Least distance from the pedestrian's middle to an obstacle.",
         ),
         Param::optional(
+            "ground",
+            Type::List(Box::new(Type::Choice(&["driving", "sidewalk", "beside", "off_road"]))),
+            "Where the pedestrian may stand: driving lanes, sidewalks, other lanes (shoulder, parking, …), no lane; anywhere without it.",
+        ),
+        Param::with_default(
+            "sight",
+            Type::Choice(&["any", "visible", "hidden"]),
+            "any",
+            "Whether buildings must or must not hide the pedestrian from the middle of the ego.",
+        ),
+        Param::optional(
+            "heading",
+            Type::Distribution { dimension: Dimension::ANGLE, min: -PI, max: PI },
+            "Where the pedestrian looks, from the ego's heading, positive to the left; without it the adversary's `first_heading` decides.",
+        ),
+        Param::optional(
             "ego_poses",
             Type::List(Box::new(Type::Pose)),
-            "Poses of which the ego takes one; without them it begins anywhere on the driving lanes outside junctions.",
+            "Poses of which the ego takes one; without them and without `ego_lane` it begins anywhere on the driving lanes outside junctions, uniform in length.",
+        ),
+        Param::with_default(
+            "ego_road",
+            Type::Choice(&["any", "straight", "bend"]),
+            "any",
+            "Which stretches of road the ego may begin on: all, those that run straight for the next 10 m, or the others.",
         ),
         Param::with_default(
             "ego_speed",
-            Type::Range { dimension: Dimension::SPEED, min: 0.0, max: 60.0 },
-            "0 m/s .. 0 m/s",
+            Type::Distribution { dimension: Dimension::SPEED, min: 0.0, max: 60.0 },
+            "0 m/s",
             "How fast the ego begins.",
         ),
+        Param::optional(
+            "require",
+            Type::List(Box::new(Type::Condition("begin"))),
+            "Conditions on `bearing`, `distance`, `ahead`, `aside`, `facing`, `ego_speed`. Bounds of what is drawn are sampled directly; the rest is rejected.",
+        ),
     ];
+    let lane = Signature::new(
+        "ego_lane",
+        "A piece of a driving lane on which the ego begins, uniform in length over all pieces.",
+        vec![
+            Param::required("from", Type::Pose, "Where it begins: near the middle of the lane and along it."),
+            Param::required("length", Type::positive(Dimension::LENGTH), "How far it reaches, in driving direction."),
+        ],
+    );
     Form {
         name: "spawn",
         doc: "Where an episode begins.",
-        plain: Some(Signature::new("spawn", "", params)),
+        plain: Some(Signature { children: vec![lane], ..Signature::new("spawn", "", params) }),
         multiplies: false,
         kinds: Vec::new(),
     }
 }
 
-/// The rule.
-pub fn lower(arguments: &Arguments) -> SpawnRule {
-    let pose = |value: &Value| match value {
+/// The rule; none when its constraints contradict each other, which is said.
+pub fn lower(
+    name: &str,
+    block: &Block,
+    vocabulary: &Vocabulary,
+    sources: &Sources,
+    said: &mut Vec<Diagnostic>,
+) -> Option<SpawnRule> {
+    let arguments = &block.arguments;
+    let with_place = |key: &str| (arguments.distribution(key), block.place(key));
+    let (bearing, distance, speed) = (with_place("bearing"), with_place("distance"), with_place("ego_speed"));
+    let area = arguments.choice("measure") == "area";
+    let before = said.len();
+    if area && !matches!(distance.0, Distribution::Uniform(..)) {
+        let message = "places are uniform over the ground only when the distance is a range `low .. high`".to_string();
+        said.push(codes::contradiction(block.place("measure"), message).label(distance.1, "this is no range"));
+    }
+    let mut constraints = vec![Constraint::Clearance(arguments.number("clearance"))];
+    if arguments.has("ground") {
+        constraints.push(Constraint::Ground(arguments.words("ground").into_iter().map(ground).collect()));
+    }
+    match arguments.choice("sight") {
+        "visible" => constraints.push(Constraint::Sight(true)),
+        "hidden" => constraints.push(Constraint::Sight(false)),
+        _ => {}
+    }
+    let mut sector = Sector::new(vocabulary, bearing, distance, speed);
+    for (condition, span) in arguments.conditions("require").into_iter().zip(block.members("require")) {
+        match sector.require(condition, *span) {
+            Ok(None) => {}
+            Ok(Some(condition)) => {
+                constraints.push(Constraint::Require { condition, text: sources.text(*span).to_string() });
+            }
+            Err(diagnostic) => said.push(*diagnostic),
+        }
+    }
+    let ego_start = ego_start(block, said);
+    let [bearing, distance, ego_speed] = sector.into_distributions();
+    (said.len() == before).then(|| SpawnRule {
+        name: name.to_string(),
+        bearing,
+        distance,
+        measure: if area { Measure::Area } else { Measure::Range },
+        ego_start,
+        road_shape: match arguments.choice("ego_road") {
+            "straight" => RoadShape::Straight,
+            "bend" => RoadShape::Bend,
+            _ => RoadShape::Any,
+        },
+        ego_speed,
+        heading: arguments.has("heading").then(|| arguments.distribution("heading").clone()),
+        constraints,
+    })
+}
+
+fn ego_start(block: &Block, said: &mut Vec<Diagnostic>) -> EgoStart {
+    let arguments = &block.arguments;
+    let piece = |inner: &Block| LanePiece {
+        from: pose(inner.arguments.value("from")),
+        length: inner.arguments.number("length"),
+    };
+    let pieces: Vec<LanePiece> = block.nested("ego_lane").map(piece).collect();
+    match (arguments.has("ego_poses"), pieces.is_empty()) {
+        (true, false) => {
+            let message = "the ego begins either on `ego_poses` or on an `ego_lane`, not on both".to_string();
+            let lane = block.nested("ego_lane").next().expect("there is a piece");
+            said.push(codes::contradiction(block.place("ego_poses"), message).label(lane.head, "the lane is here"));
+            EgoStart::Anywhere
+        }
+        (true, true) => EgoStart::Poses(poses(arguments)),
+        (false, false) => EgoStart::Pieces(pieces),
+        (false, true) => EgoStart::Anywhere,
+    }
+}
+
+fn poses(arguments: &Arguments) -> Vec<Pose> {
+    arguments.list("ego_poses").iter().map(pose).collect()
+}
+
+fn pose(value: &Value) -> Pose {
+    match value {
         Value::Pose(x, y, yaw) => Pose::new(*x, *y, *yaw),
         other => panic!("checked: a pose, not {other:?}"),
-    };
-    SpawnRule {
-        bearing: arguments.range("bearing"),
-        distance: arguments.range("distance"),
-        measure: if arguments.choice("measure") == "area" { Measure::Area } else { Measure::Range },
-        clearance: arguments.number("clearance"),
-        ego_start: match arguments.has("ego_poses") {
-            true => EgoStart::Poses(arguments.list("ego_poses").iter().map(pose).collect()),
-            false => EgoStart::Anywhere,
-        },
-        ego_speed: arguments.range("ego_speed"),
+    }
+}
+
+fn ground(word: &str) -> Ground {
+    match word {
+        "driving" => Ground::Driving,
+        "sidewalk" => Ground::Sidewalk,
+        "beside" => Ground::Beside,
+        _ => Ground::OffRoad,
     }
 }

@@ -25,4 +25,4 @@ pub use outcome::{Ending, Outcome};
 pub use pedestrian_env::PedestrianEnv;
 pub use reward::{RewardRule, Situation, vocabulary};
 pub use scenario::{EpisodeRule, PolicyMaker, Scenario};
-pub use spawn::{EgoStart, Measure, Spawn, SpawnError, SpawnRule};
+pub use spawn::{Constraint, EgoStart, Ground, LanePiece, Measure, RoadShape, Spawn, SpawnError, SpawnRule, Survey};

@@ -186,6 +186,10 @@ impl PedestrianEnv {
             ego_speed: contact.map_or(ego.speed, |contact| contact.impact_speed),
             walking_speed: pedestrian.speed(),
             elapsed: self.elapsed(contact),
+            facing: {
+                let seen = pedestrian.pose.to_local(ego.pose.position());
+                libm::atan2(seen.y, seen.x)
+            },
         }
     }
 

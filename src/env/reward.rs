@@ -1,5 +1,6 @@
 //! Rewards are formulas of the scenario, evaluated when something happens.
 
+use crate::geometry::Pose;
 use crate::signature::{Event, Formula, Variable, VariableId, Vocabulary};
 use crate::units::Dimension;
 
@@ -22,10 +23,15 @@ pub struct Situation {
     pub walking_speed: f64,
     /// Time since the episode began (s).
     pub elapsed: f64,
+    /// Angle from where the pedestrian faces to the ego's centre, positive to the left (rad).
+    pub facing: f64,
 }
 
-const ALWAYS: &[&str] = &["bearing", "distance", "ahead", "aside", "ego_speed", "walking_speed", "elapsed"];
-const AT_HIT: &[&str] = &["v_c", "bearing", "distance", "ahead", "aside", "ego_speed", "walking_speed", "elapsed"];
+const ALWAYS: &[&str] = &["bearing", "distance", "ahead", "aside", "ego_speed", "walking_speed", "elapsed", "facing"];
+const AT_HIT: &[&str] =
+    &["v_c", "bearing", "distance", "ahead", "aside", "ego_speed", "walking_speed", "elapsed", "facing"];
+
+const AT_BEGIN: &[&str] = &["bearing", "distance", "ahead", "aside", "ego_speed", "facing"];
 
 /// The variables and events that formulas may name.
 pub fn vocabulary() -> Vocabulary {
@@ -48,32 +54,62 @@ pub fn vocabulary() -> Vocabulary {
             variable("ego_speed", Dimension::SPEED, "Speed of the ego."),
             variable("walking_speed", Dimension::SPEED, "Speed of the pedestrian."),
             variable("elapsed", Dimension::TIME, "Time since the episode began."),
+            variable(
+                "facing",
+                Dimension::ANGLE,
+                "Angle from where the pedestrian faces to the ego's centre, positive to the left.",
+            ),
         ],
         events: vec![
             Event {
                 name: "hit",
                 words: &["front", "other"],
                 variables: AT_HIT,
+                answered: true,
                 doc: "The pedestrian and the ego touch; `front` within the front sector, `other` elsewhere.",
             },
             Event {
                 name: "step",
                 words: &[],
                 variables: ALWAYS,
+                answered: true,
                 doc: "A decision has been carried out and nothing was hit.",
             },
             Event {
                 name: "lost",
                 words: &[],
                 variables: ALWAYS,
+                answered: true,
                 doc: "The episode ends because its `end_when` condition holds.",
             },
-            Event { name: "timeout", words: &[], variables: ALWAYS, doc: "The episode's time is up." },
+            Event { name: "timeout", words: &[], variables: ALWAYS, answered: true, doc: "The episode's time is up." },
+            Event {
+                name: "begin",
+                words: &[],
+                variables: AT_BEGIN,
+                answered: false,
+                doc: "An episode is about to begin; for the `require` of a spawn.",
+            },
         ],
     }
 }
 
 impl Situation {
+    /// The situation before anything has moved.
+    pub(super) fn at_the_beginning(ego: &Pose, ego_speed: f64, pedestrian: &Pose) -> Self {
+        let local = ego.to_local(pedestrian.position());
+        let seen = pedestrian.to_local(ego.position());
+        Self {
+            bearing: libm::atan2(local.y, local.x),
+            distance: local.norm(),
+            ahead: local.x,
+            aside: local.y,
+            ego_speed,
+            facing: libm::atan2(seen.y, seen.x),
+            ..Self::default()
+        }
+    }
+
     fn value(&self, id: VariableId) -> f64 {
         let fields = [
             self.v_c,
@@ -84,6 +120,7 @@ impl Situation {
             self.ego_speed,
             self.walking_speed,
             self.elapsed,
+            self.facing,
         ];
         fields[id.0]
     }
@@ -131,8 +168,9 @@ mod tests {
             ego_speed: 5.0,
             walking_speed: 6.0,
             elapsed: 7.0,
+            facing: 8.0,
         };
-        let names = ["v_c", "bearing", "distance", "ahead", "aside", "ego_speed", "walking_speed", "elapsed"];
+        let names = ["v_c", "bearing", "distance", "ahead", "aside", "ego_speed", "walking_speed", "elapsed", "facing"];
         for (index, variable) in vocabulary().variables.iter().enumerate() {
             assert_eq!(variable.name, names[index]);
             assert_eq!(situation.value(VariableId(index)), index as f64);

@@ -79,6 +79,7 @@ impl Checker<'_, '_> {
             name: None,
             arguments: Arguments::default(),
             places: Vec::new(),
+            members: Vec::new(),
             children: Vec::new(),
             clauses: Vec::new(),
             head: written.head,
@@ -125,6 +126,7 @@ impl Checker<'_, '_> {
         let keys: Vec<&str> = signature.params.iter().map(|param| param.name).collect();
         let words: Vec<&str> = signature.children.iter().map(|child| child.name).collect();
         let mut given: Vec<(&'static str, Span, Option<Value>)> = Vec::new();
+        let mut members = Vec::new();
         let mut children = Vec::new();
         let mut clauses: Vec<Clause> = Vec::new();
         for entry in &written.entries {
@@ -143,6 +145,15 @@ impl Checker<'_, '_> {
                         }
                         let checked = value(&property.value, &param.ty, self.context, self.diagnostics);
                         given.push((param.name, property.value.span, checked));
+                        if matches!(param.ty, Type::List(_)) {
+                            let spans = match &property.value.kind {
+                                ast::ExpressionKind::List(members) => {
+                                    members.iter().map(|member| member.span).collect()
+                                }
+                                _ => vec![property.value.span],
+                            };
+                            members.push((param.name, spans));
+                        }
                     }
                 },
                 Entry::Bare(expression) => self.diagnostics.push(codes::bare_argument(expression.span, &keys)),
@@ -182,14 +193,14 @@ impl Checker<'_, '_> {
         }
         let places = given.iter().map(|(name, span, _)| (*name, *span)).collect();
         let name = written.name.as_ref().map(|name| name.text.clone());
-        Block { word: signature.name, name, arguments, places, children, clauses, head: written.head }
+        Block { word: signature.name, name, arguments, places, members, children, clauses, head: written.head }
     }
 
     fn clause(&mut self, written: &ast::Clause, earlier: &[Clause]) -> Option<Clause> {
-        let events = &self.context.vocabulary.events;
-        let known: Vec<&str> = events.iter().map(|event| event.name).collect();
+        let events = || self.context.vocabulary.events.iter().filter(|event| event.answered);
+        let known: Vec<&str> = events().map(|event| event.name).collect();
         let name = &written.event;
-        let Some(event) = events.iter().find(|event| event.name == name.text) else {
+        let Some(event) = events().find(|event| event.name == name.text) else {
             self.diagnostics.push(codes::unknown_event(name.span, &name.text, &known));
             return None;
         };

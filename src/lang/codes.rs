@@ -278,6 +278,25 @@ pub fn out_of_range(span: Span, found: String, bounds: String) -> Diagnostic {
     Diagnostic::error("out-of-range", span, format!("{found} is out of range")).here(format!("allowed: {bounds}"))
 }
 
+/// A distribution reaches beyond the bounds of its key.
+pub fn unbounded(span: Span, written: &str, bounds: &str) -> Diagnostic {
+    Diagnostic::error("unbounded", span, "this distribution knows no bounds")
+        .here(format!("allowed: {bounds}"))
+        .help(format!("hold it between two values: `truncated({written}, low .. high)`"))
+}
+
+/// A function that makes distributions is not known.
+pub fn unknown_distribution(span: Span, word: &str, known: &[&str]) -> Diagnostic {
+    unknown("unknown-distribution", span, "distribution", word, known)
+}
+
+/// Nothing of a distribution lies within a range.
+pub fn nothing_left(span: Span, distribution: Span, range: Span) -> Diagnostic {
+    Diagnostic::error("nothing-left", span, "nothing can be drawn from this")
+        .label(distribution, "no value of this")
+        .label(range, "lies in this range")
+}
+
 /// A range's low end lies above its high end.
 pub fn empty_range(span: Span, swapped: String) -> Diagnostic {
     Diagnostic::error("empty-range", span, "this range is empty: its low end lies above its high end").fix(swapped)

@@ -31,6 +31,11 @@ const FUNCTIONS: &[(&str, Function)] = &[
     ("sqrt", Function::Sqrt),
 ];
 
+/// Whether formulas have a function of this name.
+pub(super) fn is_function(name: &str) -> bool {
+    FUNCTIONS.iter().any(|(known, _)| *known == name)
+}
+
 /// Checks an expression as a formula; `None` when something was wrong and has been said.
 pub(super) fn formula(
     expression: &Expression,

@@ -82,6 +82,8 @@ pub struct Block {
     pub arguments: Arguments,
     /// Where the given keys' values stand.
     pub places: Vec<(&'static str, Span)>,
+    /// Where the members of given lists stand.
+    pub members: Vec<(&'static str, Vec<Span>)>,
     /// Nested blocks, in order.
     pub children: Vec<Block>,
     /// `on` clauses, in order.
@@ -94,6 +96,11 @@ impl Block {
     /// Where a key's value stands, or the block's head when the default holds.
     pub fn place(&self, key: &str) -> Span {
         self.places.iter().find(|(name, _)| *name == key).map_or(self.head, |(_, span)| *span)
+    }
+
+    /// Where the members of a key's list stand; nothing when the default holds.
+    pub fn members(&self, key: &str) -> &[Span] {
+        self.members.iter().find(|(name, _)| *name == key).map_or(&[], |(_, spans)| spans)
     }
 
     /// The nested blocks with this word.

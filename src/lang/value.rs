@@ -2,10 +2,10 @@
 
 use super::ast::{Expression, ExpressionKind, Known};
 use super::codes;
-use super::formula::{Scope, Sort, formula};
+use super::formula::{Scope, Sort, formula, is_function};
 use super::names::Names;
 use crate::diagnostic::{Diagnostic, Sources, Span};
-use crate::signature::{Type, Value, VariableId, Vocabulary};
+use crate::signature::{Distribution, Type, Value, VariableId, Vocabulary};
 use crate::units::Dimension;
 
 /// What a value is checked against.
@@ -50,17 +50,23 @@ pub(super) fn value(
         }
         (Type::List(item), _) => value(expression, item, context, diagnostics).map(|one| Value::List(vec![one])),
         (Type::Range { dimension, min, max }, ExpressionKind::Range(low, high)) => {
-            let (a, b) =
-                (quantity(low, *dimension, context, diagnostics), quantity(high, *dimension, context, diagnostics));
-            let (a, b) = (a?, b?);
-            if a > b {
-                let swapped = format!("{} .. {}", context.sources.text(high.span), context.sources.text(low.span));
-                diagnostics.push(codes::empty_range(span, swapped));
-                return None;
-            }
+            let (a, b) = ends(span, low, high, *dimension, context, diagnostics)?;
             within(a, *min, *max, *dimension, low.span, context, diagnostics)?;
             within(b, *min, *max, *dimension, high.span, context, diagnostics)?;
             Some(Value::Range(a, b))
+        }
+        (Type::Distribution { dimension, min, max }, _) => {
+            let drawn = distribution(expression, *dimension, context, diagnostics)?;
+            let (low, high) = drawn.support();
+            let unbounded = low == f64::NEG_INFINITY && *min > low || high == f64::INFINITY && *max < high;
+            if unbounded {
+                let bounds = bounds_text(*min, *max, *dimension);
+                diagnostics.push(codes::unbounded(span, context.sources.text(span), &bounds));
+                return None;
+            }
+            within(low, *min, *max, *dimension, span, context, diagnostics)?;
+            within(high, *min, *max, *dimension, span, context, diagnostics)?;
+            Some(Value::Distribution(drawn))
         }
         (Type::Quantity { dimension, min, max }, _) if is_formula(expression) => {
             let number = quantity(expression, *dimension, context, diagnostics)?;
@@ -115,10 +121,10 @@ pub(super) fn value(
             let numbers: Vec<Option<f64>> = numbers.collect();
             Some(Value::Pose(numbers[0]?, numbers[1]?, numbers[2]?))
         }
-        (Type::Condition, _) => {
-            let step = context.vocabulary.events.iter().find(|event| event.name == "step");
-            let available = step.map_or(&[][..], |event| event.variables);
-            let scope = Scope { vocabulary: context.vocabulary, available, event: "step" };
+        (Type::Condition(event), _) => {
+            let known = context.vocabulary.events.iter().find(|known| known.name == *event);
+            let available = known.map_or(&[][..], |event| event.variables);
+            let scope = Scope { vocabulary: context.vocabulary, available, event };
             match formula(expression, &scope, diagnostics)? {
                 (formula, Sort::Truth) => Some(Value::Formula(formula)),
                 (_, Sort::Quantity(dimension)) => {
@@ -129,6 +135,128 @@ pub(super) fn value(
         }
         _ => wrong(diagnostics),
     }
+}
+
+/// Both ends of a range, in order.
+fn ends(
+    span: Span,
+    low: &Expression,
+    high: &Expression,
+    dimension: Dimension,
+    context: &Context,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Option<(f64, f64)> {
+    let (a, b) = (quantity(low, dimension, context, diagnostics), quantity(high, dimension, context, diagnostics));
+    let (a, b) = (a?, b?);
+    if a > b {
+        let swapped = format!("{} .. {}", context.sources.text(high.span), context.sources.text(low.span));
+        diagnostics.push(codes::empty_range(span, swapped));
+        return None;
+    }
+    Some((a, b))
+}
+
+/// The functions that make distributions, with what they take.
+const DISTRIBUTIONS: &[(&str, &str)] = &[
+    ("uniform", "two ends"),
+    ("normal", "a mean and a deviation"),
+    ("truncated", "a distribution and a range"),
+    ("choice", "one distribution or more"),
+    ("weighted", "one pair `(weight, distribution)` or more"),
+];
+
+/// A value, a range, or a call of one of [`DISTRIBUTIONS`].
+fn distribution(
+    expression: &Expression,
+    dimension: Dimension,
+    context: &Context,
+    said: &mut Vec<Diagnostic>,
+) -> Option<Distribution> {
+    let span = expression.span;
+    match &expression.kind {
+        ExpressionKind::Range(low, high) => {
+            let (a, b) = ends(span, low, high, dimension, context, said)?;
+            Some(Distribution::Uniform(a, b))
+        }
+        ExpressionKind::Call { function, arguments } if !is_function(&function.text) => {
+            let Some((name, takes)) = DISTRIBUTIONS.iter().find(|(name, _)| *name == function.text) else {
+                let known: Vec<&str> = DISTRIBUTIONS.iter().map(|(name, _)| *name).collect();
+                said.push(codes::unknown_distribution(function.span, &function.text, &known));
+                return None;
+            };
+            let parts = |said: &mut Vec<Diagnostic>| {
+                let each = |part: &Expression| distribution(part, dimension, context, said);
+                arguments.iter().map(each).collect::<Vec<_>>().into_iter().collect::<Option<Vec<_>>>()
+            };
+            match (*name, arguments.as_slice()) {
+                ("uniform", [low, high]) => {
+                    let (a, b) = ends(span, low, high, dimension, context, said)?;
+                    Some(Distribution::Uniform(a, b))
+                }
+                ("normal", [mean, deviation]) => {
+                    let mean = quantity(mean, dimension, context, said);
+                    let spread = quantity(deviation, dimension, context, said)?;
+                    within(spread, f64::MIN_POSITIVE, f64::INFINITY, dimension, deviation.span, context, said)?;
+                    let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);
+                    Some(Distribution::Normal { mean: mean?, deviation: spread, low, high })
+                }
+                ("truncated", [inner, range]) => {
+                    let whole = distribution(inner, dimension, context, said);
+                    let ExpressionKind::Range(low, high) = &range.kind else {
+                        said.push(codes::not_a(range.span, "range", &describe(range)));
+                        return None;
+                    };
+                    let (a, b) = ends(range.span, low, high, dimension, context, said)?;
+                    let kept = whole?.truncated(a, b);
+                    if kept.is_none() {
+                        said.push(codes::nothing_left(span, inner.span, range.span));
+                    }
+                    kept
+                }
+                ("choice", [_, ..]) => {
+                    let parts = parts(said)?;
+                    Some(Distribution::mixture(parts.into_iter().map(|part| (1.0, part)).collect()))
+                }
+                ("weighted", pairs @ [_, ..]) => {
+                    let pair = |pair: &Expression| weighted(pair, dimension, context, said);
+                    let parts = pairs.iter().map(pair).collect::<Vec<_>>().into_iter().collect::<Option<Vec<_>>>()?;
+                    Some(Distribution::mixture(parts))
+                }
+                _ => {
+                    said.push(codes::wrong_arity(span, name, takes, arguments.len()));
+                    None
+                }
+            }
+        }
+        _ if is_formula(expression) => quantity(expression, dimension, context, said).map(Distribution::Constant),
+        _ => {
+            let (min, max) = (f64::NEG_INFINITY, f64::INFINITY);
+            said.push(codes::wrong_type(span, &Type::Distribution { dimension, min, max }, &describe(expression)));
+            None
+        }
+    }
+}
+
+/// `(weight, distribution)`
+fn weighted(
+    pair: &Expression,
+    dimension: Dimension,
+    context: &Context,
+    said: &mut Vec<Diagnostic>,
+) -> Option<(f64, Distribution)> {
+    let ExpressionKind::Group(members) = &pair.kind else {
+        said.push(codes::not_a(pair.span, "pair `(weight, distribution)`", &describe(pair)));
+        return None;
+    };
+    let [weight, part] = members.as_slice() else {
+        said.push(codes::not_a(pair.span, "pair `(weight, distribution)`", &describe(pair)));
+        return None;
+    };
+    let number = quantity(weight, Dimension::RATIO, context, said);
+    let part = distribution(part, dimension, context, said);
+    let number = number?;
+    within(number, f64::MIN_POSITIVE, 1e9, Dimension::RATIO, weight.span, context, said)?;
+    Some((number, part?))
 }
 
 /// Whether an expression can be a constant quantity; words and texts get a better message from their type.
@@ -189,6 +317,13 @@ fn within(
     if number >= min && number <= max {
         return Some(());
     }
+    let bounds = bounds_text(min, max, dimension);
+    diagnostics.push(codes::out_of_range(span, context.sources.text(span).to_string(), bounds));
+    None
+}
+
+/// Bounds as a user would write them.
+fn bounds_text(min: f64, max: f64, dimension: Dimension) -> String {
     // Bounds are shown in degrees for angles, as a user would write them.
     let (scale, name) = match dimension {
         Dimension::RATIO => (1.0, ""),
@@ -196,14 +331,12 @@ fn within(
         _ => (1.0, dimension.usual_units().first().copied().unwrap_or("")),
     };
     let shown = |bound: f64| format!("{} {}", bound / scale, name.trim()).trim().to_string();
-    let bounds = match (min, max) {
+    match (min, max) {
         (min, f64::INFINITY) if min == f64::MIN_POSITIVE => format!("above {}", shown(0.0)),
         (min, f64::INFINITY) => format!("{} or more", shown(min)),
         (f64::NEG_INFINITY, max) => format!("{} or less", shown(max)),
         (min, max) => format!("{} to {}", shown(min), shown(max)),
-    };
-    diagnostics.push(codes::out_of_range(span, context.sources.text(span).to_string(), bounds));
-    None
+    }
 }
 
 fn describe(expression: &Expression) -> String {

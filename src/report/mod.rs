@@ -22,6 +22,6 @@ pub use manifest::{FileRecord, Manifest, TrainingRecord};
 pub use metrics::{Cell, Metrics, Spread, metrics};
 pub use summary::{summary, table};
 pub use tables::{episodes, failure_modes};
-pub use town_map::town_map;
+pub use town_map::{spawn_map, town_map};
 pub use waypoints::waypoints;
 pub use wilson::wilson;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use crate::campaign::EpisodeRow;
-use crate::env::Ending;
+use crate::env::{Ending, Spawn};
 use crate::geometry::{Point, Pose};
 use crate::road::{LaneKind, Road, Town};
 
@@ -18,6 +18,34 @@ const LEGEND: f64 = 14.0;
 /// Draws a town, and a dot for every place where pedestrians began: the redder, the more of them hit a moving car, the
 /// bluer its ring, the more hit a standing one.
 pub fn town_map(town: &Town, rows: &[&EpisodeRow]) -> String {
+    drawn(town, &|page, x, y| {
+        for start in starts(rows) {
+            dot(page, start.place.x, -start.place.y, start.share(start.moving), start.share(start.standing));
+        }
+        if !rows.is_empty() {
+            dots_legend(page, x, y);
+        }
+    })
+}
+
+/// Draws a town with beginnings of episodes: the egos in blue, the pedestrians in red, both with where they look.
+pub fn spawn_map(town: &Town, spawns: &[Spawn]) -> String {
+    drawn(town, &|page, x, y| {
+        for spawn in spawns {
+            arrow(page, &spawn.ego, "ego", 3.0);
+        }
+        for spawn in spawns {
+            arrow(page, &spawn.pedestrian, "pedestrian", 1.6);
+        }
+        for (at, class, text) in [(75.0, "ego", "the ego begins here"), (130.0, "pedestrian", "the pedestrian")] {
+            arrow(page, &Pose::new(x + at, -y, 0.0), class, 3.0);
+            label(page, x + at + 5.0, y, text);
+        }
+    })
+}
+
+/// Draws a town with something on it; the place of the legend goes along.
+fn drawn(town: &Town, content: &dyn Fn(&mut String, f64, f64)) -> String {
     let (low, high) = town.bounds();
     let (width, height) = (high.x - low.x + 2.0 * MARGIN, high.y - low.y + 2.0 * MARGIN + LEGEND);
     let (left, top) = (low.x - MARGIN, -high.y - MARGIN);
@@ -25,7 +53,9 @@ pub fn town_map(town: &Town, rows: &[&EpisodeRow]) -> String {
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{left:.1} {top:.1} {width:.1} {height:.1}\" width=\"1000\" \
          font-family=\"sans-serif\">\n<title>{}</title>\n\
          <style>.ground{{fill:#e8ebe4}}.sidewalk{{fill:#cfd1d4}}.lane{{fill:#8b9096}}.crosswalk{{fill:#f2f2ee;fill-opacity:.8}}\
-         .building{{fill:#b9a68c;stroke:#8f7c63;stroke-width:.3}}.start{{stroke-width:.6}}</style>\n\
+         .building{{fill:#b9a68c;stroke:#8f7c63;stroke-width:.3}}.start{{stroke-width:.6}}\
+         .ego,.pedestrian{{fill:none;stroke-width:.7;stroke-linecap:round}}.ego{{stroke:#1f5fc4}}\
+         .pedestrian{{stroke:#b2182b}}</style>\n\
          <rect class=\"ground\" x=\"{left:.1}\" y=\"{top:.1}\" width=\"{width:.1}\" height=\"{height:.1}\"/>\n",
         escape(&town.name),
     );
@@ -40,12 +70,21 @@ pub fn town_map(town: &Town, rows: &[&EpisodeRow]) -> String {
     for building in &town.obstacles {
         polygon(&mut page, "building", &building.corners());
     }
-    for start in starts(rows) {
-        dot(&mut page, start.place.x, -start.place.y, start.share(start.moving), start.share(start.standing));
-    }
-    legend(&mut page, left + MARGIN, top + height - LEGEND / 2.0, !rows.is_empty());
+    let (x, y) = (left + MARGIN, top + height - LEGEND / 2.0);
+    scale_bar(&mut page, x, y);
+    content(&mut page, x, y);
     page.push_str("</svg>\n");
     page
+}
+
+/// A stroke from a pose to where it looks, with a round foot.
+fn arrow(page: &mut String, pose: &Pose, class: &str, length: f64) {
+    let tip = pose.to_world(crate::geometry::Vector::new(length, 0.0));
+    let _ = writeln!(
+        page,
+        "<path class=\"{class}\" d=\"M{:.1} {:.1}m-.4 0a.4 .4 0 1 0 .8 0a.4 .4 0 1 0 -.8 0M{:.1} {:.1}L{:.1} {:.1}\"/>",
+        pose.x, -pose.y, pose.x, -pose.y, tip.x, -tip.y
+    );
 }
 
 /// How the episodes that began at a place ended.
@@ -92,22 +131,25 @@ fn dot(page: &mut String, x: f64, y: f64, moving: f64, standing: f64) {
     );
 }
 
-/// What the dots mean, and a bar of fifty metres.
-fn legend(page: &mut String, x: f64, y: f64, dots: bool) {
-    let label = |page: &mut String, x: f64, text: &str| {
-        let _ = writeln!(page, "<text x=\"{x:.1}\" y=\"{:.1}\" font-size=\"4.5\">{text}</text>", y + 1.6);
-    };
+fn label(page: &mut String, x: f64, y: f64, text: &str) {
+    let _ = writeln!(page, "<text x=\"{x:.1}\" y=\"{:.1}\" font-size=\"4.5\">{text}</text>", y + 1.6);
+}
+
+/// A bar of fifty metres.
+fn scale_bar(page: &mut String, x: f64, y: f64) {
     let _ = writeln!(page, "<rect x=\"{x:.1}\" y=\"{:.1}\" width=\"50\" height=\"1\" fill=\"#333\"/>", y - 0.5);
-    label(page, x + 52.0, "50 m");
-    if dots {
-        for (at, moving, standing, text) in [
-            (75.0, 0.0, 0.0, "began here: none hit"),
-            (130.0, 1.0, 0.0, "all hit, car moving"),
-            (182.0, 0.0, 1.0, "all hit, car standing"),
-        ] {
-            dot(page, x + at, y, moving, standing);
-            label(page, x + at + 3.0, text);
-        }
+    label(page, x + 52.0, y, "50 m");
+}
+
+/// What the dots mean.
+fn dots_legend(page: &mut String, x: f64, y: f64) {
+    for (at, moving, standing, text) in [
+        (75.0, 0.0, 0.0, "began here: none hit"),
+        (130.0, 1.0, 0.0, "all hit, car moving"),
+        (182.0, 0.0, 1.0, "all hit, car standing"),
+    ] {
+        dot(page, x + at, y, moving, standing);
+        label(page, x + at + 3.0, y, text);
     }
 }
 

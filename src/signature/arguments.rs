@@ -1,4 +1,4 @@
-use super::Formula;
+use super::{Distribution, Formula};
 
 /// Names a declaration of a checked program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -13,6 +13,8 @@ pub enum Value {
     Number(f64),
     /// Low and high end in SI.
     Range(f64, f64),
+    /// What to draw from, in SI.
+    Distribution(Distribution),
     /// A whole number.
     Integer(i64),
     /// True or false.
@@ -80,6 +82,8 @@ impl Arguments {
         number, Value::Number(value) => *value, f64);
     getter!(/// Low and high end in SI.
         range, Value::Range(low, high) => (*low, *high), (f64, f64));
+    getter!(/// What to draw from, in SI.
+        distribution, Value::Distribution(distribution) => distribution, &Distribution);
     getter!(/// A whole number.
         integer, Value::Integer(value) => *value, i64);
     getter!(/// True or false.
@@ -99,6 +103,24 @@ impl Arguments {
     pub fn references(&self, key: &str) -> Vec<DeclarationId> {
         let each = |value: &Value| match value {
             Value::Reference(id) => *id,
+            other => panic!("checked: `{key}` holds {other:?}"),
+        };
+        self.list(key).iter().map(each).collect()
+    }
+
+    /// The conditions of an optional list.
+    pub fn conditions(&self, key: &str) -> Vec<&Formula> {
+        let each = |value| match value {
+            &Value::Formula(ref formula) => formula,
+            other => panic!("checked: `{key}` holds {other:?}"),
+        };
+        if self.has(key) { self.list(key).iter().map(each).collect() } else { Vec::new() }
+    }
+
+    /// The words of a list.
+    pub fn words(&self, key: &str) -> Vec<&'static str> {
+        let each = |value: &Value| match value {
+            Value::Choice(word) => *word,
             other => panic!("checked: `{key}` holds {other:?}"),
         };
         self.list(key).iter().map(each).collect()

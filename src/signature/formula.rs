@@ -98,9 +98,75 @@ impl Formula {
     }
 }
 
+impl Formula {
+    /// Bounds of the value when the variables lie within bounds: the value is never outside, but the bounds may be wider than
+    /// need be. A condition that is bounded by 0 above never holds, one that is bounded by 1 below always does.
+    pub fn bounds(&self, values: &impl Fn(VariableId) -> (f64, f64)) -> (f64, f64) {
+        const NEVER: (f64, f64) = (0.0, 0.0);
+        const ALWAYS: (f64, f64) = (1.0, 1.0);
+        let truth = |always: bool, never: bool| match (always, never) {
+            (true, _) => ALWAYS,
+            (_, true) => NEVER,
+            _ => (0.0, 1.0),
+        };
+        match self {
+            Formula::Constant(value) => (*value, *value),
+            Formula::Variable(id) => values(*id),
+            Formula::Negate(inner) => {
+                let (low, high) = inner.bounds(values);
+                (-high, -low)
+            }
+            Formula::Not(inner) => {
+                let (low, high) = inner.bounds(values);
+                truth(low == 0.0 && high == 0.0, low > 0.0 || high < 0.0)
+            }
+            Formula::Binary(operator, left, right) => {
+                let (a, b) = left.bounds(values);
+                let (c, d) = right.bounds(values);
+                match operator {
+                    BinaryOperator::Add => (a + c, b + d),
+                    BinaryOperator::Subtract => (a - d, b - c),
+                    BinaryOperator::Multiply => hull([a * c, a * d, b * c, b * d]),
+                    BinaryOperator::Divide if c > 0.0 || d < 0.0 => hull([a / c, a / d, b / c, b / d]),
+                    BinaryOperator::Divide => (f64::NEG_INFINITY, f64::INFINITY),
+                    BinaryOperator::Less => truth(b < c, a >= d),
+                    BinaryOperator::LessEqual => truth(b <= c, a > d),
+                    BinaryOperator::Greater => truth(a > d, b <= c),
+                    BinaryOperator::GreaterEqual => truth(a >= d, b < c),
+                    BinaryOperator::And => truth(a > 0.0 && c > 0.0, (a == 0.0 && b == 0.0) || (c == 0.0 && d == 0.0)),
+                    BinaryOperator::Or => truth(a > 0.0 || c > 0.0, a == 0.0 && b == 0.0 && c == 0.0 && d == 0.0),
+                }
+            }
+            Formula::Call(function, arguments) => {
+                let mut all = arguments.iter().map(|argument| argument.bounds(values));
+                let (low, high) = all.next().expect("checked: every function has an argument");
+                match function {
+                    Function::Min => all.fold((low, high), |(a, b), (c, d)| (a.min(c), b.min(d))),
+                    Function::Max => all.fold((low, high), |(a, b), (c, d)| (a.max(c), b.max(d))),
+                    Function::Abs if low >= 0.0 => (low, high),
+                    Function::Abs if high <= 0.0 => (-high, -low),
+                    Function::Abs => (0.0, high.max(-low)),
+                    Function::Exp => (libm::exp(low), libm::exp(high)),
+                    Function::Sqrt => (low.max(0.0).sqrt(), high.max(0.0).sqrt()),
+                }
+            }
+        }
+    }
+}
+
+/// The bounds of some numbers; infinite ones times zero say nothing.
+fn hull(corners: [f64; 4]) -> (f64, f64) {
+    if corners.iter().any(|corner| corner.is_nan()) {
+        return (f64::NEG_INFINITY, f64::INFINITY);
+    }
+    let low = corners.iter().fold(f64::INFINITY, |a, b| a.min(*b));
+    (low, corners.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     #[test]
     fn the_papers_r2_for_a_frontal_hit() {
@@ -120,5 +186,50 @@ mod tests {
         );
         assert_eq!(formula.evaluate(&|_| 61.0), 1.0);
         assert_eq!(Formula::Not(formula.into()).evaluate(&|_| 61.0), 0.0);
+    }
+
+    fn any_formula() -> impl Strategy<Value = Formula> {
+        let leaf = prop_oneof![
+            (-5.0..5.0).prop_map(Formula::Constant),
+            (0_usize..3).prop_map(|index| Formula::Variable(VariableId(index))),
+        ];
+        leaf.prop_recursive(4, 24, 3, |inner| {
+            use BinaryOperator::{Add, Divide, Greater, GreaterEqual, Less, LessEqual, Multiply, Or, Subtract};
+            let operator = prop::sample::select(vec![
+                Add,
+                Subtract,
+                Multiply,
+                Divide,
+                Less,
+                LessEqual,
+                Greater,
+                GreaterEqual,
+                BinaryOperator::And,
+                Or,
+            ]);
+            let function =
+                prop::sample::select(vec![Function::Min, Function::Max, Function::Abs, Function::Exp, Function::Sqrt]);
+            prop_oneof![
+                (operator, inner.clone(), inner.clone()).prop_map(|(o, a, b)| Formula::Binary(o, a.into(), b.into())),
+                inner.clone().prop_map(|a| Formula::Negate(a.into())),
+                inner.clone().prop_map(|a| Formula::Not(a.into())),
+                (function, prop::collection::vec(inner, 1..3)).prop_map(|(f, arguments)| Formula::Call(f, arguments)),
+            ]
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn no_value_lies_outside_its_bounds(
+            formula in any_formula(),
+            ends in prop::array::uniform3((-4.0..4.0, 0.0..3.0)),
+            shares in prop::array::uniform3(0.0..=1.0),
+        ) {
+            let value = formula.evaluate(&|id: VariableId| ends[id.0].0 + shares[id.0] * ends[id.0].1);
+            let (low, high) = formula.bounds(&|id: VariableId| (ends[id.0].0, ends[id.0].0 + ends[id.0].1));
+            prop_assume!(!value.is_nan() && !low.is_nan() && !high.is_nan());
+            let slack = 1e-9 * (1.0 + value.abs());
+            prop_assert!(low <= value + slack && value <= high + slack, "{value} in {low} .. {high}");
+        }
     }
 }

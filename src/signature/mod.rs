@@ -5,11 +5,13 @@
 //! the documentation is printed from them, and [`Arguments`] carry the checked values to the code that owns the kind.
 
 mod arguments;
+mod distribution;
 mod formula;
 mod param;
 mod shape;
 
 pub use arguments::{Arguments, DeclarationId, Value};
+pub use distribution::Distribution;
 pub use formula::{BinaryOperator, Formula, Function, VariableId};
 pub use param::{Param, Type};
 pub use shape::{Event, Form, Signature, Variable, Vocabulary};

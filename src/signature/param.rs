@@ -21,6 +21,16 @@ pub enum Type {
         /// Greatest value of the high end.
         max: f64,
     },
+    /// What to draw a quantity from: a value, a range, `truncated(normal(mean, deviation), low .. high)`, `choice(a, b)`,
+    /// `weighted((2, a), (1, b))`; bounds are in SI and inclusive.
+    Distribution {
+        /// What it measures.
+        dimension: Dimension,
+        /// Least value.
+        min: f64,
+        /// Greatest value.
+        max: f64,
+    },
     /// A whole number without unit, in inclusive bounds.
     Integer {
         /// Least value.
@@ -44,8 +54,8 @@ pub enum Type {
     Reference(&'static str),
     /// `[a, b, …]` with at least one member; a single value may stand without brackets.
     List(Box<Type>),
-    /// A condition over the variables of the vocabulary's `step` event.
-    Condition,
+    /// A condition over the variables that have a value at this event of the vocabulary.
+    Condition(&'static str),
 }
 
 impl Type {
@@ -74,6 +84,9 @@ impl Type {
         match self {
             Type::Quantity { dimension, .. } => with_units(*dimension, &dimension.to_string()),
             Type::Range { dimension, .. } => with_units(*dimension, &format!("range of {dimension}")),
+            Type::Distribution { dimension, .. } => {
+                with_units(*dimension, &format!("{dimension}, range or distribution"))
+            }
             Type::Integer { min, max } if *max == i64::MAX => format!("whole number from {min}"),
             Type::Integer { min, max } => format!("whole number from {min} to {max}"),
             Type::Boolean => "`true` or `false`".into(),
@@ -84,7 +97,7 @@ impl Type {
             Type::Pose => "pose `(x, y, yaw)`".into(),
             Type::Reference(form) => format!("name of a {form}"),
             Type::List(item) => format!("list, each a {}", item.describe()),
-            Type::Condition => "condition".into(),
+            Type::Condition(_) => "condition".into(),
         }
     }
 }

@@ -58,6 +58,8 @@ pub struct Event {
     pub words: &'static [&'static str],
     /// The names of the variables that have a value when it happens.
     pub variables: &'static [&'static str],
+    /// Whether `on` clauses can answer to it; conditions can speak of all events.
+    pub answered: bool,
     /// One sentence for the reference.
     pub doc: &'static str,
 }

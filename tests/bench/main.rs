@@ -31,8 +31,12 @@ campaign bench {
 "#;
 
 fn plan() -> Plan {
+    plan_of(SCENARIO)
+}
+
+fn plan_of(text: &str) -> Plan {
     let root: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/bench.scn");
-    let read = |path: &Path| if path == root { Ok(SCENARIO.to_string()) } else { std::fs::read_to_string(path) };
+    let read = |path: &Path| if path == root { Ok(text.to_string()) } else { std::fs::read_to_string(path) };
     let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Sources::default());
     compiled.expect("the library can be read").plan.expect("the scenario is sound")
 }
@@ -84,6 +88,39 @@ fn spawn(bencher: Bencher<'_, '_>) {
     bencher.bench_local(|| {
         env.begin(episode);
         episode += 1;
+    });
+}
+
+/// The paper's spawn rule, spelt directly and as constraints, in the outline of CARLA's Town01; counted in scenes.
+const SPAWNS: &str = r#"
+edition 1
+import "lib/paper.scn"
+import "lib/drivers.scn"
+import "lib/carla_towns.scn"
+spawn constraints {
+  bearing: -180 deg .. 180 deg
+  distance: 4 m .. 1000 m
+  require: [distance >= 7 m and distance <= 30 m, bearing >= -60 deg and bearing <= 60 deg]
+}
+campaign bench {
+  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
+  train { towns: [town01_outline] policies: [behavior] rewards: [r1] runs: 1 }
+  evaluate { towns: [town01_outline] policies: [behavior] spawn: constraints }
+}
+"#;
+
+#[divan::bench(args = ["direct", "constraints"])]
+fn scenes(bencher: Bencher<'_, '_>, spelling: &str) {
+    let plan = plan_of(SPAWNS);
+    let campaign = &plan.campaigns[0];
+    let scenario =
+        if spelling == "direct" { &campaign.trainings[0].scenario } else { &campaign.evaluations[0].scenario };
+    let mut stream = Seed::root(1).stream();
+    bencher.counter(ItemsCount::new(1000_u32)).bench_local(|| {
+        for _ in 0..1000 {
+            let first = scenario.adversary.first_heading;
+            divan::black_box(scenario.spawn.sample(&scenario.town, &scenario.obstacles, first, &mut stream));
+        }
     });
 }
 

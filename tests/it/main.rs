@@ -24,5 +24,6 @@ mod road_reference;
 mod routes_reference;
 mod sb3_curves;
 mod scenarios;
+mod spawns;
 mod suite;
 mod tidy;

@@ -1,0 +1,262 @@
+//! Conditions of a spawn that can be turned into sampling are; those that contradict it are found.
+//!
+//! `distance > 10 m` cuts the distribution of the distance, which draws the same as rejecting would. Whatever else is required
+//! is evaluated over the bounds of its variables: what never holds is a contradiction, what always holds is dropped, and only
+//! the rest is left to rejection.
+
+use crate::diagnostic::{Diagnostic, Span};
+use crate::lang::codes;
+use crate::signature::{BinaryOperator, Distribution, Formula, VariableId, Vocabulary};
+use crate::units::Dimension;
+
+/// A quantity that is drawn on its own.
+#[derive(Debug, Clone)]
+pub(super) struct Drawn {
+    variable: &'static str,
+    dimension: Dimension,
+    /// What it is drawn from.
+    pub distribution: Distribution,
+    /// Where its least and its greatest value come from.
+    low: Span,
+    high: Span,
+}
+
+/// The quantities that a beginning is drawn from.
+#[derive(Debug, Clone)]
+pub(super) struct Sector<'a> {
+    vocabulary: &'a Vocabulary,
+    drawn: [Drawn; 3],
+}
+
+impl<'a> Sector<'a> {
+    /// Begins with what the keys say, each with the place of its value.
+    pub fn new(
+        vocabulary: &'a Vocabulary,
+        bearing: (&Distribution, Span),
+        distance: (&Distribution, Span),
+        ego_speed: (&Distribution, Span),
+    ) -> Self {
+        let drawn = |variable, dimension, (distribution, span): (&Distribution, Span)| Drawn {
+            variable,
+            dimension,
+            distribution: distribution.clone(),
+            low: span,
+            high: span,
+        };
+        let drawn = [
+            drawn("bearing", Dimension::ANGLE, bearing),
+            drawn("distance", Dimension::LENGTH, distance),
+            drawn("ego_speed", Dimension::SPEED, ego_speed),
+        ];
+        Self { vocabulary, drawn }
+    }
+
+    /// What the bearing, the distance and the ego's speed are drawn from.
+    pub fn into_distributions(self) -> [Distribution; 3] {
+        self.drawn.map(|drawn| drawn.distribution)
+    }
+
+    /// Takes a condition into the distributions as far as that goes; gives what is left of it.
+    ///
+    /// # Errors
+    /// That it never holds.
+    pub fn require(&mut self, condition: &Formula, span: Span) -> Result<Option<Formula>, Box<Diagnostic>> {
+        let (low, high) = condition.bounds(&|id| self.bounds(id));
+        if low == 0.0 && high == 0.0 {
+            return Err(self.contradiction(condition, span).into());
+        }
+        if low > 0.0 {
+            return Ok(None);
+        }
+        if let Formula::Binary(BinaryOperator::And, left, right) = condition {
+            return Ok(match (self.require(left, span)?, self.require(right, span)?) {
+                (Some(left), Some(right)) => Some(Formula::Binary(BinaryOperator::And, left.into(), right.into())),
+                (left, right) => left.or(right),
+            });
+        }
+        let Some((place, operator, bound)) = self.cut(condition) else { return Ok(Some(condition.clone())) };
+        let drawn = &mut self.drawn[place];
+        let (a, b) = drawn.distribution.support();
+        let upper = matches!(operator, BinaryOperator::Less | BinaryOperator::LessEqual);
+        let (low, high) = if upper { (a, bound) } else { (bound, b) };
+        let Some(kept) = drawn.distribution.truncated(low, high) else {
+            return Err(self.contradiction(condition, span).into());
+        };
+        drawn.distribution = kept;
+        *(if upper { &mut drawn.high } else { &mut drawn.low }) = span;
+        Ok(None)
+    }
+
+    /// `variable < constant`, one way round or the other, for a quantity that is drawn.
+    fn cut(&self, condition: &Formula) -> Option<(usize, BinaryOperator, f64)> {
+        use BinaryOperator::{Greater, GreaterEqual, Less, LessEqual};
+        let Formula::Binary(operator, left, right) = condition else { return None };
+        let constant = |formula: &Formula| {
+            let (low, high) = formula.bounds(&|_| (f64::NEG_INFINITY, f64::INFINITY));
+            (low == high).then_some(low)
+        };
+        let place = |id: &VariableId| {
+            let name = self.vocabulary.variables[id.0].name;
+            self.drawn.iter().position(|drawn| drawn.variable == name)
+        };
+        match (&**left, &**right) {
+            (Formula::Variable(id), bound) if matches!(operator, Less | LessEqual | Greater | GreaterEqual) => {
+                Some((place(id)?, *operator, constant(bound)?))
+            }
+            (bound, Formula::Variable(id)) => {
+                let mirrored = match operator {
+                    Less => Greater,
+                    LessEqual => GreaterEqual,
+                    Greater => Less,
+                    GreaterEqual => LessEqual,
+                    _ => return None,
+                };
+                Some((place(id)?, mirrored, constant(bound)?))
+            }
+            _ => None,
+        }
+    }
+
+    /// The least and the greatest value of a variable.
+    fn bounds(&self, id: VariableId) -> (f64, f64) {
+        const ANY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+        let name = self.vocabulary.variables[id.0].name;
+        if let Some(drawn) = self.drawn.iter().find(|drawn| drawn.variable == name) {
+            return drawn.distribution.support();
+        }
+        let (bearing, distance) = (self.drawn[0].distribution.support(), self.drawn[1].distribution.support());
+        match name {
+            "ahead" => product(distance, cosine(bearing)),
+            "aside" => product(distance, cosine((bearing.0 - QUARTER, bearing.1 - QUARTER))),
+            "facing" => (-std::f64::consts::PI, std::f64::consts::PI),
+            _ => ANY,
+        }
+    }
+
+    fn contradiction(&self, condition: &Formula, span: Span) -> Diagnostic {
+        let mut diagnostic = codes::contradiction(span, "this never holds".into());
+        let mut named = Vec::new();
+        variables(condition, &mut named);
+        let derived = |name: &str| matches!(name, "ahead" | "aside");
+        let names: Vec<&str> = named.iter().map(|id| self.vocabulary.variables[id.0].name).collect();
+        for drawn in &self.drawn {
+            let through = names.iter().any(|name| derived(name)) && drawn.variable != "ego_speed";
+            if names.contains(&drawn.variable) || through {
+                let (low, high) = drawn.distribution.support();
+                let text = format!(
+                    "{} is {} .. {}",
+                    drawn.variable,
+                    shown(low, drawn.dimension),
+                    shown(high, drawn.dimension)
+                );
+                diagnostic = diagnostic.label(drawn.low, text.clone());
+                if drawn.high != drawn.low {
+                    diagnostic = diagnostic.label(drawn.high, text);
+                }
+            }
+        }
+        for id in named {
+            let variable = &self.vocabulary.variables[id.0];
+            if derived(variable.name) {
+                let (low, high) = self.bounds(id);
+                let (low, high) = (shown(low, variable.dimension), shown(high, variable.dimension));
+                diagnostic = diagnostic.help(format!("there `{}` is {low} .. {high}", variable.name));
+            }
+        }
+        diagnostic
+    }
+}
+
+const QUARTER: f64 = std::f64::consts::FRAC_PI_2;
+
+/// The bounds of the cosine of an angle within bounds.
+fn cosine((low, high): (f64, f64)) -> (f64, f64) {
+    use std::f64::consts::{PI, TAU};
+    // Whether an angle `at + 2 π k` lies between the bounds.
+    let holds = |at: f64| low <= at + ((high - at) / TAU).floor() * TAU;
+    let (a, b) = (libm::cos(low), libm::cos(high));
+    (if holds(PI) { -1.0 } else { a.min(b) }, if holds(0.0) { 1.0 } else { a.max(b) })
+}
+
+fn product((a, b): (f64, f64), (c, d): (f64, f64)) -> (f64, f64) {
+    let corners = [a * c, a * d, b * c, b * d];
+    (corners.iter().copied().fold(f64::INFINITY, f64::min), corners.iter().copied().fold(f64::NEG_INFINITY, f64::max))
+}
+
+fn variables(formula: &Formula, found: &mut Vec<VariableId>) {
+    match formula {
+        Formula::Constant(_) => {}
+        Formula::Variable(id) => {
+            if !found.contains(id) {
+                found.push(*id);
+            }
+        }
+        Formula::Negate(inner) | Formula::Not(inner) => variables(inner, found),
+        Formula::Binary(_, left, right) => {
+            variables(left, found);
+            variables(right, found);
+        }
+        Formula::Call(_, arguments) => arguments.iter().for_each(|argument| variables(argument, found)),
+    }
+}
+
+/// A quantity as a user would write it.
+fn shown(value: f64, dimension: Dimension) -> String {
+    let value = if dimension == Dimension::ANGLE { value.to_degrees() } else { value };
+    let value = (value * 100.0).round() / 100.0 + 0.0;
+    format!("{value} {}", dimension.usual_units().first().unwrap_or(&"")).trim_end().to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnostic::Sources;
+    use crate::env::vocabulary;
+    use proptest::prelude::*;
+
+    fn sector(vocabulary: &Vocabulary) -> Sector<'_> {
+        let span = Span { source: Sources::default().add("test", ""), start: 0, end: 0 };
+        let (bearing, distance) = (Distribution::Uniform(-3.0, 3.0), Distribution::Uniform(5.0, 50.0));
+        Sector::new(vocabulary, (&bearing, span), (&distance, span), (&Distribution::Constant(0.0), span))
+    }
+
+    fn variable(vocabulary: &Vocabulary, name: &str) -> Formula {
+        let place = vocabulary.variables.iter().position(|variable| variable.name == name);
+        Formula::Variable(VariableId(place.unwrap()))
+    }
+
+    fn compare(left: Formula, operator: BinaryOperator, right: Formula) -> Formula {
+        Formula::Binary(operator, left.into(), right.into())
+    }
+
+    #[test]
+    fn the_papers_sector_written_as_conditions_is_sampled_directly() {
+        let vocabulary = vocabulary();
+        let mut sector = sector(&vocabulary);
+        let span = sector.drawn[0].low;
+        let (bearing, distance) = (variable(&vocabulary, "bearing"), variable(&vocabulary, "distance"));
+        let near = compare(distance.clone(), BinaryOperator::GreaterEqual, Formula::Constant(7.0));
+        let far = compare(Formula::Constant(30.0), BinaryOperator::GreaterEqual, distance);
+        let right = compare(bearing.clone(), BinaryOperator::Greater, Formula::Constant(-1.0));
+        let left = compare(bearing, BinaryOperator::Less, Formula::Constant(1.0));
+        let and = |a: Formula, b: Formula| compare(a, BinaryOperator::And, b);
+        assert_eq!(sector.require(&and(and(near, far), and(right, left)), span).unwrap(), None);
+        let [bearing, distance, _] = sector.into_distributions();
+        assert_eq!((bearing, distance), (Distribution::Uniform(-1.0, 1.0), Distribution::Uniform(7.0, 30.0)));
+    }
+
+    proptest! {
+        #[test]
+        fn ahead_and_aside_stay_within_their_bounds(low in -3.1..3.1, width in 0.0..3.0, share in 0.0..=1.0, d in 5.0..50.0) {
+            let vocabulary = vocabulary();
+            let mut sector = sector(&vocabulary);
+            sector.drawn[0].distribution = Distribution::Uniform(low, low + width);
+            let angle: f64 = low + share * width;
+            for (name, value) in [("ahead", d * libm::cos(angle)), ("aside", d * libm::sin(angle))] {
+                let Formula::Variable(id) = variable(&vocabulary, name) else { unreachable!() };
+                let (a, b) = sector.bounds(id);
+                prop_assert!(a - 1e-9 <= value && value <= b + 1e-9, "{} in {} .. {}", value, a, b);
+            }
+        }
+    }
+}

@@ -1,0 +1,47 @@
+/// Why nobody can be placed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SpawnError {
+    /// The town has no lane to begin on.
+    #[error("the town has no driving lane outside junctions")]
+    NoLane,
+    /// A listed pose of the ego lies on no lane, or against it.
+    #[error(
+        "the pose at ({x} m, {y} m) is {apart:.1} m from the nearest driving lane and turned by {degrees:.0} degrees from it"
+    )]
+    OffLane {
+        /// Where (m).
+        x: f64,
+        /// Where (m).
+        y: f64,
+        /// Distance from the middle of the nearest lane (m).
+        apart: f64,
+        /// Angle from its heading to the lane's (degrees).
+        degrees: f64,
+    },
+    /// A piece of a lane is longer than the lane.
+    #[error("the lane at ({x} m, {y} m) ends after {room:.1} m, before the {length} m asked for")]
+    ShortLane {
+        /// Where (m).
+        x: f64,
+        /// Where (m).
+        y: f64,
+        /// What was asked for (m).
+        length: f64,
+        /// What there is (m).
+        room: f64,
+    },
+    /// Too few beginnings satisfy all constraints.
+    #[error(
+        "only {accepted} of {tried} beginnings satisfy all constraints; the one that fails most is `{worst}`, satisfied by {worst_passed}"
+    )]
+    Crowded {
+        /// Beginnings that satisfied all.
+        accepted: u32,
+        /// Beginnings that were tried.
+        tried: u32,
+        /// The constraint that most of them failed.
+        worst: String,
+        /// Beginnings that satisfied it.
+        worst_passed: u32,
+    },
+}

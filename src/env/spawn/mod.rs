@@ -1,0 +1,25 @@
+//! How an episode begins: a logical scene (distributions and constraints) becomes a concrete one.
+//!
+//! The ego's pose, the sector about it and the headings are sampled directly; a [`Constraint`] that cannot be turned into
+//! sampling rejects what it does not admit. The compiler has narrowed the distributions by all constraints that allow it.
+//!
+//! | what | measure |
+//! |---|---|
+//! | ego anywhere, or on stretches of lanes | uniform in length of lane |
+//! | ego on listed poses | each as likely |
+//! | pedestrian, [`Measure::Range`] | bearing and distance from their distributions, independent |
+//! | pedestrian, [`Measure::Area`] | uniform over the ground of the sector |
+//!
+//! A pose of the ego is kept until somebody can be placed about it, so crowded places are as likely as free ones.
+
+mod ego_start;
+mod constraint;
+mod rule;
+mod survey;
+mod error;
+
+pub use constraint::{Constraint, Ground};
+pub use ego_start::{EgoStart, LanePiece, RoadShape};
+pub use error::SpawnError;
+pub use rule::{Measure, Spawn, SpawnRule};
+pub use survey::Survey;

@@ -1,0 +1,140 @@
+use rand::RngExt;
+
+use super::constraint::placed;
+use super::{Constraint, EgoStart, RoadShape, SpawnError};
+use crate::env::FirstHeading;
+use crate::geometry::{Obstacles, Point, Pose, Vector, wrap_angle};
+use crate::road::Town;
+use crate::seed::Stream;
+use crate::signature::Distribution;
+
+/// What is uniform when a place in the sector is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Measure {
+    /// The distance follows its distribution: where that is uniform, places near the ego are denser.
+    Range,
+    /// The ground: as many places a square metre everywhere in the sector. The distance must be a range.
+    Area,
+}
+
+/// How an episode begins.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpawnRule {
+    /// Its name in the scenario.
+    pub name: String,
+    /// Bearing of the pedestrian from the ego's heading, positive to the left (rad).
+    pub bearing: Distribution,
+    /// Distance between the centres (m).
+    pub distance: Distribution,
+    /// What is uniform.
+    pub measure: Measure,
+    /// Where the ego begins.
+    pub ego_start: EgoStart,
+    /// On which stretches of road the ego begins.
+    pub road_shape: RoadShape,
+    /// How fast the ego begins (m/s).
+    pub ego_speed: Distribution,
+    /// Heading of the pedestrian from the ego's heading, positive to the left (rad); without it the adversary decides.
+    pub heading: Option<Distribution>,
+    /// What must hold beside all that.
+    pub constraints: Vec<Constraint>,
+}
+
+/// A concrete beginning.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spawn {
+    /// Pose of the ego.
+    pub ego: Pose,
+    /// Speed of the ego (m/s).
+    pub ego_speed: f64,
+    /// Pose of the pedestrian.
+    pub pedestrian: Pose,
+}
+
+/// Beginnings that [`SpawnRule::probe`] tries for each listed pose of the ego, or in all.
+const PROBES: u32 = 400;
+/// A probe passes when one beginning in so many is accepted.
+const ONE_IN: u32 = 100;
+/// Places that one [`SpawnRule::sample`] tries around one pose of the ego; then the ego moves on.
+const TRIES: u32 = 1000;
+/// Poses of the ego that one [`SpawnRule::sample`] tries.
+const EGOS: u32 = 1000;
+
+impl SpawnRule {
+    /// Makes sure that the rule can place somebody: at least one beginning in a hundred must satisfy all constraints, around
+    /// every pose that is listed.
+    ///
+    /// # Errors
+    /// Says what stands in the way.
+    pub fn probe(&self, town: &Town, obstacles: &Obstacles, stream: &mut Stream) -> Result<(), SpawnError> {
+        self.ego_start.check(town)?;
+        let mut around = |ego: &mut dyn FnMut(&mut Stream) -> Pose| {
+            let survey = self.survey_from(ego, town, obstacles, FirstHeading::Random, PROBES, stream);
+            if survey.accepted * ONE_IN >= PROBES {
+                return Ok(());
+            }
+            let (worst, worst_passed) = survey.worst().unwrap_or_default();
+            let (accepted, tried) = (survey.accepted, survey.tried);
+            Err(SpawnError::Crowded { accepted, tried, worst: worst.to_string(), worst_passed })
+        };
+        match &self.ego_start {
+            EgoStart::Poses(poses) => poses.iter().try_for_each(|pose| around(&mut |_| *pose)),
+            start => around(&mut |stream| start.sample(town, stream)),
+        }
+    }
+
+    /// Draws a beginning; the rule must have passed [`SpawnRule::probe`].
+    ///
+    /// The ego's pose is drawn once, so crowded places are as likely as free ones; only where not one of a thousand
+    /// beginnings is accepted it is drawn again.
+    pub fn sample(&self, town: &Town, obstacles: &Obstacles, first: FirstHeading, stream: &mut Stream) -> Spawn {
+        let beginning = (0..EGOS).find_map(|_| {
+            let ego = self.ego_start.sample(town, stream);
+            if !self.road_shape.admits(town, &ego) {
+                return None;
+            }
+            (0..TRIES).find_map(|_| {
+                let place = self.place(&ego, stream);
+                let stands = Spawn { ego, ..placed(place) };
+                let (places, rest) = (|c: &&Constraint| c.is_about_places(), |c: &&Constraint| !c.is_about_places());
+                if !self.constraints.iter().filter(places).all(|each| each.admits(&stands, town, obstacles)) {
+                    return None;
+                }
+                let spawn = self.complete(&ego, place, first, stream);
+                let all = self.constraints.iter().filter(rest).all(|each| each.admits(&spawn, town, obstacles));
+                all.then_some(spawn)
+            })
+        });
+        beginning.expect("checked: the probe found beginnings")
+    }
+
+    /// Draws a place in the sector about the ego.
+    pub(super) fn place(&self, ego: &Pose, stream: &mut Stream) -> Point {
+        let bearing = self.bearing.quantile(stream.random());
+        let drawn: f64 = stream.random();
+        let distance = match (self.measure, &self.distance) {
+            (Measure::Area, Distribution::Uniform(near, far)) => {
+                let (near, far) = (near * near, far * far);
+                (near + (far - near) * drawn).sqrt()
+            }
+            (_, distance) => distance.quantile(drawn),
+        };
+        ego.to_world(Vector::new(distance * libm::cos(bearing), distance * libm::sin(bearing)))
+    }
+
+    /// Draws what does not depend on the town.
+    pub(super) fn complete(&self, ego: &Pose, place: Point, first: FirstHeading, stream: &mut Stream) -> Spawn {
+        let turn = stream.random_range(-std::f64::consts::PI..std::f64::consts::PI);
+        let towards = libm::atan2(ego.y - place.y, ego.x - place.x);
+        let yaw = match (&self.heading, first) {
+            (Some(heading), _) => {
+                let share = (turn / std::f64::consts::PI + 1.0) / 2.0;
+                wrap_angle(ego.yaw + heading.quantile(share))
+            }
+            (None, FirstHeading::Random) => wrap_angle(turn),
+            (None, FirstHeading::TowardsEgo) => towards,
+        };
+        let ego_speed = self.ego_speed.quantile(stream.random());
+        Spawn { ego: *ego, ego_speed, pedestrian: Pose::new(place.x, place.y, yaw) }
+    }
+}

@@ -1,0 +1,272 @@
+//! What a scenario may draw from: `7 m .. 30 m`, `truncated(normal(5 m/s, 1 m/s), 0 m/s .. 8 m/s)`, `choice(a, b)`.
+//!
+//! A draw is the quantile of one uniform number, so every key takes exactly one number from its stream.
+
+/// A distribution of one quantity, in SI.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Distribution {
+    /// Always this value.
+    Constant(f64),
+    /// Uniform from the first to the second.
+    Uniform(f64, f64),
+    /// Normal, held between two bounds by conditioning.
+    Normal {
+        /// Mean of the distribution without bounds.
+        mean: f64,
+        /// Standard deviation of the distribution without bounds.
+        deviation: f64,
+        /// Least value; may be −∞.
+        low: f64,
+        /// Greatest value; may be ∞.
+        high: f64,
+    },
+    /// One of several, with weights above zero that sum to 1.
+    Mixture(Vec<(f64, Distribution)>),
+}
+
+impl Distribution {
+    /// A mixture with these weights, which need not sum to 1.
+    pub fn mixture(mut parts: Vec<(f64, Distribution)>) -> Self {
+        let total: f64 = parts.iter().map(|(weight, _)| weight).sum();
+        parts.iter_mut().for_each(|(weight, _)| *weight /= total);
+        Self::Mixture(parts)
+    }
+
+    /// The least and the greatest value it can take.
+    pub fn support(&self) -> (f64, f64) {
+        match self {
+            Self::Constant(value) => (*value, *value),
+            Self::Uniform(low, high) | Self::Normal { low, high, .. } => (*low, *high),
+            Self::Mixture(parts) => {
+                let supports = parts.iter().map(|(_, part)| part.support());
+                supports.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), (low, high)| (a.min(low), b.max(high)))
+            }
+        }
+    }
+
+    /// The probability of a value from `low` to `high`, both inclusive.
+    pub fn mass(&self, low: f64, high: f64) -> f64 {
+        match self {
+            Self::Constant(value) => f64::from(u8::from(low <= *value && *value <= high)),
+            Self::Uniform(a, b) if a == b => f64::from(u8::from(low <= *a && *a <= high)),
+            Self::Uniform(a, b) => ((high.min(*b) - low.max(*a)) / (b - a)).max(0.0),
+            Self::Normal { mean, deviation, low: a, high: b } => {
+                let below = |bound: f64| normal_below((bound - mean) / deviation);
+                let all = below(*b) - below(*a);
+                ((below(high.min(*b)) - below(low.max(*a))) / all).max(0.0)
+            }
+            Self::Mixture(parts) => parts.iter().map(|(weight, part)| weight * part.mass(low, high)).sum(),
+        }
+    }
+
+    /// The distribution given that the value lies from `low` to `high`; none when that cannot be.
+    pub fn truncated(&self, low: f64, high: f64) -> Option<Self> {
+        let (a, b) = self.support();
+        if low <= a && b <= high {
+            return Some(self.clone());
+        }
+        match self {
+            Self::Constant(value) => (low <= *value && *value <= high).then(|| self.clone()),
+            Self::Uniform(a, b) => {
+                let (a, b) = (a.max(low), b.min(high));
+                (a <= b).then_some(Self::Uniform(a, b))
+            }
+            Self::Normal { mean, deviation, low: a, high: b } => {
+                let kept = Self::Normal { mean: *mean, deviation: *deviation, low: a.max(low), high: b.min(high) };
+                (self.mass(low, high) > 0.0).then_some(kept)
+            }
+            Self::Mixture(parts) => {
+                let kept = parts.iter().filter_map(|(weight, part)| {
+                    let weight = weight * part.mass(low, high);
+                    let part = part.truncated(low, high)?;
+                    (weight > 0.0).then_some((weight, part))
+                });
+                let kept: Vec<_> = kept.collect();
+                (!kept.is_empty()).then(|| Self::mixture(kept))
+            }
+        }
+    }
+
+    /// The value below which a share `u` of all values lies, `u` from 0 to 1.
+    ///
+    /// In a mixture the parts follow each other as they were written, so it rises with `u` within each part only.
+    pub fn quantile(&self, u: f64) -> f64 {
+        match self {
+            Self::Constant(value) => *value,
+            Self::Uniform(low, high) => low + (high - low) * u,
+            Self::Normal { mean, deviation, low, high } => {
+                let (a, b) = ((low - mean) / deviation, (high - mean) / deviation);
+                // In the upper tail the lower one has the digits.
+                let z = if a > 0.0 {
+                    let (from, to) = (normal_below(-b), normal_below(-a));
+                    -normal_quantile(to - (to - from) * u)
+                } else {
+                    let (from, to) = (normal_below(a), normal_below(b));
+                    normal_quantile(from + (to - from) * u)
+                };
+                (mean + deviation * z).clamp(*low, *high)
+            }
+            Self::Mixture(parts) => {
+                let mut below = 0.0;
+                for (weight, part) in parts {
+                    if u < below + weight {
+                        return part.quantile(((u - below) / weight).clamp(0.0, 1.0));
+                    }
+                    below += weight;
+                }
+                parts.last().map_or(0.0, |(_, last)| last.quantile(1.0))
+            }
+        }
+    }
+}
+
+/// The share of the standard normal distribution below a value.
+fn normal_below(z: f64) -> f64 {
+    0.5 * libm::erfc(-z * std::f64::consts::FRAC_1_SQRT_2)
+}
+
+/// The value below which a share of the standard normal distribution lies; held to ±8.3 at the ends.
+///
+/// # Source
+/// Wichura, *Algorithm AS 241: The percentage points of the normal distribution*, Applied Statistics 37, 1988, PPND16.
+fn normal_quantile(share: f64) -> f64 {
+    const MIDDLE: ([f64; 8], [f64; 8]) = (
+        [
+            3.387_132_872_796_366_5,
+            133.141_667_891_784_38,
+            1_971.590_950_306_551_3,
+            13_731.693_765_509_46,
+            45_921.953_931_549_87,
+            67_265.770_927_008_7,
+            33_430.575_583_588_13,
+            2_509.080_928_730_122_7,
+        ],
+        [
+            1.0,
+            42.313_330_701_600_91,
+            687.187_007_492_057_9,
+            5_394.196_021_424_751,
+            21_213.794_301_586_597,
+            39_307.895_800_092_71,
+            28_729.085_735_721_943,
+            5_226.495_278_852_854_5,
+        ],
+    );
+    const SHOULDER: ([f64; 8], [f64; 8]) = (
+        [
+            1.423_437_110_749_683_5,
+            4.630_337_846_156_546,
+            5.769_497_221_460_691,
+            3.647_848_324_763_204_5,
+            1.270_458_252_452_368_4,
+            0.241_780_725_177_450_6,
+            0.022_723_844_989_269_184,
+            0.000_774_545_014_278_341_4,
+        ],
+        [
+            1.0,
+            2.053_191_626_637_759,
+            1.676_384_830_183_803_8,
+            0.689_767_334_985_1,
+            0.148_103_976_427_480_08,
+            0.015_198_666_563_616_457,
+            0.000_547_593_808_499_534_5,
+            1.050_750_071_644_416_9e-9,
+        ],
+    );
+    const TAIL: ([f64; 8], [f64; 8]) = (
+        [
+            6.657_904_643_501_103,
+            5.463_784_911_164_114,
+            1.784_826_539_917_291_3,
+            0.296_560_571_828_504_87,
+            0.026_532_189_526_576_124,
+            0.001_242_660_947_388_078_4,
+            2.711_555_568_743_487_6e-5,
+            2.010_334_399_292_288_1e-7,
+        ],
+        [
+            1.0,
+            0.599_832_206_555_888,
+            0.136_929_880_922_735_8,
+            0.014_875_361_290_850_615,
+            0.000_786_869_131_145_613_2,
+            1.846_318_317_510_054_8e-5,
+            1.421_511_758_316_446e-7,
+            2.044_263_103_389_939_8e-15,
+        ],
+    );
+    let ratio = |(above, below): &([f64; 8], [f64; 8]), r: f64| {
+        let sum = |parts: &[f64; 8]| parts.iter().rev().fold(0.0, |sum, part| sum * r + part);
+        sum(above) / sum(below)
+    };
+    let q = share - 0.5;
+    if q.abs() <= 0.425 {
+        return q * ratio(&MIDDLE, 0.180_625 - q * q);
+    }
+    let outside = if q < 0.0 { share } else { 1.0 - share };
+    let r = (-libm::log(outside.max(5e-17))).sqrt();
+    let z = if r <= 5.0 { ratio(&SHOULDER, r - 1.6) } else { ratio(&TAIL, r - 5.0) };
+    if q < 0.0 { -z } else { z }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn the_normal_quantile_is_the_inverse_of_the_share_below() {
+        for step in 1..2000 {
+            let share = f64::from(step) / 2000.0;
+            assert!((normal_below(normal_quantile(share)) - share).abs() < 1e-14, "{share}");
+        }
+        assert!((normal_quantile(0.975) - 1.959_963_984_540_054).abs() < 1e-14);
+        assert!((normal_quantile(1e-12) + 7.034_483_825_301_18).abs() < 1e-11);
+    }
+
+    fn any_distribution() -> impl Strategy<Value = Distribution> {
+        let plain = prop_oneof![
+            (-9.0..9.0).prop_map(Distribution::Constant),
+            (-9.0..9.0, 0.0..5.0).prop_map(|(low, width)| Distribution::Uniform(low, low + width)),
+            (-9.0..9.0, 0.1..3.0, -9.0..0.0, 0.1..9.0).prop_map(|(mean, deviation, low, high)| {
+                Distribution::Normal { mean, deviation, low: mean + low, high: mean + high }
+            }),
+        ];
+        plain.prop_recursive(2, 8, 3, |inner| {
+            prop::collection::vec((0.1..3.0, inner), 1..4).prop_map(Distribution::mixture)
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn quantiles_lie_in_the_support_and_masses_agree_with_them(
+            d in any_distribution(), low in -12.0..12.0, width in 0.0..9.0
+        ) {
+            let (a, b) = d.support();
+            let high = low + width;
+            let steps = 4000;
+            let values: Vec<f64> = (0..steps).map(|i| d.quantile((f64::from(i) + 0.5) / f64::from(steps))).collect();
+            prop_assert!(values.iter().all(|value| a - 1e-9 <= *value && *value <= b + 1e-9));
+            let inside = values.iter().filter(|value| low <= **value && **value <= high).count() as f64 / f64::from(steps);
+            prop_assert!((inside - d.mass(low, high)).abs() < 0.01, "{inside} {}", d.mass(low, high));
+        }
+
+        #[test]
+        fn truncation_is_conditioning(d in any_distribution(), low in -9.0..6.0, width in 0.5..9.0, cut in 0.0..1.0) {
+            let high = low + width;
+            prop_assume!(d.mass(low, high) > 1e-6);
+            let kept = d.truncated(low, high).unwrap();
+            let middle = low + cut * width;
+            prop_assert!((kept.mass(low, middle) - d.mass(low, middle) / d.mass(low, high)).abs() < 1e-9);
+            prop_assert!((kept.mass(low, high) - 1.0).abs() < 1e-9);
+        }
+
+        #[test]
+        fn what_has_no_mass_cannot_be_kept(d in any_distribution()) {
+            let (a, b) = d.support();
+            prop_assert_eq!(d.truncated(b + 1.0, b + 2.0), None);
+            prop_assert_eq!(d.truncated(a - 2.0, a - 1.0), None);
+        }
+    }
+}
