@@ -233,3 +233,54 @@ fn a_map_of_a_scenario_is_drawn_and_its_waypoints_listed() {
         assert_eq!(output.status.code(), Some(code), "{output:?}");
     }
 }
+
+#[test]
+fn settings_change_values_and_reach_the_manifest() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("tiny.scn"), campaign()).unwrap();
+    let listed = falsify(&["run", "--list", "--set", "tiny.train.runs=1", "tiny.scn"], folder.path());
+    let text = String::from_utf8(listed.stdout).unwrap();
+    assert_eq!(text.matches("  train  r1").count(), 1, "{text}");
+    let output = falsify(&["run", "--smoke", "--set", "ahead.distance = 8 m .. 9 m", "tiny.scn"], folder.path());
+    assert!(output.status.success(), "{output:?}");
+    let manifest = std::fs::read_to_string(folder.path().join("reports/tiny-smoke/manifest.toml")).unwrap();
+    assert!(manifest.contains("settings = [\"ahead.distance = 8 m .. 9 m\"]"), "{manifest}");
+    let wrong = falsify(&["check", "--set", "ahead.distance=8 .. 9 m", "tiny.scn"], folder.path());
+    assert_eq!(wrong.status.code(), Some(3));
+    assert!(error(&wrong).contains("a length needs a unit"), "{}", error(&wrong));
+}
+
+#[test]
+fn a_matrix_makes_a_report_of_every_combination() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = campaign()
+        .replace("training: ppo_paper\n", "training: ppo_paper matrix { far: [10 m, 20 m] }\n")
+        .replace("campaign tiny", "param far: length = 30 m\nspawn short { distance: 7 m .. far }\ncampaign tiny");
+    std::fs::write(folder.path().join("tiny.scn"), text.replace("spawn: ahead", "spawn: short")).unwrap();
+    let output = falsify(&["run", "--list", "tiny.scn"], folder.path());
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("campaign tiny-far=10m\n") && text.contains("campaign tiny-far=20m\n"), "{text}");
+}
+
+#[test]
+fn a_sample_of_beginnings_tells_what_each_constraint_rejects() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = campaign().replace(
+        "campaign tiny",
+        "spawn picky { sight: visible require: aside > 5 m or distance < 9 m }\ncampaign tiny",
+    );
+    std::fs::write(folder.path().join("tiny.scn"), text.replace("spawn: ahead", "spawn: picky")).unwrap();
+    let output = falsify(&["check", "--sample", "200", "tiny.scn"], folder.path());
+    assert!(output.status.success(), "{output:?}");
+    let text = String::from_utf8(output.stdout).unwrap();
+    for part in [
+        "picky in harbour: ",
+        " of 200 beginnings accepted",
+        "clearance: 0.5 m",
+        "require: aside > 5 m or distance < 9 m",
+    ] {
+        assert!(text.contains(part), "{text}");
+    }
+    let picture = std::fs::read_to_string(folder.path().join("spawn-picky-village.svg")).unwrap();
+    assert!(picture.matches("class=\"pedestrian\"").count() > 20);
+}
