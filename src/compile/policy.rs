@@ -1,6 +1,7 @@
 use std::sync::Arc;
 
 use crate::av::behavior_agent::BehaviorAgent;
+use crate::av::lav::Lav;
 use crate::av::{Cruise, DrivingPolicy, Idm};
 use crate::env::PolicyMaker;
 use crate::signature::{Arguments, Form, Signature};
@@ -20,6 +21,7 @@ pub fn kinds() -> Vec<PolicyKind> {
             signature: BehaviorAgent::signature,
             make: |arguments| Box::new(BehaviorAgent::from_arguments(arguments)),
         },
+        PolicyKind { signature: Lav::signature, make: |arguments| Box::new(Lav::from_arguments(arguments)) },
         PolicyKind { signature: Idm::signature, make: |arguments| Box::new(Idm::new(arguments)) },
         PolicyKind { signature: Cruise::signature, make: |arguments| Box::new(Cruise::new(arguments)) },
     ]

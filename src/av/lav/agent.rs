@@ -1,0 +1,223 @@
+use super::brake_rules::BrakeRules;
+use super::classifier::Classifier;
+use super::command::Command;
+use super::controller::{Controller, Overruled, Situation, Verdict};
+use super::detection::{Blob, BlobKind, Detector};
+use super::forecast::Forecast;
+use super::frame::{EgoPoint, clockwise_yaw};
+use super::hazards;
+use super::plan::{Tempo, write_plan};
+use super::version::{LONGEST, Version};
+use crate::av::{DrivingMode, DrivingPolicy, Path, Perception};
+use crate::seed::Stream;
+use crate::signature::{Arguments, Param, Signature, Type};
+use crate::sim::Control;
+use crate::units::Dimension;
+
+const VERSIONS: &[&str] = &["v1", "v2", "v2_fast"];
+/// Half of the length of the car that LAV was trained in (m): its networks know no other.
+const TRAINED_HALF_LENGTH: f64 = 2.450_842;
+/// What the detector says of a vehicle that it sees.
+const SEEN: f64 = 0.9;
+/// Detections nearer than this are the ego itself to the planner (m).
+const OWN_BODY: f64 = 1.0;
+/// What v1 believes of others' speeds, as a share of the speed that it would drive: it cannot see them.
+const GUESSED_SPEED: f64 = 0.5;
+/// LAV (*Learning from All Vehicles*), planner-faithful: its own rules, fed by a surrogate of its networks.
+///
+/// **Exact**, held by numbers computed with its code: the gates of the detection map, the transformation of forecasts, the
+/// check of plan against forecasts, both PID controllers, the rules that take over, their order in a tick, creeping.
+/// **Exact as a rule, assumed as a network**: it brakes for pedestrians when the rules that labelled its training data say so
+/// ([`BrakeRules`]), within the cameras' 184° and with free sight, behind a first-order filter. **Assumed**: the plan is
+/// the centre line of the route at the training expert's speed, or full braking for a hazard; vehicles in sight are
+/// detected up to where they were labelled, drive where they point, and v1 guesses their speed. The wheel was tuned
+/// for the Lincoln MKZ.
+///
+/// So it never forecasts pedestrians, and brakes with all its force or not at all. Its first tick is empty.
+///
+/// Braking begins for someone standing at a distance between the middles of
+///
+/// | place | distance (m) | rule |
+/// |---|---|---|
+/// | exactly dead ahead | 6.1 | map |
+/// | elsewhere in its lane | 8.6 | expert |
+/// | outside its lane, 1 m aside | 6.0 | map |
+/// | outside its lane, 2 m aside | 5.4 | map |
+/// | more than 3.64 m aside | never | |
+///
+/// # Source
+/// `dotchen/LAV`, `team_code/lav_agent.py` (v1), `team_code_v2/{lav_agent,lav_agent_fast}.py` (v2, its fast variant).
+#[derive(Debug, Clone)]
+pub struct Lav {
+    version: Version,
+    scale: f64,
+    path: Path,
+    command: Command,
+    classifier: Classifier,
+    detector: Detector,
+    controller: Controller,
+    mode: DrivingMode,
+    cause: DrivingMode,
+    started: bool,
+    plan: [EgoPoint; LONGEST],
+    blobs: Vec<Blob>,
+    speeds: Vec<f64>,
+    forecasts: Vec<Forecast>,
+    verdict: Option<Verdict>,
+}
+
+impl Lav {
+    /// What it takes in a scenario.
+    pub fn signature() -> Signature {
+        Signature::new(
+            "lav",
+            "LAV with its own controller and rules and a surrogate of its networks: route and perceived actors take their place, and it brakes for pedestrians by the rules that labelled its training data. It does not see through buildings. Made for `mkz_2017`.",
+            vec![
+                Param::with_default(
+                    "version",
+                    Type::Choice(VERSIONS),
+                    "v2",
+                    "The agent: of the paper, of the leaderboard, or the leaderboard's fast variant.",
+                ),
+                Param::with_default(
+                    "response",
+                    Type::non_negative(Dimension::TIME),
+                    "0.1 s",
+                    "Time constant of the brake classifier; an assumption.",
+                ),
+                Param::with_default(
+                    "brake_range",
+                    Type::positive(Dimension::RATIO),
+                    "1",
+                    "Factor on the distances at which it brakes for hazards; 0.7 to 1.3 is plausible.",
+                ),
+            ],
+        )
+    }
+
+    /// Makes one from checked arguments.
+    pub fn from_arguments(arguments: &Arguments) -> Self {
+        let version = match arguments.choice("version") {
+            "v1" => Version::V1,
+            "v2_fast" => Version::V2Fast,
+            _ => Version::V2,
+        };
+        Self::new(version, arguments.number("response"), arguments.number("brake_range"))
+    }
+
+    /// Makes one whose classifier has a time constant (s) and whose distances of braking are scaled.
+    pub fn new(version: Version, response: f64, brake_range: f64) -> Self {
+        let room = 64;
+        Self {
+            version,
+            scale: brake_range,
+            path: Path::default(),
+            command: Command::default(),
+            classifier: Classifier::new(response),
+            detector: Detector::new(version),
+            controller: Controller::new(version),
+            mode: DrivingMode::Cruise,
+            cause: DrivingMode::EmergencyStop,
+            started: false,
+            plan: [EgoPoint::default(); LONGEST],
+            blobs: Vec::with_capacity(room),
+            speeds: Vec::with_capacity(room),
+            forecasts: Vec::with_capacity(room),
+            verdict: None,
+        }
+    }
+
+    /// What its controller decided in the last tick, and why; none after the empty first one.
+    pub fn verdict(&self) -> Option<&Verdict> {
+        self.verdict.as_ref()
+    }
+
+    /// Forecasts of the vehicles in sight that pass the detection map; `cruise` is the speed (m/s) of an ego there.
+    fn look(&mut self, perception: &Perception<'_>, cruise: f64) {
+        let traits = self.version.traits();
+        let ego = &perception.ego.pose;
+        self.blobs.clear();
+        self.speeds.clear();
+        self.forecasts.clear();
+        for vehicle in perception.vehicles {
+            let place = EgoPoint::seen_from(ego, vehicle.pose.position());
+            if place.distance(EgoPoint::default()) <= traits.labelled_within && perception.in_sight(vehicle) {
+                let yaw = clockwise_yaw(ego, &vehicle.pose);
+                let (kind, half) = (BlobKind::Vehicle, vehicle.half);
+                self.blobs.push(Blob::of_body(kind, place, yaw, half.x, half.y, SEEN));
+                let speed = vehicle.velocity.dot(&vehicle.pose.forward()).max(0.0);
+                self.speeds.push(if traits.senses_speed { speed } else { GUESSED_SPEED * cruise });
+            }
+        }
+        if self.blobs.is_empty() {
+            return;
+        }
+        for found in self.detector.detect(&self.blobs) {
+            let source = self.blobs.iter().position(|blob| *blob == found.blob);
+            if let Some(source) = source.filter(|_| found.place.distance(EgoPoint::default()) > OWN_BODY) {
+                self.forecasts.push(Forecast::of(found, self.speeds[source], traits));
+            }
+        }
+    }
+}
+
+impl DrivingPolicy for Lav {
+    fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
+        self.path.reset(perception, stream);
+        self.command = Command::default();
+        self.classifier.reset();
+        self.controller = Controller::new(self.version);
+        self.mode = DrivingMode::Cruise;
+        self.started = false;
+        self.verdict = None;
+    }
+
+    fn drive(&mut self, perception: &Perception<'_>) -> Control {
+        let ego = &perception.ego;
+        self.path.advance(perception);
+        self.command = self.command.follow(&self.path, ego.pose.position());
+        if !std::mem::replace(&mut self.started, true) {
+            return Control::default();
+        }
+        let rules = BrakeRules {
+            ego_half_length: TRAINED_HALF_LENGTH,
+            speed_limit: perception.speed_limit,
+            scale: self.scale,
+        };
+        let hazard = hazards::find(&rules, &self.path, perception);
+        self.cause = hazard.unwrap_or(self.cause);
+        let brake_score = self.classifier.run(hazard.is_some(), perception.dt);
+        let in_turn = matches!(self.command, Command::Left | Command::Right);
+        let expert = Tempo::of_expert(perception.speed_limit, in_turn);
+        let (Tempo::Cruise(cruise) | Tempo::Brake(cruise, _)) = expert;
+        self.look(perception, cruise);
+        let braking = Tempo::Brake(ego.speed(), perception.blueprint.full_brake);
+        let tempo = if hazard.is_some() { braking } else { expert };
+        let plan = &mut self.plan[..self.version.traits().horizon];
+        write_plan(&self.path, &ego.pose, tempo, plan);
+        let verdict = self.controller.run(&Situation {
+            speed: ego.speed(),
+            command: self.command,
+            brake_score,
+            plan,
+            forecasts: &self.forecasts,
+        });
+        let pedals = verdict.pedals;
+        self.mode = match verdict.overruled {
+            Some(Overruled::Classifier) if pedals.brake > 0.0 => self.cause,
+            Some(Overruled::Collision) if pedals.brake > 0.0 => DrivingMode::EmergencyStop,
+            _ if pedals.brake > 0.0 && self.path.ends() => DrivingMode::Arrived,
+            _ if in_turn => DrivingMode::Turn,
+            _ => DrivingMode::Cruise,
+        };
+        self.verdict = Some(verdict);
+        Control { throttle: pedals.throttle, brake: pedals.brake, steer: -pedals.steer }
+    }
+
+    fn mode(&self) -> DrivingMode {
+        self.mode
+    }
+}
+
+#[cfg(test)]
+mod tests;

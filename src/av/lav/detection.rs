@@ -1,0 +1,193 @@
+use super::frame::{EgoPoint, PIXELS_PER_METRE};
+use super::version::{Traits, Version};
+
+/// Side of the map (px).
+const SIDE: f64 = 320.0;
+/// The ego on the map (px).
+const EGO: (f64, f64) = (160.0, 280.0);
+/// A peak is the greatest value so far around it (px).
+const PEAK_REACH: f64 = 3.0;
+/// What lies so near to the ego is the ego (px).
+const EGO_RADIUS: f64 = 2.0;
+/// The fast variant sees no farther (px).
+const FAST_RADIUS: f64 = 120.0;
+/// Least half length of a vehicle (px).
+const LEAST_HALF_LENGTH: f64 = 0.4;
+/// Least half width of anything, except in the fast variant (px).
+const LEAST_HALF_WIDTH: f64 = 0.8;
+
+/// The map a peak is on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum BlobKind {
+    /// Pedestrians: LAV draws no conclusion from them.
+    Pedestrian,
+    /// Vehicles, and who is taken for one.
+    Vehicle,
+}
+
+/// What a body leaves on the detection map: a bell around a pixel, `score · exp(−d²)` with d in pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Blob {
+    /// The map it is on.
+    pub kind: BlobKind,
+    /// Column of its middle (px).
+    pub column: f64,
+    /// Row of its middle (px), counted from the far end.
+    pub row: f64,
+    /// Height of the bell, 0 to 1.
+    pub score: f64,
+    /// Half of its length (px).
+    pub half_length: f64,
+    /// Half of its width (px).
+    pub half_width: f64,
+    /// Yaw relative to the ego (rad), clockwise.
+    pub yaw: f64,
+}
+
+impl Blob {
+    /// The blob of a body at a place with half extents in metres; it falls into one pixel of 0.25 m.
+    pub fn of_body(kind: BlobKind, place: EgoPoint, yaw: f64, half_length: f64, half_width: f64, score: f64) -> Self {
+        Self {
+            kind,
+            column: (EGO.0 + PIXELS_PER_METRE * place.right).round(),
+            row: (EGO.1 + PIXELS_PER_METRE * place.back).round(),
+            score,
+            half_length: PIXELS_PER_METRE * half_length,
+            half_width: PIXELS_PER_METRE * half_width,
+            yaw,
+        }
+    }
+
+    /// Its greatest value in the window around a peak.
+    fn reaches(&self, peak: &Self) -> f64 {
+        let outside = |mine: f64, its: f64| ((mine - its).abs() - PEAK_REACH).max(0.0);
+        let (columns, rows) = (outside(self.column, peak.column), outside(self.row, peak.row));
+        self.score * libm::exp(-(columns * columns + rows * rows))
+    }
+
+    fn pixels_from_ego(&self) -> f64 {
+        let (columns, rows) = (self.column - EGO.0, self.row - EGO.1);
+        (columns * columns + rows * rows).sqrt()
+    }
+}
+
+/// What LAV's detector reports.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Detection {
+    /// The peak.
+    pub blob: Blob,
+    /// Where it is, to a quarter of a metre.
+    pub place: EgoPoint,
+}
+
+/// The steps after LAV's detection network: peaks, gates, order.
+#[derive(Debug, Clone)]
+pub struct Detector {
+    traits: &'static Traits,
+    found: Vec<Detection>,
+}
+
+impl Detector {
+    /// A detector of a version.
+    pub fn new(version: Version) -> Self {
+        Self { traits: version.traits(), found: Vec::with_capacity(64) }
+    }
+
+    /// What is detected of these blobs, pedestrians first, then by score, the best one first.
+    ///
+    /// # Source
+    /// `extract_peak` and `det_inference` of LAV. Where bells overlap the map is the greater one.
+    pub fn detect(&mut self, blobs: &[Blob]) -> &[Detection] {
+        self.found.clear();
+        let on_map = |value: f64| (0.0..SIDE).contains(&value);
+        for blob in blobs {
+            let peak = on_map(blob.column) && on_map(blob.row) && blob.score > self.traits.peak_score;
+            let beaten = |other: &Blob| other.kind == blob.kind && other.reaches(blob) > blob.score;
+            if peak && !blobs.iter().any(beaten) {
+                let place = EgoPoint::new(
+                    (blob.column - EGO.0) / PIXELS_PER_METRE,
+                    (blob.row - EGO.1) / PIXELS_PER_METRE,
+                );
+                self.found.push(Detection { blob: *blob, place });
+            }
+        }
+        let order = |found: &Detection| (found.blob.kind, -found.blob.score);
+        self.found.sort_unstable_by(|a, b| {
+            let ((kind, score), (its_kind, its_score)) = (order(a), order(b));
+            kind.cmp(&its_kind).then(score.total_cmp(&its_score))
+        });
+        let (traits, mut rank, mut kind) = (self.traits, 0, None);
+        self.found.retain(|found| {
+            rank = if kind == Some(found.blob.kind) { rank + 1 } else { 0 };
+            kind = Some(found.blob.kind);
+            rank < traits.peaks && passes(traits, &found.blob)
+        });
+        &self.found
+    }
+}
+
+/// The gates of size and distance.
+fn passes(traits: &Traits, blob: &Blob) -> bool {
+    let away = blob.pixels_from_ego();
+    let vehicle = blob.kind == BlobKind::Vehicle;
+    let too_small = if traits.fast_gates {
+        vehicle && blob.half_length.max(blob.half_width) < LEAST_HALF_LENGTH
+    } else {
+        (vehicle && blob.half_length < LEAST_HALF_LENGTH) || blob.half_width < LEAST_HALF_WIDTH
+    };
+    !too_small && away > EGO_RADIUS && !(traits.fast_gates && away >= FAST_RADIUS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn body(kind: BlobKind, right: f64, back: f64, half: (f64, f64)) -> Blob {
+        Blob::of_body(kind, EgoPoint::new(right, back), 0.0, half.0, half.1, 0.9)
+    }
+
+    #[test]
+    fn adults_are_too_narrow_and_children_are_not() {
+        for (half, seen) in [(0.187_679, false), (0.25, true)] {
+            let blob = body(BlobKind::Pedestrian, 1.0, -8.0, (half, half));
+            assert_eq!(Detector::new(Version::V2).detect(&[blob]).len(), usize::from(seen), "{half} m");
+            assert_eq!(Detector::new(Version::V2Fast).detect(&[blob]).len(), 1, "the fast variant sees both");
+        }
+    }
+
+    #[test]
+    fn places_are_known_to_a_pixel() {
+        let blob = body(BlobKind::Vehicle, 3.1, -9.05, (2.4, 1.0));
+        assert_eq!(Detector::new(Version::V1).detect(&[blob])[0].place, EgoPoint::new(3.0, -9.0));
+    }
+
+    #[test]
+    fn the_map_ends_ten_metres_behind() {
+        let mut detector = Detector::new(Version::V2);
+        assert_eq!(detector.detect(&[body(BlobKind::Vehicle, 0.0, 10.2, (2.4, 1.0))]), []);
+        assert_eq!(detector.detect(&[body(BlobKind::Vehicle, 0.0, 9.5, (2.4, 1.0))]).len(), 1);
+    }
+
+    #[test]
+    fn only_the_strongest_of_a_map_are_looked_at() {
+        let row: Vec<Blob> = (0..30)
+            .map(|i| Blob {
+                score: 0.3 + 0.01 * f64::from(i),
+                ..body(BlobKind::Vehicle, -37.0 + 2.5 * f64::from(i), -20.0, (2.0, 1.0))
+            })
+            .collect();
+        let mut detector = Detector::new(Version::V2);
+        let found = detector.detect(&row);
+        assert_eq!(found.len(), 15);
+        assert!(found[0].blob.score > 0.589 && found[14].blob.score > 0.449);
+    }
+
+    #[test]
+    fn the_foot_of_a_strong_bell_hides_a_weak_one() {
+        let strong = body(BlobKind::Vehicle, 0.0, -20.0, (2.0, 1.0));
+        let weak = Blob { score: 0.15, column: strong.column + 4.0, ..strong };
+        assert_eq!(Detector::new(Version::V2).detect(&[strong, weak]).len(), 1);
+        let farther = Blob { column: strong.column + 6.0, ..weak };
+        assert_eq!(Detector::new(Version::V2).detect(&[strong, farther]).len(), 2);
+    }
+}
