@@ -179,11 +179,8 @@ impl DrivingPolicy for Lav {
         if !std::mem::replace(&mut self.started, true) {
             return Control::default();
         }
-        let rules = BrakeRules {
-            ego_half_length: TRAINED_HALF_LENGTH,
-            speed_limit: perception.speed_limit,
-            scale: self.scale,
-        };
+        let rules =
+            BrakeRules { ego_half_length: TRAINED_HALF_LENGTH, speed_limit: perception.speed_limit, scale: self.scale };
         let hazard = hazards::find(&rules, &self.path, perception);
         self.cause = hazard.unwrap_or(self.cause);
         let brake_score = self.classifier.run(hazard.is_some(), perception.dt);

@@ -73,7 +73,7 @@ impl BrakeRules {
         let bearing = bearing(walker.place).abs();
         !walker.on_sidewalk
             && walker.in_lane
-            && walker.from_lane_point < NEAR_LANE
+            && walker.from_lane_point / self.scale < NEAR_LANE
             && distance < LEAST_LOOK_AHEAD.max(self.speed_limit * 3.6 / 3.0)
             && bearing > 0.0
             && bearing < EXPERT_CONE
@@ -140,7 +140,7 @@ mod tests {
 
     #[test]
     fn the_wedge_narrows_with_the_distance() {
-        for (distance, degrees) in [(2.0_f64, 70.4_f64), (4.0, 37.7), (6.0, 25.7)] {
+        for (distance, degrees) in [(2.0_f64, 70.4_f64), (4.0, 37.7), (5.0, 30.6)] {
             let at = |bearing: f64| {
                 let (sin, cos) = libm::sincos(bearing.to_radians());
                 RULES.on_map(&walker(distance * cos, distance * sin, false))

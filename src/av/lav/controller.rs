@@ -97,13 +97,7 @@ impl Controller {
     /// The controller of a version, without a past.
     pub fn new(version: Version) -> Self {
         let traits = version.traits();
-        Self {
-            traits,
-            turn: Pid::new(traits.turn),
-            speed: Pid::new(SPEED_GAINS),
-            ticks_at_rest: 0,
-            creeping: 0,
-        }
+        Self { traits, turn: Pid::new(traits.turn), speed: Pid::new(SPEED_GAINS), ticks_at_rest: 0, creeping: 0 }
     }
 
     /// Decides for a tick.

@@ -104,10 +104,8 @@ impl Detector {
             let peak = on_map(blob.column) && on_map(blob.row) && blob.score > self.traits.peak_score;
             let beaten = |other: &Blob| other.kind == blob.kind && other.reaches(blob) > blob.score;
             if peak && !blobs.iter().any(beaten) {
-                let place = EgoPoint::new(
-                    (blob.column - EGO.0) / PIXELS_PER_METRE,
-                    (blob.row - EGO.1) / PIXELS_PER_METRE,
-                );
+                let place =
+                    EgoPoint::new((blob.column - EGO.0) / PIXELS_PER_METRE, (blob.row - EGO.1) / PIXELS_PER_METRE);
                 self.found.push(Detection { blob: *blob, place });
             }
         }

@@ -1,5 +1,5 @@
-use super::frame::EgoPoint;
 use super::forecast::STEP;
+use super::frame::EgoPoint;
 use crate::av::Path;
 use crate::geometry::Pose;
 
