@@ -35,15 +35,20 @@ const GUESSED_SPEED: f64 = 0.5;
 ///
 /// So it never forecasts pedestrians, and brakes with all its force or not at all. Its first tick is empty.
 ///
-/// Braking begins for someone standing at a distance between the middles of
+/// Closed loop with the MKZ under 30 km/h, which is 6.6 m/s for v1 and 4.0 m/s for v2, and an adult at full speed at once; distances
+/// at the first brake are between middles, gaps between bodies:
 ///
-/// | place | distance (m) | rule |
+/// | somebody | v1 | v2 |
 /// |---|---|---|
-/// | exactly dead ahead | 6.1 | map |
-/// | elsewhere in its lane | 8.6 | expert |
-/// | outside its lane, 1 m aside | 6.0 | map |
-/// | outside its lane, 2 m aside | 5.4 | map |
-/// | more than 3.64 m aside | never | |
+/// | stands exactly dead ahead | brakes at 5.9 m, stops with a gap of 1.5 m | 6.0 m, 2.9 m |
+/// | stands in the lane, 0.5 m aside | 8.6 m, 4.1 m | 8.6 m, 5.4 m |
+/// | stands in the other lane, 2.1 m aside | 5.7 m, 1.3 m | 5.8 m, 2.5 m |
+/// | stands in the other lane, 3 m aside | passes | passes |
+/// | crosses from 6 m to the left at 3.5 m/s, 15 m ahead | 7.7 m, 3.0 m | 8.5 m, 5.4 m |
+/// | the same, 10 m ahead | hits at 2.3 m/s | 5.8 m, 2.4 m |
+/// | the same, 8 m ahead | hits unbraked at 6.6 m/s | 4.8 m, 0.9 m |
+/// | the same, 6 m ahead | passes in front | touches at rest |
+/// | the same at 1.4 m/s, 12 m ahead | passes in front | hits unbraked at 3.9 m/s |
 ///
 /// # Source
 /// `dotchen/LAV`, `team_code/lav_agent.py` (v1), `team_code_v2/{lav_agent,lav_agent_fast}.py` (v2, its fast variant).
