@@ -23,6 +23,7 @@ const SEEN: f64 = 0.9;
 const OWN_BODY: f64 = 1.0;
 /// What v1 believes of others' speeds, as a share of the speed that it would drive: it cannot see them.
 const GUESSED_SPEED: f64 = 0.5;
+
 /// LAV (*Learning from All Vehicles*), planner-faithful: its own rules, fed by a surrogate of its networks.
 ///
 /// **Exact**, held by numbers computed with its code: the gates of the detection map, the transformation of forecasts, the
@@ -30,8 +31,8 @@ const GUESSED_SPEED: f64 = 0.5;
 /// **Exact as a rule, assumed as a network**: it brakes for pedestrians when the rules that labelled its training data say so
 /// ([`BrakeRules`]), within the cameras' 184° and with free sight, behind a first-order filter. **Assumed**: the plan is
 /// the centre line of the route at the training expert's speed, or full braking for a hazard; vehicles in sight are
-/// detected up to where they were labelled, drive where they point, and v1 guesses their speed. The wheel was tuned
-/// for the Lincoln MKZ.
+/// detected up to where they were labelled, drive where they point, and v1 guesses their speed; a red light's line brakes as
+/// near as somebody standing there would. The wheel was tuned for the Lincoln MKZ.
 ///
 /// So it never forecasts pedestrians, and brakes with all its force or not at all. Its first tick is empty.
 ///
@@ -47,8 +48,8 @@ const GUESSED_SPEED: f64 = 0.5;
 /// | crosses from 6 m to the left at 3.5 m/s, 15 m ahead | 7.7 m, 3.0 m | 8.5 m, 5.4 m |
 /// | the same, 10 m ahead | hits at 2.3 m/s | 5.8 m, 2.4 m |
 /// | the same, 8 m ahead | hits unbraked at 6.6 m/s | 4.8 m, 0.9 m |
-/// | the same, 6 m ahead | passes in front | touches at rest |
-/// | the same at 1.4 m/s, 12 m ahead | passes in front | hits unbraked at 3.9 m/s |
+/// | the same, 6 m ahead | is past before | touches at 0.03 m/s |
+/// | the same at 1.4 m/s, 12 m ahead | is past before | hits unbraked at 3.9 m/s |
 ///
 /// # Source
 /// `dotchen/LAV`, `team_code/lav_agent.py` (v1), `team_code_v2/{lav_agent,lav_agent_fast}.py` (v2, its fast variant).
