@@ -75,10 +75,10 @@ fn read(source: SourceId, text: &str) -> Result<Setting, Box<Diagnostic>> {
 
 /// Carries settings out, saying which lead nowhere.
 pub fn apply(settings: &[Setting], loaded: &mut Loaded) -> Vec<Diagnostic> {
-    settings.iter().filter_map(|setting| set(setting, loaded).err()).collect()
+    settings.iter().filter_map(|setting| set(setting, loaded).err()).map(|diagnostic| *diagnostic).collect()
 }
 
-fn set(setting: &Setting, loaded: &mut Loaded) -> Result<(), Diagnostic> {
+fn set(setting: &Setting, loaded: &mut Loaded) -> Result<(), Box<Diagnostic>> {
     let path = setting.path.as_slice();
     let first = path.first().expect("a path has a word");
     if path.len() == 1 {
@@ -87,7 +87,7 @@ fn set(setting: &Setting, loaded: &mut Loaded) -> Result<(), Diagnostic> {
         if found.is_empty() {
             let params = loaded.files.iter().flat_map(|file| &file.params);
             let known: Vec<&str> = params.map(|param| param.name.text.as_str()).collect();
-            return Err(codes::unknown_setting(first.span, &first.text, &known));
+            return Err(codes::unknown_setting(first.span, &first.text, &known).into());
         }
         found.iter_mut().for_each(|param| param.value = setting.value.clone());
         return Ok(());
@@ -102,11 +102,11 @@ fn set(setting: &Setting, loaded: &mut Loaded) -> Result<(), Diagnostic> {
         }
         [] => {
             let known: Vec<&str> = all().filter_map(|each| each.name.as_ref()).map(|name| name.text.as_str()).collect();
-            return Err(codes::unknown_setting(first.span, &first.text, &known));
+            return Err(codes::unknown_setting(first.span, &first.text, &known).into());
         }
         several => {
             let forms: Vec<&str> = several.iter().map(String::as_str).collect();
-            return Err(codes::ambiguous_setting(first.span, &first.text, &forms));
+            return Err(codes::ambiguous_setting(first.span, &first.text, &forms).into());
         }
     };
     let all = loaded.files.iter_mut().flat_map(|file| &mut file.declarations);
@@ -117,7 +117,7 @@ fn set(setting: &Setting, loaded: &mut Loaded) -> Result<(), Diagnostic> {
 }
 
 /// Sets a key of a declaration or of all its blocks with a word.
-fn enter(declaration: &mut Declaration, path: &[Name], value: &Expression) -> Result<(), Diagnostic> {
+fn enter(declaration: &mut Declaration, path: &[Name], value: &Expression) -> Result<(), Box<Diagnostic>> {
     let (word, rest) = path.split_first().expect("a path has a word left");
     if rest.is_empty() {
         let given = declaration.entries.iter_mut().find_map(|entry| match entry {
@@ -145,7 +145,7 @@ fn enter(declaration: &mut Declaration, path: &[Name], value: &Expression) -> Re
         }
     }
     let words: Vec<&str> = words.iter().map(String::as_str).collect();
-    if found { Ok(()) } else { Err(codes::unknown_setting(word.span, &word.text, &words)) }
+    if found { Ok(()) } else { Err(codes::unknown_setting(word.span, &word.text, &words).into()) }
 }
 
 /// Takes the `matrix` blocks out of the declarations whose form they may multiply.
