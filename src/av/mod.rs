@@ -10,6 +10,7 @@ mod lane_keeping;
 mod cruise;
 mod idm;
 pub mod behavior_agent;
+pub mod interfuser;
 
 pub use cruise::Cruise;
 pub use driving_policy::{DrivingMode, DrivingPolicy};

@@ -1,6 +1,7 @@
 use std::sync::Arc;
 
 use crate::av::behavior_agent::BehaviorAgent;
+use crate::av::interfuser::InterFuser;
 use crate::av::{Cruise, DrivingPolicy, Idm};
 use crate::env::PolicyMaker;
 use crate::signature::{Arguments, Form, Signature};
@@ -19,6 +20,10 @@ pub fn kinds() -> Vec<PolicyKind> {
         PolicyKind {
             signature: BehaviorAgent::signature,
             make: |arguments| Box::new(BehaviorAgent::from_arguments(arguments)),
+        },
+        PolicyKind {
+            signature: InterFuser::signature,
+            make: |arguments| Box::new(InterFuser::from_arguments(arguments)),
         },
         PolicyKind { signature: Idm::signature, make: |arguments| Box::new(Idm::new(arguments)) },
         PolicyKind { signature: Cruise::signature, make: |arguments| Box::new(Cruise::new(arguments)) },
