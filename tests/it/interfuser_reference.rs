@@ -26,8 +26,7 @@ impl Disagreements {
     fn number(&mut self, what: &str, expected: &Value, ours: f64) {
         self.compared += 1;
         let expected = number(expected, what);
-        // A comparison that NaN fails, too.
-        if !((expected - ours).abs() <= TOLERANCE) {
+        if ours.is_nan() || (expected - ours).abs() > TOLERANCE {
             self.lines.push(format!("{} {what}: {ours} instead of {expected}", self.id));
         }
     }
