@@ -11,6 +11,7 @@ mod cruise;
 mod idm;
 pub mod behavior_agent;
 pub mod lav;
+pub mod interfuser;
 
 pub use cruise::Cruise;
 pub use driving_policy::{DrivingMode, DrivingPolicy};

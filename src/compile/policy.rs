@@ -1,6 +1,7 @@
 use std::sync::Arc;
 
 use crate::av::behavior_agent::BehaviorAgent;
+use crate::av::interfuser::InterFuser;
 use crate::av::lav::Lav;
 use crate::av::{Cruise, DrivingPolicy, Idm};
 use crate::env::PolicyMaker;
@@ -22,6 +23,10 @@ pub fn kinds() -> Vec<PolicyKind> {
             make: |arguments| Box::new(BehaviorAgent::from_arguments(arguments)),
         },
         PolicyKind { signature: Lav::signature, make: |arguments| Box::new(Lav::from_arguments(arguments)) },
+        PolicyKind {
+            signature: InterFuser::signature,
+            make: |arguments| Box::new(InterFuser::from_arguments(arguments)),
+        },
         PolicyKind { signature: Idm::signature, make: |arguments| Box::new(Idm::new(arguments)) },
         PolicyKind { signature: Cruise::signature, make: |arguments| Box::new(Cruise::new(arguments)) },
     ]

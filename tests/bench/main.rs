@@ -26,7 +26,7 @@ import "lib/towns.scn"
 campaign bench {
   vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
   train { towns: [harbour] policies: [behavior] rewards: [r2] runs: 1 }
-  evaluate { towns: [harbour] policies: [behavior, behavior_0_9_11, behavior_0_9_13, careful, lav, lav_v1, blind] pedestrians: [random] }
+  evaluate { towns: [harbour] policies: [behavior, behavior_0_9_11, behavior_0_9_13, interfuser, lav, lav_v1, careful, blind] pedestrians: [random] }
 }
 "#;
 
@@ -48,7 +48,7 @@ fn scenario(policy: &str) -> Arc<Scenario> {
 }
 
 /// Simulator ticks: perception, driver, car, walker, contact.
-#[divan::bench(args = ["behavior", "behavior_0_9_11", "behavior_0_9_13", "careful", "lav", "lav_v1", "blind"], sample_count = 20)]
+#[divan::bench(args = ["behavior", "behavior_0_9_11", "behavior_0_9_13", "interfuser", "lav", "lav_v1", "careful", "blind"], sample_count = 20)]
 fn ticks(bencher: Bencher<'_, '_>, policy: &str) {
     let scenario = scenario(policy);
     let run = || {

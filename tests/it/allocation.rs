@@ -43,7 +43,10 @@ import "lib/towns.scn"
 campaign ticks {
   vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
   train { towns: [harbour] policies: [behavior] rewards: [r2] runs: 1 }
-  evaluate { towns: [village] policies: [behavior, behavior_0_9_11, behavior_0_9_13, careful, lav, lav_v1, blind] pedestrians: [intercept] }
+  evaluate {
+    towns: [village]  pedestrians: [intercept]
+    policies: [behavior, behavior_0_9_11, behavior_0_9_13, interfuser, lav, lav_v1, careful, blind]
+  }
 }
 "#;
 

@@ -1,0 +1,52 @@
+use super::{InterFuser, Settings, TrackerMode};
+use crate::signature::{Arguments, Param, Signature, Type};
+use crate::units::Dimension;
+
+impl InterFuser {
+    /// What it takes in a scenario.
+    pub fn signature() -> Signature {
+        let margin =
+            |name, default, doc| Param::with_default(name, Type::non_negative(Dimension::LENGTH), default, doc);
+        Signature::new(
+            "interfuser",
+            "A surrogate of InterFuser: its published planner and controller, exact, on the map that its network is trained to give, assumed. It sees everybody, through walls too.",
+            vec![
+                Param::with_default(
+                    "tracker",
+                    Type::Choice(&["published", "fixed_speed", "off"]),
+                    "published",
+                    "How speeds are corrected over time: as published, where they become about the heading in half turns; as was meant; or not at all.",
+                ),
+                Param::with_default(
+                    "max_speed",
+                    Type::positive(Dimension::SPEED),
+                    "5 m/s",
+                    "The greatest speed that it wants; it does not know speed limits.",
+                ),
+                margin("margin_ahead", "2.5 m", "Room that is added to half the car's length when its way is tested."),
+                margin("margin_aside", "1.2 m", "Room that is added to half the car's width when its way is tested."),
+                Param::with_default(
+                    "overlap",
+                    Type::share(),
+                    "0.04",
+                    "Share of the tested box from which on somebody is in the way.",
+                ),
+            ],
+        )
+    }
+
+    /// Makes one from checked arguments.
+    pub fn from_arguments(arguments: &Arguments) -> Self {
+        Self::new(&Settings {
+            tracker: match arguments.choice("tracker") {
+                "fixed_speed" => TrackerMode::FixedSpeed,
+                "off" => TrackerMode::Off,
+                _ => TrackerMode::Published,
+            },
+            max_speed: arguments.number("max_speed"),
+            margin: [arguments.number("margin_ahead"), arguments.number("margin_aside")],
+            overlap: arguments.number("overlap"),
+            ..Settings::default()
+        })
+    }
+}

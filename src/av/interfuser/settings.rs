@@ -1,0 +1,43 @@
+use super::tracker::TrackerMode;
+
+/// What can be set about the planner; by default as published.
+///
+/// # Source
+/// InterFuser `team_code/interfuser_config.py`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// How speeds are corrected over time.
+    pub tracker: TrackerMode,
+    /// The greatest speed that it wants (m/s).
+    pub max_speed: f64,
+    /// Room that is added to the ego's half length and half width (m).
+    pub margin: [f64; 2],
+    /// Share of the ego's box from which on somebody is in the way.
+    pub overlap: f64,
+    /// The most throttle, except while creeping.
+    pub max_throttle: f64,
+    /// Speed over wanted speed above which it brakes.
+    pub brake_ratio: f64,
+    /// The most that the throttle hears of a lack of speed (m/s).
+    pub speed_step: f64,
+    /// Proportional, integral and derivative gains of the throttle.
+    pub speed_gains: [f64; 3],
+    /// Proportional, integral and derivative gains of the wheel.
+    pub turn_gains: [f64; 3],
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            tracker: TrackerMode::Published,
+            max_speed: 5.0,
+            margin: [2.5, 1.2],
+            overlap: 0.04,
+            max_throttle: 0.75,
+            brake_ratio: 1.1,
+            speed_step: 0.35,
+            speed_gains: [5.0, 0.5, 1.0],
+            turn_gains: [1.25, 0.75, 0.3],
+        }
+    }
+}
