@@ -15,7 +15,6 @@ mod allocation;
 mod behavior_agent_reference;
 mod command_line;
 mod determinism;
-
 mod interfuser_driving;
 mod interfuser_reference;
 mod lav_reference;
