@@ -2,6 +2,7 @@
 //!
 //! A policy gets a [`Perception`] and gives a [`Control`](crate::sim::Control) every tick; it never sees the world, the
 //! pedestrian's intentions or the reward. A new policy is one file here and one line in the catalogue.
+//! [`senses`] puts imperfect sensors in front of any of them.
 
 mod perception;
 mod driving_policy;
