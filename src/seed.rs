@@ -46,6 +46,11 @@ impl Seed {
         Self(*blake3::keyed_hash(&self.0, &bytes).as_bytes())
     }
 
+    /// The node that a stream began at, so that its owner can branch off further streams.
+    pub fn of(stream: &Stream) -> Self {
+        Self(stream.get_seed())
+    }
+
     /// The random stream at this node, from its beginning.
     pub fn stream(&self) -> Stream {
         ChaCha8Rng::from_seed(self.0)
@@ -63,5 +68,13 @@ mod tests {
         assert_ne!(root.index(1), root.child("1"));
         assert_ne!(root.child("a").child("b"), root.child("b").child("a"));
         assert_ne!(Seed::root(1).stream().next_u64(), Seed::root(2).stream().next_u64());
+    }
+
+    #[test]
+    fn a_stream_knows_its_node_even_when_it_has_been_drawn_from() {
+        let node = Seed::root(3).child("policy");
+        let mut stream = node.stream();
+        stream.next_u64();
+        assert_eq!(Seed::of(&stream), node);
     }
 }

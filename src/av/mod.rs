@@ -2,6 +2,7 @@
 //!
 //! A policy gets a [`Perception`] and gives a [`Control`](crate::sim::Control) every tick; it never sees the world, the
 //! pedestrian's intentions or the reward. A new policy is one file here and one line in the catalogue.
+//! [`senses`] puts imperfect sensors in front of any of them.
 
 mod perception;
 mod driving_policy;
@@ -9,12 +10,24 @@ mod path;
 mod lane_keeping;
 mod cruise;
 mod idm;
+mod trace;
+mod lane_follower;
+mod aeb;
+mod rss;
+mod rss_guarded;
+mod predictive;
+mod oracle_brake;
+pub mod senses;
 pub mod behavior_agent;
 pub mod lav;
 pub mod interfuser;
 
+pub use aeb::Aeb;
 pub use cruise::Cruise;
 pub use driving_policy::{DrivingMode, DrivingPolicy};
 pub use idm::Idm;
+pub use oracle_brake::OracleBrake;
 pub use path::Path;
 pub use perception::{Actor, Light, Perception, Sensors};
+pub use predictive::Predictive;
+pub use rss_guarded::RssGuarded;

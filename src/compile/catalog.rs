@@ -1,5 +1,5 @@
 use super::policy::PolicyKind;
-use super::{adversary, campaign, episode, policy, reward, spawn, town, training, vehicle};
+use super::{adversary, campaign, episode, policy, reward, sensors, spawn, town, training, vehicle};
 use crate::signature::{Form, Vocabulary};
 
 /// Everything the language offers: forms, their kinds, and what formulas may speak about.
@@ -18,6 +18,7 @@ impl Catalog {
         let forms = vec![
             town::form(),
             policy::form(&policies),
+            sensors::form(),
             vehicle::form(),
             adversary::form(),
             spawn::form(),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::lower::{BuiltTown, Lowering};
 use super::plan::{Campaign, Evaluation, NamedTown, Pedestrian, Training, TrainingKey};
-use super::{adversary, episode, policy, reward, training, vehicle};
+use super::{adversary, episode, policy, reward, sensors, training, vehicle};
 use crate::env::{Adversary, EpisodeRule, PolicyMaker, RewardRule, Scenario, SpawnRule};
 use crate::lang::codes;
 use crate::lang::hir::{Block, Declaration};
@@ -175,7 +175,10 @@ impl Lowering<'_> {
     fn policies(&self, block: &Block) -> Vec<Axis<PolicyMaker>> {
         let each = |id: DeclarationId| {
             let declaration = self.program.get(id);
-            let value = policy::lower(&self.catalog.policies, declaration.kind, &declaration.block.arguments);
+            let arguments = &declaration.block.arguments;
+            let senses = arguments.has("sensors").then(|| self.program.get(arguments.reference("sensors")));
+            let senses = senses.map(|found| Arc::new(sensors::lower(&found.block)));
+            let value = policy::lower(&self.catalog.policies, declaration.kind, arguments, senses);
             Axis { name: declaration.name.clone(), value }
         };
         block.arguments.references("policies").into_iter().map(each).collect()

@@ -9,6 +9,8 @@ mod reference;
 mod town;
 mod vehicle;
 mod policy;
+mod sensors;
+mod sensor_suites;
 mod adversary;
 mod spawn;
 mod sector;

@@ -40,6 +40,24 @@ impl OrientedBox {
             .all(|axis| offset.dot(axis).abs() <= reach(axis, &ours, &self.half) + reach(axis, &theirs, &other.half))
     }
 
+    /// Whether the straight line between two points meets the box; by slabs.
+    pub fn is_crossed_by(&self, from: Point, to: Point) -> bool {
+        let (start, way) = (self.pose.to_local(from), self.pose.to_local(to) - self.pose.to_local(from));
+        let (mut low, mut high) = (0.0_f64, 1.0_f64);
+        for axis in 0..2 {
+            if way[axis] == 0.0 {
+                if start[axis].abs() > self.half[axis] {
+                    return false;
+                }
+                continue;
+            }
+            let (a, b) = ((-self.half[axis] - start[axis]) / way[axis], (self.half[axis] - start[axis]) / way[axis]);
+            low = low.max(a.min(b));
+            high = high.min(a.max(b));
+        }
+        low <= high
+    }
+
     /// The corners, counter-clockwise from the front left.
     pub fn corners(&self) -> [Point; 4] {
         let (l, w) = (self.half.x, self.half.y);
@@ -57,6 +75,15 @@ mod tests {
         let turned = |x, y| OrientedBox::new(Pose::new(x, y, std::f64::consts::FRAC_PI_4), 1.0, 1.0);
         assert!(car.overlaps(&turned(3.4, 0.0)) && !car.overlaps(&turned(3.42, 0.0)));
         assert!(!car.overlaps(&turned(2.8, 1.8)), "corner to corner, where axis-parallel bounds overlap");
+    }
+
+    #[test]
+    fn a_line_meets_a_box_or_passes_its_corner() {
+        let car = OrientedBox::new(Pose::new(10.0, 0.0, std::f64::consts::FRAC_PI_2), 2.0, 1.0);
+        let eye = Point::origin();
+        assert!(car.is_crossed_by(eye, Point::new(20.0, 0.0)) && car.is_crossed_by(eye, Point::new(10.0, 1.9)));
+        assert!(!car.is_crossed_by(eye, Point::new(8.9, 0.0)), "it ends before the box");
+        assert!(!car.is_crossed_by(eye, Point::new(9.0, 2.1)) && !car.is_crossed_by(eye, Point::new(-20.0, 0.0)));
     }
 
     #[test]

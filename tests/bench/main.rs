@@ -22,13 +22,38 @@ const SCENARIO: &str = r#"
 edition 1
 import "lib/paper.scn"
 import "lib/drivers.scn"
+import "lib/sensors.scn"
 import "lib/towns.scn"
+policy lav_eyed = idm(sensors: lav_eyes)
 campaign bench {
   vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
   train { towns: [harbour] policies: [behavior] rewards: [r2] runs: 1 }
-  evaluate { towns: [harbour] policies: [behavior, behavior_0_9_11, behavior_0_9_13, interfuser, lav, lav_v1, careful, blind] pedestrians: [random] }
+  evaluate {
+    towns: [harbour]  pedestrians: [random]
+    policies: [
+      behavior, behavior_0_9_11, behavior_0_9_13, interfuser, lav, lav_v1, careful, blind,
+      aeb, rss, predictive, oracle, late_oracle, lav_eyed
+    ]
+  }
 }
 "#;
+
+const DRIVERS: [&str; 14] = [
+    "behavior",
+    "behavior_0_9_11",
+    "behavior_0_9_13",
+    "interfuser",
+    "lav",
+    "lav_v1",
+    "careful",
+    "blind",
+    "aeb",
+    "rss",
+    "predictive",
+    "oracle",
+    "late_oracle",
+    "lav_eyed",
+];
 
 fn plan() -> Plan {
     plan_of(SCENARIO)
@@ -48,7 +73,7 @@ fn scenario(policy: &str) -> Arc<Scenario> {
 }
 
 /// Simulator ticks: perception, driver, car, walker, contact.
-#[divan::bench(args = ["behavior", "behavior_0_9_11", "behavior_0_9_13", "interfuser", "lav", "lav_v1", "careful", "blind"], sample_count = 20)]
+#[divan::bench(args = DRIVERS, sample_count = 20)]
 fn ticks(bencher: Bencher<'_, '_>, policy: &str) {
     let scenario = scenario(policy);
     let run = || {

@@ -39,13 +39,19 @@ const SCENARIO: &str = r#"
 edition 1
 import "lib/paper.scn"
 import "lib/drivers.scn"
+import "lib/sensors.scn"
 import "lib/towns.scn"
+policy squinting = aeb(sensors: poor)
+policy lav_eyed = idm(sensors: lav_eyes)
 campaign ticks {
   vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
   train { towns: [harbour] policies: [behavior] rewards: [r2] runs: 1 }
   evaluate {
     towns: [village]  pedestrians: [intercept]
-    policies: [behavior, behavior_0_9_11, behavior_0_9_13, interfuser, lav, lav_v1, careful, blind]
+    policies: [
+      behavior, behavior_0_9_11, behavior_0_9_13, interfuser, lav, lav_v1, careful, blind,
+      aeb, rss, predictive, oracle, late_oracle, squinting, lav_eyed
+    ]
   }
 }
 "#;

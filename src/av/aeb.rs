@@ -1,0 +1,161 @@
+use super::lane_follower::LaneFollower;
+use super::trace::OnTrace;
+use super::{DrivingMode, DrivingPolicy, Perception};
+use crate::seed::Stream;
+use crate::signature::{Arguments, Param, Signature, Type};
+use crate::sim::Control;
+use crate::units::Dimension;
+
+/// A driver who sees nobody, with automatic emergency braking for whoever will be in the car's way.
+///
+/// The time to collision is `gap / closing speed` with each actor that is in the corridor now or, keeping its velocity, when the
+/// car arrives. Below three thresholds the system warns (and lets the throttle go), brakes partially, brakes fully; the
+/// deceleration follows its target along ramps of constant jerk.
+///
+/// # Source
+/// Full braking 0.85 g after a ramp of 0.6 s: the automatic brake of UN R157's performance model. Full braking of at least 5 m/s²
+/// is what UN R152 asks for. Stages by time to collision, a partial brake and release below standstill are common practice;
+/// their values here are assumptions, stated at each key.
+#[derive(Debug, Clone)]
+pub struct Aeb {
+    warning: f64,
+    partial: f64,
+    full: f64,
+    partial_brake: f64,
+    full_brake: f64,
+    jerk: f64,
+    margin: f64,
+    driver: LaneFollower,
+    /// The deceleration that the brakes have reached (m/s²).
+    braking: f64,
+    mode: DrivingMode,
+}
+
+/// Below this speed (m/s) the brakes hold the car while somebody is in its way nearer than this (m) (assumed).
+const HOLD: (f64, f64) = (0.5, 2.0);
+
+impl Aeb {
+    /// What it takes in a scenario.
+    pub fn signature() -> Signature {
+        let time = || Type::non_negative(Dimension::TIME);
+        let acceleration = || Type::positive(Dimension::ACCELERATION);
+        Signature::new(
+            "aeb",
+            "A driver who sees nobody, with automatic emergency braking by time to collision. It trusts what it is told of others: give it sensors.",
+            vec![
+                LaneFollower::param(),
+                Param::with_default(
+                    "warning",
+                    time(),
+                    "2 s",
+                    "Time to collision from which the throttle is let go (assumed).",
+                ),
+                Param::with_default(
+                    "partial",
+                    time(),
+                    "1.5 s",
+                    "Time to collision from which it brakes partially (assumed).",
+                ),
+                Param::with_default("full", time(), "1 s", "Time to collision from which it brakes fully (assumed)."),
+                Param::with_default(
+                    "partial_brake",
+                    acceleration(),
+                    "4 m/s^2",
+                    "Deceleration of the partial brake (assumed).",
+                ),
+                Param::with_default(
+                    "full_brake",
+                    acceleration(),
+                    "8.34 m/s^2",
+                    "Deceleration of the full brake: 0.85 g, UN R157's model of an automatic brake.",
+                ),
+                Param::with_default(
+                    "ramp",
+                    Type::positive(Dimension::TIME),
+                    "0.6 s",
+                    "Time from none to full braking, from the same model.",
+                ),
+                Param::with_default(
+                    "margin",
+                    Type::non_negative(Dimension::LENGTH),
+                    "0.3 m",
+                    "How far beside the car somebody still counts as in its way (assumed).",
+                ),
+            ],
+        )
+    }
+
+    /// Makes one from checked arguments.
+    pub fn new(arguments: &Arguments) -> Self {
+        let full_brake = arguments.number("full_brake");
+        Self {
+            warning: arguments.number("warning"),
+            partial: arguments.number("partial"),
+            full: arguments.number("full"),
+            partial_brake: arguments.number("partial_brake"),
+            full_brake,
+            jerk: full_brake / arguments.number("ramp"),
+            margin: arguments.number("margin"),
+            driver: LaneFollower::new(arguments),
+            braking: 0.0,
+            mode: DrivingMode::Cruise,
+        }
+    }
+
+    /// The least time to collision (s) with anybody.
+    fn time_to_collision(&self, perception: &Perception<'_>) -> f64 {
+        let actors = perception.pedestrians.iter().chain(perception.vehicles);
+        let found = actors.filter_map(|actor| self.driver.trace.locate(actor));
+        found.map(|actor| time_to(&actor, perception, self.margin)).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// The time until the car meets an actor (s), both keeping their velocities; infinite when they do not meet.
+fn time_to(actor: &OnTrace, perception: &Perception<'_>, margin: f64) -> f64 {
+    let ego = &perception.ego;
+    let closing = ego.speed() - actor.velocity.x;
+    let ahead = actor.place.x - ego.half.x - actor.reach.x;
+    let corridor = ego.half.y + actor.reach.y + margin;
+    if ego.speed() < HOLD.0 && actor.place.x > 0.0 && ahead < HOLD.1 && actor.place.y.abs() <= corridor {
+        return 0.0;
+    }
+    // Whoever is beside the car's middle can no longer be braked for.
+    if closing <= 0.0 || actor.place.x < 0.0 {
+        return f64::INFINITY;
+    }
+    let time = ahead.max(0.0) / closing;
+    let then = actor.place.y + actor.velocity.y * time;
+    let in_way = actor.place.y.abs() <= corridor || then.abs() <= corridor;
+    if in_way { time } else { f64::INFINITY }
+}
+
+impl DrivingPolicy for Aeb {
+    fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
+        self.driver.reset(perception, stream);
+        self.braking = 0.0;
+        self.mode = DrivingMode::Cruise;
+    }
+
+    fn drive(&mut self, perception: &Perception<'_>) -> Control {
+        let intent = self.driver.intend(perception);
+        let time = self.time_to_collision(perception);
+        let target = match time {
+            time if time < self.full => self.full_brake,
+            time if time < self.partial => self.partial_brake,
+            _ => 0.0,
+        };
+        let step = self.jerk * perception.dt;
+        self.braking = if target > self.braking { (self.braking + step).min(target) } else { target };
+        self.mode = match target {
+            target if target >= self.full_brake => DrivingMode::EmergencyStop,
+            target if target > 0.0 || time < self.warning => DrivingMode::Yield,
+            _ => intent.mode,
+        };
+        let allowed = if time < self.warning { -self.braking } else { f64::INFINITY };
+        intent.control(intent.acceleration.min(allowed), perception)
+    }
+
+    fn mode(&self) -> DrivingMode {
+        self.mode
+    }
+}

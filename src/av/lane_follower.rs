@@ -1,0 +1,106 @@
+use super::trace::Trace;
+use super::{Actor, DrivingMode, Path, Perception, lane_keeping};
+use crate::geometry::{Vector, wrap_angle};
+use crate::seed::Stream;
+use crate::signature::{Arguments, Param, Type};
+use crate::sim::{Control, LightColour};
+
+/// Lateral acceleration in bends, and deceleration before bends and red lights (m/s²).
+const COMFORT: f64 = 2.0;
+/// Greatest acceleration (m/s²).
+const PUSH: f64 = 1.5;
+/// How far ahead red lights are looked for (m).
+const LIGHTS: f64 = 40.0;
+
+/// A driver who keeps the lane, slows down before bends and stops at red lights, but sees nobody: what the guarded drivers guard.
+#[derive(Debug, Clone)]
+pub struct LaneFollower {
+    limit_share: f64,
+    path: Path,
+    /// The way ahead.
+    pub trace: Trace,
+}
+
+/// What the driver would do.
+#[derive(Debug, Clone, Copy)]
+pub struct Intent {
+    /// Acceleration (m/s²).
+    pub acceleration: f64,
+    /// Steering wheel, as in [`Control`].
+    pub steer: f64,
+    /// Speed that it would reach (m/s).
+    pub wanted: f64,
+    /// What it would be doing.
+    pub mode: DrivingMode,
+}
+
+impl LaneFollower {
+    /// The key that every driver with a lane follower inside takes.
+    pub fn param() -> Param {
+        Param::with_default(
+            "limit_share",
+            Type::share(),
+            "0.9",
+            "Share of the speed limit that it wants to drive (assumed).",
+        )
+    }
+
+    /// Makes one from checked arguments.
+    pub fn new(arguments: &Arguments) -> Self {
+        Self { limit_share: arguments.number("limit_share"), path: Path::default(), trace: Trace::default() }
+    }
+
+    /// Begins an episode.
+    pub fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
+        self.path.reset(perception, stream);
+    }
+
+    /// Looks along the lane and says what it would do.
+    pub fn intend(&mut self, perception: &Perception<'_>) -> Intent {
+        self.path.advance(perception);
+        self.trace.follow(&self.path, perception);
+        let speed = perception.ego.speed();
+        let limit = self.limit_share * perception.speed_limit;
+        let bends = lane_keeping::speed_for_bends(&self.path, limit, COMFORT, COMFORT);
+        let light = self.red_light(perception);
+        let wanted = light.map_or(bends, |gap| bends.min((2.0 * COMFORT * gap).sqrt()));
+        let mode = match () {
+            () if wanted < bends => DrivingMode::RedLight,
+            () if bends < 0.1 => DrivingMode::Arrived,
+            () if bends < limit - 0.1 => DrivingMode::Turn,
+            () => DrivingMode::Cruise,
+        };
+        let acceleration = ((wanted - speed) / 0.5).clamp(-2.0 * COMFORT, PUSH);
+        Intent { acceleration, steer: lane_keeping::steer(&self.path, perception), wanted, mode }
+    }
+
+    /// The distance from the bumper to the stop at the first red light (m).
+    fn red_light(&self, perception: &Perception<'_>) -> Option<f64> {
+        let here = perception.ego.pose.position();
+        let red = perception.lights.iter().filter(|light| light.colour == LightColour::Red);
+        let gaps = red.filter_map(|light| {
+            let line = light.trigger.position();
+            if (line - here).norm_squared() > LIGHTS * LIGHTS {
+                return None;
+            }
+            let post =
+                Actor { pose: light.trigger, velocity: light.trigger.forward(), half: Vector::zeros(), height: 0.0 };
+            let found = self.trace.locate(&post)?;
+            // Lights of other lanes stand beside the line or look another way.
+            let same_way = wrap_angle(libm::atan2(found.velocity.y, found.velocity.x)).abs() < 1.0;
+            let ahead = found.place.x > 0.0 && found.place.y.abs() < 1.0;
+            (same_way && ahead).then(|| (found.place.x - perception.ego.half.x - 1.0).max(0.0))
+        });
+        gaps.min_by(f64::total_cmp)
+    }
+}
+
+impl Intent {
+    /// Pedals and wheel for this acceleration (m/s²); at rest the car is held unless it is to move.
+    pub fn control(&self, acceleration: f64, perception: &Perception<'_>) -> Control {
+        let speed = perception.ego.speed();
+        let pedals = perception.blueprint.pedals_for(acceleration, speed);
+        let holds = speed < 0.05 && (acceleration <= 0.0 || self.wanted < 0.1);
+        Control { throttle: pedals.throttle, brake: if holds { 1.0 } else { pedals.brake }, steer: self.steer }
+    }
+}

@@ -1,0 +1,127 @@
+use super::lane_follower::LaneFollower;
+use super::trace::distance_to_box;
+use super::{Actor, DrivingMode, DrivingPolicy, Perception};
+use crate::seed::Stream;
+use crate::signature::{Arguments, Param, Signature, Type};
+use crate::sim::Control;
+use crate::units::Dimension;
+
+/// A yardstick of what braking alone can reach: it knows everybody at once, through walls, and brakes with everything at the last
+/// tick at which that still avoids a moving collision.
+///
+/// Every tick it asks: if I go on for one more tick and then brake fully, is anybody touched before I stand? If so it brakes now. Two
+/// answers to where people can be:
+///
+/// - `any_motion`: anywhere that somebody running at `running_speed` from now on can be. Nobody can run into this car while it
+///   moves, as long as it began safely and stands still for whoever stays near.
+/// - `same_velocity`: where they get to with their present velocity, and only if going on without braking would touch them. It is
+///   late by design: a pedestrian that turns in the last moment gets hit.
+///
+/// # Source
+/// Own; the first is the test for inevitable collision states (Fraichard and Asama, 2003) with braking as the only evasion.
+#[derive(Debug, Clone)]
+pub struct OracleBrake {
+    any_motion: bool,
+    running: f64,
+    driver: LaneFollower,
+    mode: DrivingMode,
+}
+
+/// How far the oracle looks for somebody whom it would touch without braking (s).
+const HORIZON: f64 = 6.0;
+/// Slack for the car's offset from its lane's centre and the turn within a tick (m).
+const SLACK: f64 = 0.15;
+
+impl OracleBrake {
+    /// What it takes in a scenario.
+    pub fn signature() -> Signature {
+        Signature::new(
+            "oracle_brake",
+            "Knows everybody at once and brakes with everything at the last tick that still avoids a moving collision: what braking alone can reach.",
+            vec![
+                LaneFollower::param(),
+                Param::with_default(
+                    "assumes",
+                    Type::Choice(&["any_motion", "same_velocity"]),
+                    "any_motion",
+                    "Whether people may do anything from now on, or keep their velocity.",
+                ),
+                Param::with_default(
+                    "running_speed",
+                    Type::non_negative(Dimension::SPEED),
+                    "3.5 m/s",
+                    "With `any_motion`, how fast people run in any direction; the adversary's greatest by default.",
+                ),
+            ],
+        )
+    }
+
+    /// Makes one from checked arguments.
+    pub fn new(arguments: &Arguments) -> Self {
+        Self {
+            any_motion: arguments.choice("assumes") == "any_motion",
+            running: arguments.number("running_speed"),
+            driver: LaneFollower::new(arguments),
+            mode: DrivingMode::Cruise,
+        }
+    }
+
+    /// Whether an actor may be touched before the car stands, if it accelerates so (m/s²) for some ticks and brakes fully then.
+    fn touches(&self, perception: &Perception<'_>, actor: &Actor, acceleration: f64, ticks: u32) -> bool {
+        let (ego, dt) = (&perception.ego, perception.dt);
+        let size = actor.half.x.max(actor.half.y) + SLACK;
+        let (place, velocity) = (actor.pose.position(), actor.velocity);
+        let (mut speed, mut along, mut time) = (ego.speed(), 0.0, 0.0);
+        for tick in 0.. {
+            let gain = match tick < ticks {
+                true => acceleration,
+                false => perception.blueprint.acceleration(Control::FULL_BRAKE, speed),
+            };
+            // The world moves the car with the speed of the tick's beginning.
+            along += speed * dt;
+            time += dt;
+            speed = (speed + gain * dt).max(0.0);
+            let Some((middle, ahead)) = self.driver.trace.at(along) else { return false };
+            let (then, grown) = match self.any_motion {
+                true => (place, size + self.running * time),
+                false => (place + velocity * time, size),
+            };
+            if distance_to_box(then, middle, &ahead, &ego.half) < grown {
+                return true;
+            }
+            if speed <= 0.0 && (tick >= ticks || acceleration <= 0.0) || time > HORIZON {
+                return false;
+            }
+        }
+        false
+    }
+
+    fn must_brake(&self, perception: &Perception<'_>, acceleration: f64) -> bool {
+        let actors = perception.pedestrians.iter().chain(perception.vehicles);
+        actors.into_iter().any(|actor| {
+            let would_meet = self.any_motion || self.touches(perception, actor, acceleration, u32::MAX);
+            would_meet && self.touches(perception, actor, acceleration, 1)
+        })
+    }
+}
+
+impl DrivingPolicy for OracleBrake {
+    fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
+        self.driver.reset(perception, stream);
+        self.mode = DrivingMode::Cruise;
+    }
+
+    fn drive(&mut self, perception: &Perception<'_>) -> Control {
+        let intent = self.driver.intend(perception);
+        if self.must_brake(perception, intent.acceleration) {
+            self.mode = DrivingMode::EmergencyStop;
+            return Control { steer: intent.steer, ..Control::FULL_BRAKE };
+        }
+        self.mode = intent.mode;
+        intent.control(intent.acceleration, perception)
+    }
+
+    fn mode(&self) -> DrivingMode {
+        self.mode
+    }
+}

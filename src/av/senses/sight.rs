@@ -1,0 +1,37 @@
+use crate::av::Actor;
+use crate::geometry::{Obstacles, OrientedBox, Point, Vector};
+
+/// Places on an actor that rays are sent to, as shares of its half width as the eye sees it.
+const RAYS: [f64; 5] = [-0.8, -0.4, 0.0, 0.4, 0.8];
+
+/// The share of an actor that an eye sees: of five rays to points across its outline, those that nothing stops.
+///
+/// Seen from above: what stands between hides, however low. `half_width` is half the actor's width as the eye sees it (m).
+pub fn visible_share<'a>(
+    eye: Point,
+    actor: &Actor,
+    half_width: f64,
+    obstacles: &Obstacles,
+    others: impl Iterator<Item = &'a Actor> + Clone,
+) -> f64 {
+    let place = actor.pose.position();
+    let across = across(eye, place) * half_width;
+    let free = RAYS.iter().filter(|share| {
+        let end = place + across * **share;
+        let hides = |other: &Actor| other.outline().is_crossed_by(eye, end);
+        !obstacles.blocks_sight(eye, end) && !others.clone().any(hides)
+    });
+    free.count() as f64 / RAYS.len() as f64
+}
+
+/// Half the width of a box as an eye sees it from afar (m).
+pub fn half_width_of(outline: &OrientedBox, eye: Point) -> f64 {
+    let across = across(eye, outline.pose.position());
+    outline.half.x * across.dot(&outline.pose.forward()).abs() + outline.half.y * across.dot(&outline.pose.left()).abs()
+}
+
+/// The unit vector across the line of sight.
+fn across(eye: Point, place: Point) -> Vector {
+    let line = (place - eye).try_normalize(1e-9).unwrap_or_else(Vector::x);
+    Vector::new(-line.y, line.x)
+}

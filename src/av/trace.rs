@@ -1,0 +1,97 @@
+use super::{Actor, Path, Perception};
+use crate::geometry::{Point, Vector};
+
+/// A path as a line with lengths along it, measured from abeam the ego, for drivers that forecast.
+#[derive(Debug, Clone, Default)]
+pub struct Trace {
+    stations: Vec<Station>,
+}
+
+/// A point of the line and the unit vector to the next one.
+#[derive(Debug, Clone, Copy)]
+struct Station {
+    along: f64,
+    place: Point,
+    direction: Vector,
+}
+
+/// Where something is and how it moves, along the line and to the left of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OnTrace {
+    /// How far ahead of the ego's middle (m) and to the left of the line (m).
+    pub place: Vector,
+    /// Velocity along and across the line (m/s).
+    pub velocity: Vector,
+    /// Half of what it covers along and across the line (m).
+    pub reach: Vector,
+}
+
+impl Trace {
+    /// Follows the path that lies ahead of the ego now.
+    pub fn follow(&mut self, path: &Path, perception: &Perception<'_>) {
+        self.stations.clear();
+        let mut points = path.points().map(|point| &point.pose);
+        let Some(mut last) = points.next() else { return };
+        let mut along = -last.to_local(perception.ego.pose.position()).x;
+        for next in points {
+            let chord = next.position() - last.position();
+            let length = chord.norm();
+            if length > 1e-6 {
+                self.stations.push(Station { along, place: last.position(), direction: chord / length });
+                along += length;
+            }
+            last = next;
+        }
+    }
+
+    /// The pose of a car that has driven so far (m), without its yaw's cost: place and unit vector ahead.
+    pub fn at(&self, along: f64) -> Option<(Point, Vector)> {
+        let after = self.stations.partition_point(|station| station.along <= along);
+        let station = self.stations.get(after.saturating_sub(1))?;
+        Some((station.place + station.direction * (along - station.along), station.direction))
+    }
+
+    /// Where an actor is and how it moves, from the piece of the line that is nearest to it.
+    pub fn locate(&self, actor: &Actor) -> Option<OnTrace> {
+        let (place, velocity) = (actor.pose.position(), &actor.velocity);
+        let mut best: Option<(f64, f64, &Station)> = None;
+        for (index, station) in self.stations.iter().enumerate() {
+            let offset = place - station.place;
+            let next = self.stations.get(index + 1).map_or(f64::INFINITY, |next| next.along);
+            // Before its first point the line goes on straight.
+            let low = if index == 0 { f64::NEG_INFINITY } else { 0.0 };
+            let share = offset.dot(&station.direction).clamp(low, next - station.along);
+            let distance = (offset - station.direction * share).norm_squared();
+            if best.is_none_or(|(nearest, ..)| distance < nearest) {
+                best = Some((distance, share, station));
+            }
+        }
+        let (_, share, station) = best?;
+        let (ahead, offset) = (station.direction, place - station.place);
+        let left = |vector: &Vector| ahead.perp(vector);
+        Some(OnTrace {
+            place: Vector::new(station.along + share, left(&offset)),
+            velocity: Vector::new(ahead.dot(velocity), left(velocity)),
+            reach: reach_of(actor, &ahead),
+        })
+    }
+}
+
+/// The distance from a place to a box at another place that points along a unit vector (m); 0 inside.
+pub fn distance_to_box(place: Point, middle: Point, ahead: &Vector, half: &Vector) -> f64 {
+    let offset = place - middle;
+    let (x, y) = (offset.dot(ahead).abs() - half.x, ahead.perp(&offset).abs() - half.y);
+    Vector::new(x.max(0.0), y.max(0.0)).norm()
+}
+
+/// How far an actor reaches from its middle along a unit vector and across it (m); a disc's radius where both half extents
+/// are equal.
+pub fn reach_of(actor: &Actor, ahead: &Vector) -> Vector {
+    let half = actor.half;
+    if half.x == half.y {
+        return half;
+    }
+    let (forward, left) = (actor.pose.forward(), actor.pose.left());
+    let on = |axis: &Vector| half.x * forward.dot(axis).abs() + half.y * left.dot(axis).abs();
+    Vector::new(on(ahead), on(&Vector::new(-ahead.y, ahead.x)))
+}

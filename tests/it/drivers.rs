@@ -1,0 +1,120 @@
+//! Drivers of our own on an open street: they stop for whoever is in their way and for nobody else.
+
+use std::path::Path;
+use std::sync::{Arc, LazyLock};
+
+use falsify::av::{DrivingMode, Sensors};
+use falsify::compile::{Catalog, Plan, compile};
+use falsify::env::Scenario;
+use falsify::geometry::{Obstacles, Pose};
+use falsify::seed::Seed;
+use falsify::sim::{Contact, Scene, WalkCommand, World};
+
+const SCENARIO: &str = r#"
+edition 1
+import "lib/paper.scn"
+import "lib/drivers.scn"
+import "lib/towns.scn"
+policy jrc = rss_guarded(figures: jrc)
+campaign driven {
+  vehicle: plain_car  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
+  train { towns: [harbour] policies: [blind] rewards: [r2] runs: 1 }
+  evaluate { towns: [harbour] policies: [blind, aeb, rss, jrc, predictive, oracle, late_oracle] pedestrians: [intercept] }
+}
+"#;
+
+const GUARDED: [&str; 6] = ["aeb", "rss", "jrc", "predictive", "oracle", "late_oracle"];
+
+fn scenario(policy: &str) -> Arc<Scenario> {
+    static PLAN: LazyLock<Plan> = LazyLock::new(|| {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/driven.scn");
+        let read = |path: &Path| if path == root { Ok(SCENARIO.to_string()) } else { std::fs::read_to_string(path) };
+        let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Default::default());
+        compiled.unwrap().plan.unwrap()
+    });
+    PLAN.campaigns[0].evaluations.iter().find(|each| each.policy == policy).unwrap().scenario.clone()
+}
+
+/// How a drive from (x, −1.75 m) to the east went.
+struct Drive {
+    contact: Option<Contact>,
+    world: World,
+    slowest: f64,
+    emergencies: u32,
+}
+
+fn drive(policy: &str, x: f64, walker: Pose, walking: f64, seconds: f64) -> Drive {
+    let scenario = scenario(policy);
+    let body = scenario.adversary.body.nimble();
+    let empty = Arc::new(Obstacles::new(&[]));
+    let mut world = World::new(scenario.town.clone(), empty, scenario.vehicle.clone(), body, None, 0.05);
+    world.begin(&Scene { ego: Pose::new(x, -1.75, 0.0), ego_speed: 7.5, pedestrian: walker, light_phase: 0.0 });
+    let mut driver = (scenario.policy)();
+    let mut sensors = Sensors::default();
+    driver.reset(&sensors.perceive(&world), Seed::root(1).stream());
+    let (mut slowest, mut emergencies, mut contact) = (f64::INFINITY, 0, None);
+    while contact.is_none() && world.elapsed() < seconds {
+        let control = driver.drive(&sensors.perceive(&world));
+        emergencies += u32::from(driver.mode() == DrivingMode::EmergencyStop);
+        contact = world.tick(control, WalkCommand { heading: walker.yaw, speed: walking });
+        slowest = slowest.min(world.ego.speed);
+    }
+    Drive { contact, world, slowest, emergencies }
+}
+
+#[test]
+fn they_stop_for_somebody_who_stands_in_the_lane() {
+    let standing = Pose::new(60.0, -1.75, 1.57);
+    assert!(drive("blind", 20.0, standing, 0.0, 15.0).contact.is_some());
+    for policy in GUARDED {
+        let end = drive(policy, 20.0, standing, 0.0, 15.0);
+        assert!(end.contact.is_none(), "{policy} hits at {:?}", end.contact);
+        assert!(end.slowest < 0.5 && end.world.ego.pose.x < 60.0, "{policy} does not stop: {}", end.slowest);
+    }
+    let gap = |policy| drive(policy, 20.0, standing, 0.0, 15.0).world.gap();
+    let (late, sure) = (gap("late_oracle"), gap("oracle"));
+    assert!(late < 0.7, "as late as it can: {late}");
+    assert!(sure < 1.5, "it creeps up as far as is safe: {sure}");
+}
+
+#[test]
+fn they_brake_for_somebody_who_crosses() {
+    // From the near pavement at 1.4 m/s, into the middle of the car if it goes on.
+    let (walker, start) = (Pose::new(60.0, -6.0, std::f64::consts::FRAC_PI_2), 60.0 - 7.5 * 4.25 / 1.4);
+    assert!(drive("blind", start, walker, 1.4, 8.0).contact.is_some());
+    for policy in GUARDED {
+        let end = drive(policy, start, walker, 1.4, 8.0);
+        assert!(end.contact.is_none(), "{policy} hits: {:?}", end.contact);
+    }
+}
+
+#[test]
+fn they_drive_past_somebody_on_the_far_pavement() {
+    for policy in GUARDED {
+        let alone = drive(policy, 20.0, Pose::new(1000.0, 1000.0, 0.0), 0.0, 60.0);
+        let passing = drive(policy, 20.0, Pose::new(50.0, 5.3, 0.0), 0.0, 60.0);
+        assert_eq!(passing.emergencies, 0, "{policy}");
+        assert_eq!(passing.world.ego, alone.world.ego, "{policy} is not moved by somebody over there");
+        assert!(alone.slowest > 1.0, "{policy}: {}", alone.slowest);
+    }
+}
+
+/// Whatever the pedestrian does, the oracle does not drive into it: it has stopped before.
+#[test]
+fn nobody_gets_hit_by_the_oracle_while_it_moves() {
+    let scenario = scenario("oracle");
+    let mut env = falsify::env::PedestrianEnv::new(scenario, Seed::root(2));
+    let (mut hits, mut moving) = (0, 0);
+    for episode in 0..60 {
+        env.begin(episode);
+        while env.outcome().is_none() {
+            env.walk(env.intercept());
+        }
+        if let falsify::env::Ending::Collision { moving: at_speed, .. } = env.outcome().unwrap().ending {
+            hits += 1;
+            moving += u32::from(at_speed);
+        }
+    }
+    assert!(hits > 30, "the pedestrian reaches the car: {hits}");
+    assert_eq!(moving, 0, "of {hits}");
+}
