@@ -12,6 +12,7 @@ mod idm;
 pub mod behavior_agent;
 pub mod lav;
 pub mod interfuser;
+pub mod reference_drivers;
 
 pub use cruise::Cruise;
 pub use driving_policy::{DrivingMode, DrivingPolicy};
