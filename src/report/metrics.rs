@@ -195,6 +195,7 @@ mod tests {
             block: 0,
             episode,
             outcome: Outcome { spawn, ending, reward, ticks: 10, duration: 0.5, least_gap, last_mode, digest: 7 },
+            verdict: None,
         }
     }
 

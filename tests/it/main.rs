@@ -18,6 +18,7 @@ mod determinism;
 mod interfuser_driving;
 mod interfuser_reference;
 mod lav_reference;
+mod judge;
 mod layers;
 mod learning;
 mod ped_world;

@@ -45,7 +45,8 @@ impl RssLimits {
     pub fn forward_reach(&self, speed: f64) -> f64 {
         let time = self.response + (speed + self.response * self.acceleration) / self.braking;
         let rising = ((self.fastest - speed).max(0.0) / self.acceleration).min(time);
-        speed * rising + self.acceleration * rising * rising / 2.0
+        speed * rising
+            + self.acceleration * rising * rising / 2.0
             + (time - rising) * (speed + self.acceleration * rising)
     }
 
@@ -189,8 +190,7 @@ mod tests {
 
     #[test]
     fn distances_to_a_standing_pedestrian_are_those_of_the_table() {
-        let bare =
-            RssLimits { response: 0.5, acceleration: 0.0, braking: 8.0, hardest: 8.0, ..RssLimits::car() };
+        let bare = RssLimits { response: 0.5, acceleration: 0.0, braking: 8.0, hardest: 8.0, ..RssLimits::car() };
         let rows = [
             (RssLimits::car(), [15.78, 21.35, 27.57, 53.44]),
             (RssLimits::jrc(), [8.97, 12.48, 16.42, 32.97]),

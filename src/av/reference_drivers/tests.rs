@@ -1,6 +1,6 @@
 //! Euro NCAP's crossing tests, driven by the careful human and the ideal brake, in steps of a millisecond.
 
-use super::{DelayedBrake, BrakeProfile, OwnMotion, ReferenceDriver, Threat};
+use super::{BrakeProfile, DelayedBrake, OwnMotion, ReferenceDriver, Threat};
 
 /// Width of the car (m).
 const WIDTH: f64 = 1.815;
