@@ -1,6 +1,6 @@
 use super::Encounter;
 use crate::av::reference_drivers::{OwnMotion, ReferenceDriver};
-use crate::geometry::first_touch;
+use crate::geometry::{OrientedBox, first_touch};
 
 /// Steps that a tick is driven in: reference drivers react in hundredths of a second.
 const STEPS: u32 = 5;
@@ -18,54 +18,78 @@ pub struct Trial {
     pub least_gap: f64,
 }
 
+/// The car with the reference driver in it.
+#[derive(Debug, Clone, Copy)]
+struct Car {
+    way: f64,
+    speed: f64,
+    acceleration: f64,
+    interfered: bool,
+}
+
+impl Car {
+    /// Moves on by one step of a tick of `tick` (s): as the driver brakes, or to the recorded pace at the end of the tick.
+    fn advance(&mut self, braking: Option<f64>, pace: Option<f64>, dt: f64, tick: f64) {
+        self.interfered |= braking.is_some();
+        let braking = braking.unwrap_or(0.0);
+        if !self.interfered {
+            // As the simulator moves a car: with the tick's first speed until its end.
+            self.way += self.speed * dt;
+            if let Some(pace) = pace {
+                self.acceleration = (pace - self.speed).max(0.0) / tick;
+                self.speed = self.speed.max(pace);
+            }
+            return;
+        }
+        let next = (self.speed - braking * dt).max(0.0);
+        // A car that stops within the step does not use all of it.
+        let moving = if next == 0.0 && braking > 0.0 { (self.speed / braking).min(dt) } else { dt };
+        self.way += (self.speed + next) / 2.0 * moving;
+        (self.speed, self.acceleration) = (next, -braking);
+    }
+
+    fn has_stopped(&self) -> bool {
+        self.interfered && self.speed <= STANDING
+    }
+}
+
 impl Trial {
     /// Puts a driver into the seat.
     pub fn new(encounter: &Encounter, driver: &mut dyn ReferenceDriver) -> Self {
         driver.begin();
-        let dt = encounter.dt / f64::from(STEPS);
-        let (mut way, mut speed, mut acceleration) = (encounter.start, encounter.pace[0], 0.0);
-        let mut interfered = false;
-        let mut outline = encounter.outline(way);
-        let mut least_gap = (outline.distance_to(encounter.steps[0].position) - encounter.radius).max(0.0);
-        for (tick, pair) in encounter.steps.windows(2).enumerate() {
+        let (tick, part) = (encounter.dt, 1.0 / f64::from(STEPS));
+        let dt = tick * part;
+        let mut car = Car { way: encounter.start, speed: encounter.pace[0], acceleration: 0.0, interfered: false };
+        let mut outline = encounter.outline(car.way);
+        let gap = |outline: &OrientedBox, place| (outline.distance_to(place) - encounter.radius).max(0.0);
+        let mut least_gap = gap(&outline, encounter.steps[0].position);
+        for (number, pair) in encounter.steps.windows(2).enumerate() {
             let (from, to) = (&pair[0], &pair[1]);
-            let aim = *encounter.pace.get(tick + 1).unwrap_or(&speed);
             let chord = to.position - from.position;
             for step in 0..STEPS {
-                let share = f64::from(step) / f64::from(STEPS);
-                let own = OwnMotion { speed, acceleration, length: 2.0 * encounter.half.x };
-                let threat = encounter.threat(from, to, share, way);
-                let braking = driver.brake(&own, threat.as_ref(), dt);
-                interfered |= braking.is_some();
-                let next = match braking {
-                    Some(braking) => (speed - braking * dt).max(0.0),
-                    None if interfered => speed,
-                    // As the simulator moves a car: with the tick's first speed, to the next one at its end.
-                    None if step + 1 == STEPS => speed.max(aim),
-                    None => speed,
-                };
-                acceleration = (next - speed) / dt;
-                // A car that stops within the step does not use all of it.
-                let moving = braking.filter(|_| next == 0.0).map_or(dt, |braking| (speed / braking.max(1e-9)).min(dt));
-                let before = (way, outline, speed);
-                way += if interfered { (speed + next) / 2.0 * moving } else { speed * dt };
-                speed = next;
-                let (start, end) =
-                    (from.position + chord * share, from.position + chord * (share + 1.0 / f64::from(STEPS)));
-                if before.2 <= STANDING && speed <= STANDING && interfered {
-                    let time = (tick as f64 + share) * encounter.dt;
+                let share = f64::from(step) * part;
+                let time = (number as f64 + share) * tick;
+                let own =
+                    OwnMotion { speed: car.speed, acceleration: car.acceleration, length: 2.0 * encounter.half.x };
+                let braking = driver.brake(&own, encounter.threat(from, to, share, car.way).as_ref(), dt);
+                let pace = encounter.pace.get(number + 1).filter(|_| step + 1 == STEPS);
+                let stood = car.has_stopped();
+                car.advance(braking, pace.copied(), dt, tick);
+                if stood && car.has_stopped() {
                     return Self { impact_speed: None, time, least_gap };
                 }
-                outline = encounter.outline(way);
-                if let Some(touch) = first_touch(start, end, encounter.radius, &before.1, &outline) {
-                    let impact = before.2 + (speed - before.2) * touch.fraction;
-                    let time = (tick as f64 + share) * encounter.dt + touch.fraction * dt;
-                    return Self { impact_speed: (impact > STANDING).then_some(impact), time, least_gap: 0.0 };
+                let before = outline;
+                outline = encounter.outline(car.way);
+                let (start, end) = (from.position + chord * share, from.position + chord * (share + part));
+                if let Some(touch) = first_touch(start, end, encounter.radius, &before, &outline) {
+                    let impact = own.speed + (car.speed - own.speed) * touch.fraction;
+                    let impact_speed = (impact > STANDING).then_some(impact);
+                    return Self { impact_speed, time: time + touch.fraction * dt, least_gap: 0.0 };
                 }
-                least_gap = least_gap.min((outline.distance_to(end) - encounter.radius).max(0.0));
+                least_gap = least_gap.min(gap(&outline, end));
             }
         }
-        Self { impact_speed: None, time: (encounter.steps.len() - 1) as f64 * encounter.dt, least_gap }
+        Self { impact_speed: None, time: (encounter.steps.len() - 1) as f64 * tick, least_gap }
     }
 
     /// Whether the car touched nobody while it moved.
