@@ -62,34 +62,38 @@ impl DrivenPath {
     /// straight line backwards from there.
     pub fn place(&self, point: Point, from: f64) -> Place {
         let first = self.vertices.partition_point(|(at, _)| *at <= from).max(1) - 1;
-        let (end, last) = self.end();
-        let mut nearest = (f64::INFINITY, beside(end, last.position(), last.forward(), point));
-        let mut least = f64::NEG_INFINITY;
-        let mut consider = |along: f64, start: Point, direction: Vector, longest: f64| {
-            let reached = (point - start).dot(&direction).clamp(least, longest);
-            least = 0.0;
-            let apart = (point - start - direction * reached).norm_squared();
+        let apart = |(_, pose): &(f64, Pose)| (point - pose.position()).norm_squared();
+        let mut nearest = (f64::INFINITY, first);
+        for (index, vertex) in self.vertices.iter().enumerate().skip(first) {
+            let apart = apart(vertex);
             if apart < nearest.0 {
-                nearest = (apart, beside(along, start, direction, point));
-                nearest.1.along = along + reached;
+                nearest = (apart, index);
             }
-        };
-        for pair in self.vertices[first..].windows(2) {
-            let (along, start) = (pair[0].0, pair[0].1.position());
-            let length = pair[1].0 - along;
-            consider(along, start, (pair[1].1.position() - start) / length, length);
         }
-        consider(end, last.position(), last.forward(), f64::INFINITY);
-        nearest.1
+        // One of the two pieces that meet there is the nearest.
+        let index = nearest.1;
+        let ahead = self.seen_from(index, point);
+        if index == first || ahead.along >= self.vertices[index].0 {
+            return ahead;
+        }
+        self.seen_from(index - 1, point)
+    }
+
+    /// A point as seen from the piece of the path that begins at a vertex, lengthened both ways.
+    fn seen_from(&self, index: usize, point: Point) -> Place {
+        let (along, pose) = self.vertices[index];
+        let start = pose.position();
+        let direction = match self.vertices.get(index + 1) {
+            Some((next, end)) => (end.position() - start) / (next - along),
+            None => pose.forward(),
+        };
+        let offset = point - start;
+        Place { along: along + offset.dot(&direction), aside: direction.perp(&offset), direction }
     }
 
     fn end(&self) -> (f64, Pose) {
         *self.vertices.last().expect("checked: a path has a beginning")
     }
-}
-
-fn beside(along: f64, start: Point, direction: Vector, point: Point) -> Place {
-    Place { along, aside: direction.perp(&(point - start)), direction }
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@
 //! 3. The pedestrian is *frozen*: it is where it was at each time, and goes on with its last command after the recorded touch,
 //!    for ten seconds at most. It does not react to the other driver; how much an adversary would is not measured.
 //! 4. A driver *avoids* the failure when the car touches nobody while it moves. Who then walks into the standing car is not
-//!    counted.
+//!    counted, nor who comes from behind.
 //!
 //! The labels are explained at [`Label`], the drivers at [`Reference`]. Reference drivers brake as their figures say, whatever
 //! the car's own brake can do.

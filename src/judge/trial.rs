@@ -12,7 +12,7 @@ pub(super) const STANDING: f64 = 0.1;
 pub struct Trial {
     /// Speed at which the car touched the pedestrian (m/s); none when it avoided that.
     pub impact_speed: Option<f64>,
-    /// Time from the beginning of the danger to that touch, or to when the driver had stopped or time was up (s).
+    /// Time from the beginning of the danger to that touch, or to when the car had stopped or passed, or time was up (s).
     pub time: f64,
     /// Least gap between car and pedestrian until the car stood (m); 0 at a touch.
     pub least_gap: f64,
@@ -62,6 +62,8 @@ impl Trial {
         let mut car = Car { way: encounter.start, speed: encounter.pace[0], acceleration: 0.0, interfered: false };
         let mut outline = encounter.outline(car.way);
         let gap = |outline: &OrientedBox, place| (outline.distance_to(place) - encounter.radius).max(0.0);
+        // Half of the car's diagonal, the pedestrian's radius, and more than both move within a step.
+        let far = encounter.half.norm() + encounter.radius + 2.0;
         let mut least_gap = gap(&outline, encounter.steps[0].position);
         for (number, pair) in encounter.steps.windows(2).enumerate() {
             let (from, to) = (&pair[0], &pair[1]);
@@ -71,16 +73,22 @@ impl Trial {
                 let time = (number as f64 + share) * tick;
                 let own =
                     OwnMotion { speed: car.speed, acceleration: car.acceleration, length: 2.0 * encounter.half.x };
-                let braking = driver.brake(&own, encounter.threat(from, to, share, car.way).as_ref(), dt);
+                let threat = encounter.threat(from, to, share, car.way);
+                let braking = driver.brake(&own, threat.as_ref(), dt);
                 let pace = encounter.pace.get(number + 1).filter(|_| step + 1 == STEPS);
                 let stood = car.has_stopped();
                 car.advance(braking, pace.copied(), dt, tick);
-                if stood && car.has_stopped() {
+                if threat.is_none() || (stood && car.has_stopped()) {
                     return Self { impact_speed: None, time, least_gap };
                 }
                 let before = outline;
                 outline = encounter.outline(car.way);
                 let (start, end) = (from.position + chord * share, from.position + chord * (share + part));
+                // The distance of the middles bounds the gap from below; most steps need no more.
+                let reach = least_gap + far;
+                if (end - outline.pose.position()).norm_squared() > reach * reach {
+                    continue;
+                }
                 if let Some(touch) = first_touch(start, end, encounter.radius, &before, &outline) {
                     let impact = own.speed + (car.speed - own.speed) * touch.fraction;
                     let impact_speed = (impact > STANDING).then_some(impact);

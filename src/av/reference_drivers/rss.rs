@@ -143,6 +143,9 @@ impl Rss {
         if threat.aside <= 0.0 && within(threat.gap) {
             return true;
         }
+        if threat.aside > reach || threat.gap - reach > ahead || threat.gap + reach < behind {
+            return false;
+        }
         let pace = pace(threat);
         let middle = if pace > 0.0 { libm::atan2(-threat.towards, threat.along) } else { 0.0 };
         let turn = self.pedestrian.turn(pace);
