@@ -8,7 +8,7 @@ const EYE: f64 = 1.9;
 /// A pedestrian that has been no danger for so long (s) begins a new approach.
 const FORGETTING: f64 = 1.0;
 /// For how long after the recorded touch the pedestrian goes on (s).
-const AFTERWARDS: f64 = 10.0;
+const AFTERWARDS: f64 = 5.0;
 
 /// The pedestrian at a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,6 +4,8 @@ use crate::geometry::{OrientedBox, first_touch};
 
 /// Steps that a tick is driven in: reference drivers react in hundredths of a second.
 const STEPS: u32 = 5;
+/// More than a corner of the car moves within a step because the car turns (m).
+const TURNING: f64 = 0.05;
 /// Slower than this (m/s) the car stands.
 pub(super) const STANDING: f64 = 0.1;
 
@@ -62,8 +64,7 @@ impl Trial {
         let mut car = Car { way: encounter.start, speed: encounter.pace[0], acceleration: 0.0, interfered: false };
         let mut outline = encounter.outline(car.way);
         let gap = |outline: &OrientedBox, place| (outline.distance_to(place) - encounter.radius).max(0.0);
-        // Half of the car's diagonal, the pedestrian's radius, and more than both move within a step.
-        let far = encounter.half.norm() + encounter.radius + 2.0;
+        let far = encounter.half.norm() + encounter.radius;
         let mut least_gap = gap(&outline, encounter.steps[0].position);
         for (number, pair) in encounter.steps.windows(2).enumerate() {
             let (from, to) = (&pair[0], &pair[1]);
@@ -85,8 +86,14 @@ impl Trial {
                 outline = encounter.outline(car.way);
                 let (start, end) = (from.position + chord * share, from.position + chord * (share + part));
                 // The distance of the middles bounds the gap from below; most steps need no more.
-                let reach = least_gap + far;
+                let moved = own.speed * dt + chord.norm() * part + TURNING;
+                let reach = far + least_gap.max(moved);
                 if (end - outline.pose.position()).norm_squared() > reach * reach {
+                    continue;
+                }
+                let left = gap(&outline, end);
+                least_gap = least_gap.min(left);
+                if left > moved {
                     continue;
                 }
                 if let Some(touch) = first_touch(start, end, encounter.radius, &before, &outline) {
@@ -94,7 +101,6 @@ impl Trial {
                     let impact_speed = (impact > STANDING).then_some(impact);
                     return Self { impact_speed, time: time + touch.fraction * dt, least_gap: 0.0 };
                 }
-                least_gap = least_gap.min(gap(&outline, end));
             }
         }
         Self { impact_speed: None, time: (encounter.steps.len() - 1) as f64 * tick, least_gap }

@@ -165,7 +165,7 @@ fn the_danger_begins_when_the_pedestrian_can_be_seen() {
 #[test]
 fn an_earlier_approach_is_not_this_danger() {
     // It walks towards the path, stands for more than a second, and comes again.
-    let (scenario, paused) = run_out(&[], |time| if time < 0.5 || time > 2.0 { 1.39 } else { 0.0 });
+    let (scenario, paused) = run_out(&[], |time| if (0.5..=2.0).contains(&time) { 0.0 } else { 1.39 });
     assert!((judge(&scenario, &paused).unwrap().warning - 1.0).abs() < 0.11);
     let (scenario, short) = run_out(&[], |time| if !(0.5..1.0).contains(&time) { 1.39 } else { 0.0 });
     assert!((judge(&scenario, &short).unwrap().warning - 3.0).abs() < 1e-9);
