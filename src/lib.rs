@@ -16,6 +16,7 @@ pub mod av;
 pub mod rl;
 pub mod env;
 pub mod compile;
+pub mod judge;
 pub mod falsifier;
 pub mod campaign;
 pub mod analysis;

@@ -21,6 +21,7 @@ pub mod senses;
 pub mod behavior_agent;
 pub mod lav;
 pub mod interfuser;
+pub mod reference_drivers;
 
 pub use aeb::Aeb;
 pub use cruise::Cruise;

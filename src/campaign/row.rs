@@ -1,5 +1,6 @@
 use crate::compile::TrainingKey;
 use crate::env::Outcome;
+use crate::judge::Verdict;
 
 /// One episode of an evaluation.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,4 +23,6 @@ pub struct EpisodeRow {
     pub episode: u32,
     /// What became of it.
     pub outcome: Outcome,
+    /// What reference drivers make of it; none without a collision.
+    pub verdict: Option<Verdict>,
 }

@@ -4,7 +4,8 @@ use rayon::prelude::*;
 
 use super::{EpisodeRow, Observer};
 use crate::compile::{Campaign, Evaluation, Pedestrian, Training, TrainingKey};
-use crate::falsifier::{Choosing, Intercept, Random, TrainedWalker, Walker, train, try_walker};
+use crate::falsifier::{Choosing, Intercept, Random, TrainedWalker, Walker, train, watch_walker};
+use crate::judge::judge;
 use crate::rl::{TrainError, Trained};
 use crate::seed::Seed;
 
@@ -94,29 +95,33 @@ fn evaluate(
     }
     let place = |branch: &str| seed.child(branch).child(&evaluation.town).child(&evaluation.policy);
     let walker_seed = place("walker").child(evaluation.pedestrian.name()).index(evaluation.trained.run.into());
-    let outcomes = try_walker(
+    let mut rows = Vec::with_capacity(evaluation.episodes as usize);
+    let scenario = &evaluation.scenario;
+    let episodes_seed = place("evaluate");
+    watch_walker(
         walker.as_mut(),
-        &evaluation.scenario,
+        scenario,
         evaluation.episodes,
-        &place("evaluate"),
+        &episodes_seed,
         &walker_seed,
-        &mut |_| {
+        &mut |outcome, recording| {
+            rows.push(EpisodeRow {
+                trained: evaluation.trained.clone(),
+                pedestrian: evaluation.pedestrian.name(),
+                town: evaluation.town.clone(),
+                policy: evaluation.policy.clone(),
+                vehicle: evaluation.vehicle.clone(),
+                adversary: evaluation.adversary.clone(),
+                block: evaluation.block,
+                episode: rows.len() as u32,
+                outcome: *outcome,
+                verdict: judge(scenario, recording),
+            });
             observer.tried(index, evaluation);
             flow(observer)
         },
     );
-    let row = |(episode, outcome)| EpisodeRow {
-        trained: evaluation.trained.clone(),
-        pedestrian: evaluation.pedestrian.name(),
-        town: evaluation.town.clone(),
-        policy: evaluation.policy.clone(),
-        vehicle: evaluation.vehicle.clone(),
-        adversary: evaluation.adversary.clone(),
-        block: evaluation.block,
-        episode: episode as u32,
-        outcome,
-    };
-    outcomes.into_iter().enumerate().map(row).collect()
+    rows
 }
 
 fn flow(observer: &dyn Observer) -> ControlFlow<()> {

@@ -17,12 +17,14 @@ mod observation;
 mod action;
 mod reward;
 mod outcome;
+mod recording;
 mod pedestrian_env;
 
 pub use action::{Adversary, FirstHeading, Frame, Scaling};
 pub use observation::{Observation, ObservedSpeed};
 pub use outcome::{Ending, Outcome};
 pub use pedestrian_env::PedestrianEnv;
+pub use recording::{Moment, Recording};
 pub use reward::{RewardRule, Situation, vocabulary};
 pub use scenario::{EpisodeRule, PolicyMaker, Scenario};
 pub use spawn::{Constraint, EgoStart, Ground, LanePiece, Measure, RoadShape, Spawn, SpawnError, SpawnRule, Survey};

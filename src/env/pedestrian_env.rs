@@ -112,6 +112,11 @@ impl PedestrianEnv {
 
     /// Carries a command out for as many ticks as the scenario holds it.
     pub fn walk(&mut self, command: WalkCommand) -> Step {
+        self.walk_watched(command, |_, _| ())
+    }
+
+    /// Carries a command out and shows the world after each tick, with the touch if there was one.
+    pub fn walk_watched(&mut self, command: WalkCommand, mut watch: impl FnMut(&World, Option<&Contact>)) -> Step {
         let rule = &self.scenario.episode;
         let (limit, hold) = (rule.ticks, rule.hold);
         self.episode.command = command;
@@ -124,6 +129,7 @@ impl PedestrianEnv {
             }
             contact = self.world.tick(control, command);
             self.record();
+            watch(&self.world, contact.as_ref());
             if contact.is_some() || self.world.ticks >= limit {
                 break;
             }

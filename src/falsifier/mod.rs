@@ -6,7 +6,7 @@ mod random;
 mod intercept;
 mod episodes;
 
-pub use episodes::try_walker;
+pub use episodes::{try_walker, watch_walker};
 pub use intercept::Intercept;
 pub use random::Random;
 pub use trained::{Choosing, TrainedWalker, train};

@@ -1,6 +1,7 @@
 use polars::prelude::*;
 
 use super::wilson;
+use crate::judge::Label;
 
 /// What a run is told apart by, beside its number.
 const CELL: [&str; 9] =
@@ -61,11 +62,45 @@ pub struct Cell {
     pub length: Spread,
     /// Speed of the ego at a collision (m/s).
     pub impact_speed: Spread,
+    /// Collisions in all runs.
+    pub collisions: u32,
+    /// Preventable collisions of all episodes.
+    pub preventable: Spread,
+    /// Wilson's interval of that, over all episodes.
+    pub preventable_interval: (f64, f64),
+    /// Preventable collisions of all collisions.
+    pub preventable_share: Spread,
+    /// Wilson's interval of that, over all collisions.
+    pub preventable_share_interval: (f64, f64),
+    /// How many collisions got each label, in the order of [`Label::ALL`].
+    pub labels: [u32; 6],
+    /// How many collisions were with a foreseeable pedestrian.
+    pub foreseeable: u32,
 }
 
 /// The metrics that get a mean and a spread in the table of cells.
-const AVERAGED: [&str; 6] =
-    ["collision_rate", "front_rate", "moving_rate", "episode_reward", "episode_length_s", "impact_speed_mps"];
+const AVERAGED: [&str; 8] = [
+    "collision_rate",
+    "front_rate",
+    "moving_rate",
+    "episode_reward",
+    "episode_length_s",
+    "impact_speed_mps",
+    "preventable_rate",
+    "preventable_share",
+];
+
+/// The rates of the table of cells that get an interval: name, part, whole.
+const RATES: [(&str, &str, &str); 3] = [
+    ("collision_rate", "collisions", "episodes"),
+    ("preventable_rate", "preventable_collisions", "episodes"),
+    ("preventable_share", "preventable_collisions", "collisions"),
+];
+
+/// The name of the column that counts a label.
+fn counted(label: Label) -> String {
+    format!("{}_collisions", label.name())
+}
 
 /// Aggregates episodes to runs and runs to cells, each in the order of first appearance.
 ///
@@ -75,36 +110,49 @@ pub fn metrics(episodes: &DataFrame) -> PolarsResult<Metrics> {
     let total = |name: &str| col(name).cast(DataType::UInt32).sum();
     let mut by_run: Vec<Expr> = CELL.iter().map(|name| col(*name)).collect();
     by_run.push(col("run"));
+    let labels = Label::ALL.map(|label| {
+        let one = col("verdict").eq(lit(label.name())).fill_null(lit(false));
+        one.cast(DataType::UInt32).sum().alias(counted(label))
+    });
+    let mut aggregated = vec![
+        len().cast(DataType::UInt32).alias("episodes"),
+        total("collision").alias("collisions"),
+        total("front").alias("front_collisions"),
+        total("moving").alias("moving_collisions"),
+        col("episode_reward").mean(),
+        col("episode_length_s").mean(),
+        col("impact_speed_mps").mean(),
+        col("least_gap_m").mean(),
+        col("foreseeable").fill_null(lit(false)).cast(DataType::UInt32).sum().alias("foreseeable_collisions"),
+    ];
+    aggregated.extend(labels);
     let runs = episodes
         .clone()
         .lazy()
         .group_by_stable(by_run)
-        .agg([
-            len().cast(DataType::UInt32).alias("episodes"),
-            total("collision").alias("collisions"),
-            total("front").alias("front_collisions"),
-            total("moving").alias("moving_collisions"),
-            col("episode_reward").mean(),
-            col("episode_length_s").mean(),
-            col("impact_speed_mps").mean(),
-            col("least_gap_m").mean(),
-        ])
+        .agg(aggregated)
         .with_columns([
             ratio("collisions", "episodes").alias("collision_rate"),
             ratio("front_collisions", "collisions").alias("front_rate"),
             ratio("moving_collisions", "episodes").alias("moving_rate"),
+            ratio("preventable_collisions", "episodes").alias("preventable_rate"),
+            ratio("preventable_collisions", "collisions").alias("preventable_share"),
         ])
         .collect()?;
     let by_cell: Vec<Expr> = CELL.iter().map(|name| col(*name)).collect();
     let mut sums = vec![len().cast(DataType::UInt32).alias("runs"), total("episodes"), total("collisions")];
+    sums.push(total("foreseeable_collisions"));
+    sums.extend(Label::ALL.map(|label| total(&counted(label))));
     for name in AVERAGED {
         sums.push(col(name).mean().alias(format!("{name}_mean")));
         sums.push(col(name).std(1).alias(format!("{name}_sd")));
     }
     let mut cells = runs.clone().lazy().group_by_stable(by_cell).agg(sums).collect()?;
-    let (low, high) = intervals(&cells)?;
-    cells.with_column(Column::new("collision_rate_wilson_low".into(), low))?;
-    cells.with_column(Column::new("collision_rate_wilson_high".into(), high))?;
+    for (name, part, whole) in RATES {
+        let (low, high) = intervals(&cells, part, whole)?;
+        cells.with_column(Column::new(format!("{name}_wilson_low").into(), low))?;
+        cells.with_column(Column::new(format!("{name}_wilson_high").into(), high))?;
+    }
     Ok(Metrics { runs, cells })
 }
 
@@ -114,8 +162,8 @@ fn ratio(part: &str, whole: &str) -> Expr {
     when(col(whole).gt(lit(0u32))).then(share).otherwise(lit(NULL).cast(DataType::Float64))
 }
 
-fn intervals(cells: &DataFrame) -> PolarsResult<(Vec<f64>, Vec<f64>)> {
-    let (hits, trials) = (cells.column("collisions")?.u32()?, cells.column("episodes")?.u32()?);
+fn intervals(cells: &DataFrame, part: &str, whole: &str) -> PolarsResult<(Vec<f64>, Vec<f64>)> {
+    let (hits, trials) = (cells.column(part)?.u32()?, cells.column(whole)?.u32()?);
     let pairs = hits.into_no_null_iter().zip(trials.into_no_null_iter());
     Ok(pairs.map(|(hits, trials)| wilson(hits.into(), trials.into())).unzip())
 }
@@ -137,7 +185,15 @@ impl Metrics {
         let spread = |name: &str, row: usize| -> PolarsResult<Spread> {
             Ok(Spread { mean: number(&format!("{name}_mean"), row)?, sd: number(&format!("{name}_sd"), row)? })
         };
+        let interval = |name: &str, row: usize| -> PolarsResult<(f64, f64)> {
+            let low = number(&format!("{name}_wilson_low"), row)?.unwrap_or(0.0);
+            Ok((low, number(&format!("{name}_wilson_high"), row)?.unwrap_or(1.0)))
+        };
         let cell = |row: usize| {
+            let mut labels = [0; 6];
+            for (found, label) in labels.iter_mut().zip(Label::ALL) {
+                *found = count(&counted(label), row)?;
+            }
             Ok(Cell {
                 reward: text("reward", row)?,
                 trained: (text("train_town", row)?, text("train_policy", row)?),
@@ -150,15 +206,19 @@ impl Metrics {
                 runs: count("runs", row)?,
                 episodes: count("episodes", row)?,
                 collision: spread("collision_rate", row)?,
-                interval: (
-                    number("collision_rate_wilson_low", row)?.unwrap_or(0.0),
-                    number("collision_rate_wilson_high", row)?.unwrap_or(1.0),
-                ),
+                interval: interval("collision_rate", row)?,
                 front: spread("front_rate", row)?,
                 moving: spread("moving_rate", row)?,
                 reward_sum: spread("episode_reward", row)?,
                 length: spread("episode_length_s", row)?,
                 impact_speed: spread("impact_speed_mps", row)?,
+                collisions: count("collisions", row)?,
+                preventable: spread("preventable_rate", row)?,
+                preventable_interval: interval("preventable_rate", row)?,
+                preventable_share: spread("preventable_share", row)?,
+                preventable_share_interval: interval("preventable_share", row)?,
+                labels,
+                foreseeable: count("foreseeable_collisions", row)?,
             })
         };
         (0..frame.height()).map(cell).collect()
@@ -174,6 +234,7 @@ mod tests {
     use crate::compile::TrainingKey;
     use crate::env::{Ending, Outcome, Spawn};
     use crate::geometry::Pose;
+    use crate::judge::{Trial, Verdict};
 
     fn row(run: u32, episode: u32, hit: Option<(bool, f64)>) -> EpisodeRow {
         let ending = hit.map_or(Ending::Timeout, |(front, impact_speed)| Ending::Collision {
@@ -185,6 +246,14 @@ mod tests {
         let spawn = Spawn { ego: Pose::default(), ego_speed: 0.0, pedestrian: Pose::default() };
         let reward = hit.map_or(0.0, |(_, speed)| 1.0 + speed);
         let (least_gap, last_mode) = (1.0, DrivingMode::Cruise);
+        // Frontal ones are preventable, others happen to a standing car.
+        let verdict = hit.map(|(front, impact_speed)| Verdict {
+            label: if front { Label::Preventable } else { Label::Standing },
+            warning: 2.0,
+            foreseeable: front,
+            impact_speed,
+            trials: [Trial { impact_speed: None, time: 1.0, least_gap: 0.5 }; 6],
+        });
         EpisodeRow {
             trained: TrainingKey { town: "a".into(), policy: "p".into(), reward: "r1".into(), run },
             pedestrian: "trained",
@@ -195,6 +264,7 @@ mod tests {
             block: 0,
             episode,
             outcome: Outcome { spawn, ending, reward, ticks: 10, duration: 0.5, least_gap, last_mode, digest: 7 },
+            verdict,
         }
     }
 
@@ -223,6 +293,10 @@ mod tests {
         near(cell.moving, 0.25, 0.0);
         near(cell.impact_speed, 4.0, 2.0 * 2.0_f64.sqrt());
         assert_eq!(cell.interval, wilson(3, 8));
+        near(cell.preventable, 0.25, 0.0);
+        near(cell.preventable_share, 0.75, 0.25 * 2.0_f64.sqrt());
+        assert_eq!((cell.preventable_interval, cell.preventable_share_interval), (wilson(2, 8), wilson(2, 3)));
+        assert_eq!((cell.collisions, cell.labels, cell.foreseeable), (3, [2, 0, 0, 0, 0, 1], 2));
     }
 
     #[test]

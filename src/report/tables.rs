@@ -3,6 +3,7 @@ use polars::prelude::{Column, DataFrame, NamedFrom, Series};
 use crate::analysis::FailureMode;
 use crate::campaign::EpisodeRow;
 use crate::env::Ending;
+use crate::judge::{Reference, Trial};
 
 /// Episodes as a table, one row each, in the order given. The columns are explained in `reports/README.md`.
 pub fn episodes(rows: &[EpisodeRow]) -> DataFrame {
@@ -25,7 +26,7 @@ pub fn episodes(rows: &[EpisodeRow]) -> DataFrame {
         Ending::Collision { front, moving, impact_speed, bearing } => Some((front, moving, impact_speed, bearing)),
         _ => None,
     };
-    let columns = vec![
+    let mut columns = vec![
         text("reward", &|row| row.trained.reward.clone()),
         text("train_town", &|row| row.trained.town.clone()),
         text("train_policy", &|row| row.trained.policy.clone()),
@@ -57,7 +58,32 @@ pub fn episodes(rows: &[EpisodeRow]) -> DataFrame {
         number("pedestrian_yaw_deg", &|row| row.outcome.spawn.pedestrian.yaw.to_degrees()),
         text("digest", &|row| format!("{:016x}", row.outcome.digest)),
     ];
+    columns.extend(verdicts(rows));
     DataFrame::new(rows.len(), columns).expect("all columns have a value for every row")
+}
+
+/// What reference drivers make of the collisions: missing values without one.
+fn verdicts(rows: &[EpisodeRow]) -> Vec<Column> {
+    let judged = || rows.iter().map(|row| row.verdict.as_ref());
+    let series = |name: &str, values: Vec<Option<f64>>| Column::from(Series::new(name.into(), values));
+    let truth = |name: &str, values: Vec<Option<bool>>| Column::from(Series::new(name.into(), values));
+    let labels: Vec<Option<&str>> = judged().map(|verdict| verdict.map(|verdict| verdict.label.name())).collect();
+    let mut columns = vec![
+        Column::from(Series::new("verdict".into(), labels)),
+        truth("foreseeable", judged().map(|verdict| verdict.map(|verdict| verdict.foreseeable)).collect()),
+        series("warning_s", judged().map(|verdict| verdict.map(|verdict| verdict.warning)).collect()),
+    ];
+    for reference in Reference::ALL {
+        let name = reference.name();
+        let trials = || judged().map(|verdict| verdict.map(|verdict| verdict.trial(reference)));
+        let avoids = trials().map(|trial| trial.map(Trial::is_avoided));
+        columns.push(truth(&format!("{name}_avoids"), avoids.collect()));
+        let margins = trials().map(|trial| trial.filter(|trial| trial.is_avoided()).map(|trial| trial.least_gap));
+        columns.push(series(&format!("{name}_margin_m"), margins.collect()));
+        let reductions = judged().map(|verdict| verdict.map(|verdict| verdict.reduction(reference)));
+        columns.push(series(&format!("{name}_impact_speed_reduction_mps"), reductions.collect()));
+    }
+    columns
 }
 
 fn ending(ending: &Ending) -> &'static str {

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use falsify::compile::{Catalog, compile};
 use falsify::diagnostic::Sources;
-use falsify::env::PedestrianEnv;
+use falsify::env::{PedestrianEnv, Recording};
 use falsify::seed::Seed;
 
 /// Counts the allocations of each thread.
@@ -64,11 +64,15 @@ fn a_tick_allocates_nothing_with_any_driver() {
     let plan = compiled.plan.unwrap();
     for evaluation in &plan.campaigns[0].evaluations {
         let mut env = PedestrianEnv::new(Arc::clone(&evaluation.scenario), Seed::root(1));
+        let mut recording = Recording::new(&evaluation.scenario.episode);
         let mut walk = |episode| {
             env.begin(episode);
             let before = ALLOCATIONS.get();
+            recording.begin(env.world());
             while env.outcome().is_none() {
-                env.walk(env.intercept());
+                let command = env.intercept();
+                recording.decide(command);
+                env.walk_watched(command, |world, contact| recording.watch(world, contact));
             }
             ALLOCATIONS.get() - before
         };

@@ -18,9 +18,10 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("env", &["geometry", "road", "sim", "rl", "av", "seed", "signature", "units"]),
     ("compile", &["diagnostic", "units", "signature", "seed", "geometry", "lang", "road", "sim", "av", "rl", "env"]),
     ("falsifier", &["seed", "sim", "rl", "env"]),
-    ("campaign", &["seed", "rl", "env", "compile", "falsifier"]),
+    ("judge", &["geometry", "sim", "av", "env"]),
+    ("campaign", &["seed", "rl", "env", "compile", "falsifier", "judge"]),
     ("analysis", &["env", "campaign"]),
-    ("report", &["geometry", "road", "av", "rl", "env", "compile", "campaign", "analysis"]),
+    ("report", &["geometry", "road", "av", "rl", "env", "compile", "judge", "campaign", "analysis"]),
     ("cli", &["diagnostic", "seed", "road", "lang", "rl", "compile", "campaign", "report", "analysis"]),
 ];
 

@@ -17,6 +17,7 @@ mod command_line;
 mod determinism;
 mod interfuser_driving;
 mod interfuser_reference;
+mod judge;
 mod lav_reference;
 mod drivers;
 mod layers;

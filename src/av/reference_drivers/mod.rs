@@ -1,0 +1,37 @@
+//! Reference drivers: how others say that a car must brake for somebody in its way, as yardsticks for a car under test.
+//!
+//! They decide about the brake alone, along a path that is given, from a [`Threat`] in the frame of that path; so a failure
+//! can be run again with each of them in the seat, and a driving policy can be built about one.
+//!
+//! | driver | from | brakes |
+//! |---|---|---|
+//! | [`DelayedBrake::careful_human`] | UN R157, competent and careful human | 1.15 s after it sees the danger, in 0.6 s to 0.774 g |
+//! | [`DelayedBrake::careful_human_at_two_seconds`] | the same, as esmini has it for pedestrians | 0.75 s after the time to collision fell to 2 s |
+//! | [`FuzzySafety`] | JRC's Fuzzy Safety Model | as hard as the distance is unsafe, to 6 m/s² |
+//! | [`Rss`] | ad-rss-lib, unstructured rule | 4 m/s² when both could not stop apart, unless the other was to stop |
+//! | [`DelayedBrake::ideal`] | our choice | 0.35 s after it sees the danger, in 0.6 s to 0.85 g |
+//! | [`DelayedBrake::bound`] | physics | at once, 0.85 g |
+//!
+//! UN R157 is written for roads without pedestrians: every use on one is an extrapolation, so the figures belong beside
+//! the verdict.
+//!
+//! # Source
+//! UN R157, annex 4 appendix 3; `ec-jrc/JRC-FSM`; `esmini`, controller `ALKS_R157SM`; Shalev-Shwartz et al., arXiv 1708.06374;
+//! `intel/ad-rss-lib` and CARLA's `RssCheck`.
+
+mod threat;
+mod brake_profile;
+mod delayed_brake;
+mod fuzzy_safety;
+mod rss;
+#[cfg(test)]
+mod tests;
+
+pub use brake_profile::BrakeProfile;
+pub use delayed_brake::DelayedBrake;
+pub use fuzzy_safety::FuzzySafety;
+pub use rss::{Rss, RssLimits, lateral_distance, longitudinal_distance};
+pub use threat::{OwnMotion, ReferenceDriver, Threat};
+
+/// Gravity (m/s²), as the regulations count it.
+const GRAVITY: f64 = 9.81;

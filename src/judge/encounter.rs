@@ -1,0 +1,160 @@
+use super::{DrivenPath, Place};
+use crate::av::reference_drivers::Threat;
+use crate::env::{Moment, Recording, Scenario};
+use crate::geometry::{Obstacles, OrientedBox, Point, Pose, Vector};
+
+/// From the bumper back to the driver's eye (m).
+const EYE: f64 = 1.9;
+/// A pedestrian that has been no danger for so long (s) begins a new approach.
+const FORGETTING: f64 = 1.0;
+/// For how long after the recorded touch the pedestrian goes on (s).
+const AFTERWARDS: f64 = 5.0;
+
+/// The pedestrian at a tick.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// Where it is.
+    pub position: Point,
+    /// Where that is from the path.
+    pub place: Place,
+    /// Its velocity (m/s).
+    pub velocity: Vector,
+}
+
+/// The last part of an episode that ended in a touch, from where the danger began: the path of the car, the pedestrian's way
+/// in time, and how fast the car was.
+#[derive(Debug, Clone)]
+pub struct Encounter {
+    /// The way of the car, from the beginning of the episode.
+    pub path: DrivenPath,
+    /// Where the car is on it when the danger begins (m).
+    pub start: f64,
+    /// How fast the car was, tick by tick from when the danger begins to the recorded touch, or has been since (m/s).
+    pub pace: Vec<f64>,
+    /// The pedestrian, tick by tick from when the danger begins.
+    pub steps: Vec<Step>,
+    /// Time from the beginning of the danger to the recorded touch (s).
+    pub warning: f64,
+    /// The car's speed at the recorded touch (m/s).
+    pub impact_speed: f64,
+    /// Length of a tick (s).
+    pub dt: f64,
+    /// Half extents of the car (m).
+    pub half: Vector,
+    /// Radius of the pedestrian (m).
+    pub radius: f64,
+}
+
+impl Encounter {
+    /// Rewinds an episode to where its danger began; none when nobody was touched.
+    pub fn new(scenario: &Scenario, recording: &Recording) -> Option<Self> {
+        let contact = recording.contact()?;
+        let moments = recording.moments();
+        let (blueprint, body, dt) = (&scenario.vehicle, &scenario.adversary.body, scenario.episode.tick);
+        let mut encounter = Self {
+            path: DrivenPath::new(moments.iter().map(|moment| moment.ego.pose)),
+            start: 0.0,
+            pace: Vec::new(),
+            steps: Vec::new(),
+            warning: 0.0,
+            impact_speed: contact.impact_speed,
+            dt,
+            half: Vector::new(blueprint.half_length, blueprint.half_width),
+            radius: body.radius,
+        };
+        let ways = ways(moments);
+        let begun = encounter.rewind(moments, &ways, &scenario.obstacles);
+        encounter.start = ways[begun];
+        encounter.warning = (moments.len() - 2 - begun) as f64 * dt + contact.fraction * dt;
+        let mut fastest = 0.0_f64;
+        encounter.pace.extend(moments[begun..].iter().map(|moment| {
+            fastest = fastest.max(moment.ego.speed);
+            fastest
+        }));
+        let command = recording.commands().last().copied().unwrap_or_default();
+        let mut walker = moments.last()?.pedestrian;
+        let recorded = moments[begun..].iter().map(|moment| moment.pedestrian);
+        let afterwards = (0..(AFTERWARDS / dt) as u32).map(|_| {
+            walker = walker.step(command, body, &scenario.obstacles, dt);
+            walker
+        });
+        let step = |walker: crate::sim::PedestrianState| Step {
+            position: walker.pose.position(),
+            place: encounter.path.place(walker.pose.position(), encounter.start),
+            velocity: walker.velocity,
+        };
+        encounter.steps = recorded.chain(afterwards).map(step).collect();
+        Some(encounter)
+    }
+
+    /// The tick at which the approach began that ended in the touch: the one before the touch at the latest.
+    fn rewind(&self, moments: &[Moment], ways: &[f64], obstacles: &Obstacles) -> usize {
+        let last = moments.len() - 2;
+        let patience = (FORGETTING / self.dt).ceil() as usize;
+        let mut begun = last;
+        for tick in (0..=last).rev() {
+            if begun - tick > patience {
+                break;
+            }
+            if self.is_dangerous(&moments[tick], ways[tick], obstacles) {
+                begun = tick;
+            }
+        }
+        begun
+    }
+
+    /// Whether the pedestrian is not behind the car, is in its way or on the way into it, and can be seen.
+    fn is_dangerous(&self, moment: &Moment, way: f64, obstacles: &Obstacles) -> bool {
+        let position = moment.pedestrian.pose.position();
+        let place = self.path.place(position, way);
+        let step = Step { position, place, velocity: moment.pedestrian.velocity };
+        let threat = self.threat(&step, &step, 0.0, way);
+        threat.is_some_and(|threat| threat.is_on_its_way()) && self.sees(&moment.ego.pose, position, obstacles)
+    }
+
+    /// Whether the middle or an edge of the pedestrian is in sight from the driver's eye.
+    fn sees(&self, ego: &Pose, pedestrian: Point, obstacles: &Obstacles) -> bool {
+        let eye = ego.to_world(Vector::new(self.half.x - EYE, 0.0));
+        let sight = (pedestrian - eye).try_normalize(1e-9).unwrap_or_else(Vector::x);
+        let edge = Vector::new(-sight.y, sight.x) * self.radius;
+        [Vector::zeros(), edge, -edge].iter().any(|offset| !obstacles.blocks_sight(eye, pedestrian + offset))
+    }
+
+    /// The pedestrian between two ticks as a driver so far along the path (m) sees it; none when it is behind the car.
+    pub fn threat(&self, from: &Step, to: &Step, share: f64, way: f64) -> Option<Threat> {
+        let mix = |a: f64, b: f64| a + (b - a) * share;
+        let (along, aside) = (mix(from.place.along, to.place.along), mix(from.place.aside, to.place.aside));
+        if along + self.radius < way - self.half.x {
+            return None;
+        }
+        let side = if aside > 0.0 { 1.0 } else { -1.0 };
+        Some(Threat {
+            gap: along - self.radius - way - self.half.x,
+            length: 2.0 * self.radius,
+            aside: (aside.abs() - self.half.y - self.radius).max(0.0),
+            along: from.velocity.dot(&from.place.direction),
+            towards: -side * from.place.direction.perp(&from.velocity),
+        })
+    }
+
+    /// The car so far along the path (m).
+    pub fn outline(&self, way: f64) -> OrientedBox {
+        OrientedBox { pose: self.path.pose(way), half: self.half }
+    }
+}
+
+/// How far along its own path the car is at each moment (m).
+fn ways(moments: &[Moment]) -> Vec<f64> {
+    let mut way = 0.0;
+    let mut last = moments[0].ego.pose.position();
+    let along = moments.iter().map(|moment| {
+        let here = moment.ego.pose.position();
+        let step = (here - last).norm();
+        if step > 1e-9 {
+            way += step;
+            last = here;
+        }
+        way
+    });
+    along.collect()
+}

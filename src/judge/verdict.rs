@@ -1,0 +1,168 @@
+use super::trial::STANDING;
+use super::{Encounter, Reference, Trial};
+use crate::env::{Recording, Scenario};
+use crate::sim::Contact;
+
+/// What a failure is, by what reference drivers make of it. The first that holds, in this order:
+///
+/// | label | when |
+/// |---|---|
+/// | `standing` | the car was at most 0.1 m/s fast when it was touched |
+/// | `walked_into_side` | the front had passed: the middle of the pedestrian was behind the line of the bumper, beside the car, and it walked into the flank at more than 0.1 m/s; or it ran into the rear |
+/// | `preventable` | both careful humans avoid it |
+/// | `unpreventable` | the physical bound hits the pedestrian too |
+/// | `machine_preventable` | of all drivers only the ideal brake or the bound avoid it |
+/// | `contested` | the drivers disagree in another way |
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Label {
+    /// The car stood.
+    Standing,
+    /// The pedestrian walked into a car whose front had passed.
+    WalkedIntoSide,
+    /// A careful human avoids it, however one reads the rule.
+    Preventable,
+    /// Nobody avoids it by braking.
+    Unpreventable,
+    /// Only a machine avoids it.
+    MachinePreventable,
+    /// Reference drivers disagree.
+    Contested,
+}
+
+impl Label {
+    /// All of them, in the order of the tables.
+    pub const ALL: [Self; 6] = [
+        Self::Preventable,
+        Self::Contested,
+        Self::MachinePreventable,
+        Self::Unpreventable,
+        Self::WalkedIntoSide,
+        Self::Standing,
+    ];
+
+    /// Its name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Standing => "standing",
+            Self::WalkedIntoSide => "walked_into_side",
+            Self::Preventable => "preventable",
+            Self::Unpreventable => "unpreventable",
+            Self::MachinePreventable => "machine_preventable",
+            Self::Contested => "contested",
+        }
+    }
+}
+
+/// What is to be said of a failure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Verdict {
+    /// What it is.
+    pub label: Label,
+    /// Time from the beginning of the danger to the touch (s).
+    pub warning: f64,
+    /// Whether the pedestrian never walked faster than 8 km/h nor sped up by more than 1.65 m/s², as in Euro NCAP's tests.
+    /// Turning and stopping are not limited.
+    pub foreseeable: bool,
+    /// The car's speed at the recorded touch (m/s).
+    pub impact_speed: f64,
+    /// How each driver fared, in the order of [`Reference::ALL`].
+    pub trials: [Trial; 6],
+}
+
+impl Verdict {
+    /// How a driver fared.
+    pub fn trial(&self, reference: Reference) -> &Trial {
+        &self.trials[reference as usize]
+    }
+
+    /// By how much a driver lowers the speed at the impact (m/s): all of it when it avoids the failure.
+    pub fn reduction(&self, reference: Reference) -> f64 {
+        self.impact_speed - self.trial(reference).impact_speed.unwrap_or(0.0)
+    }
+}
+
+/// Judges an episode; none when nobody was touched.
+pub fn judge(scenario: &Scenario, recording: &Recording) -> Option<Verdict> {
+    let encounter = Encounter::new(scenario, recording)?;
+    let trials = Reference::ALL.map(|reference| Trial::new(&encounter, reference.driver().as_mut()));
+    let contact = recording.contact()?;
+    let label = if contact.impact_speed <= STANDING {
+        Label::Standing
+    } else if has_passed(contact, recording, &encounter) {
+        Label::WalkedIntoSide
+    } else {
+        label(&trials)
+    };
+    Some(Verdict {
+        label,
+        warning: encounter.warning,
+        foreseeable: is_foreseeable(recording, encounter.dt),
+        impact_speed: contact.impact_speed,
+        trials,
+    })
+}
+
+/// The label of a failure of a moving car's front.
+fn label(trials: &[Trial; 6]) -> Label {
+    let avoids = |reference: Reference| trials[reference as usize].is_avoided();
+    let others = [Reference::CarefulHuman, Reference::CarefulHumanAtTwoSeconds, Reference::FuzzySafety, Reference::Rss];
+    if avoids(Reference::CarefulHuman) && avoids(Reference::CarefulHumanAtTwoSeconds) {
+        Label::Preventable
+    } else if !avoids(Reference::Bound) {
+        Label::Unpreventable
+    } else if !others.into_iter().any(avoids) {
+        Label::MachinePreventable
+    } else {
+        Label::Contested
+    }
+}
+
+/// Whether the pedestrian walked into the flank or the rear of the car when the front had passed it.
+fn has_passed(contact: &Contact, recording: &Recording, encounter: &Encounter) -> bool {
+    let half = encounter.half;
+    if contact.ahead < -half.x {
+        return true;
+    }
+    let Some(last) = recording.moments().last() else { return false };
+    let sideways = last.pedestrian.velocity.dot(&last.ego.pose.left());
+    let inward = if contact.aside > 0.0 { -sideways } else { sideways };
+    contact.ahead < half.x && contact.aside.abs() > half.y && inward > STANDING
+}
+
+/// Euro NCAP's running adult: its speed (m/s), and its speeding up (m/s²).
+const RUNNING: (f64, f64) = (8.0 / 3.6, 1.65);
+
+fn is_foreseeable(recording: &Recording, dt: f64) -> bool {
+    let slow = recording.moments().iter().all(|moment| moment.pedestrian.speed() <= RUNNING.0 + 1e-9);
+    slow && recording
+        .moments()
+        .windows(2)
+        .all(|pair| pair[1].pedestrian.speed() - pair[0].pedestrian.speed() <= RUNNING.1 * dt + 1e-9)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_follow_who_avoids_it() {
+        let trial = |avoids: char| {
+            let impact_speed = (avoids != 'a').then_some(1.0);
+            Trial { impact_speed, time: 1.0, least_gap: 0.0 }
+        };
+        // Careful human twice, fuzzy, RSS, ideal, bound: `a` avoids, `h` hits.
+        for (who, wanted) in [
+            ("aahhaa", Label::Preventable),
+            ("aahhah", Label::Preventable),
+            ("hhhhhh", Label::Unpreventable),
+            ("ahaaah", Label::Unpreventable),
+            ("hhhhaa", Label::MachinePreventable),
+            ("hhhhha", Label::MachinePreventable),
+            ("ahhhaa", Label::Contested),
+            ("hhahaa", Label::Contested),
+        ] {
+            let letters: Vec<char> = who.chars().collect();
+            assert_eq!(label(&std::array::from_fn(|i| trial(letters[i]))), wanted, "{who}");
+        }
+    }
+}

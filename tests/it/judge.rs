@@ -1,0 +1,172 @@
+//! Failures run again with reference drivers.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::Arc;
+
+use falsify::av::reference_drivers::{OwnMotion, ReferenceDriver, Threat};
+use falsify::compile::{Catalog, compile};
+use falsify::env::{Ending, Outcome, PedestrianEnv, Recording, Scenario};
+use falsify::falsifier::{Intercept, watch_walker};
+use falsify::geometry::{Obstacles, OrientedBox, Pose, Vector};
+use falsify::judge::{Encounter, Label, Reference, Trial, judge};
+use falsify::seed::Seed;
+use falsify::sim::{Contact, World};
+
+const SCENARIO: &str = r#"
+edition 1
+import "lib/paper.scn"
+import "lib/drivers.scn"
+import "lib/towns.scn"
+campaign judged {
+  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
+  train { towns: [harbour] policies: [behavior] rewards: [r1] runs: 1 }
+  evaluate { towns: [harbour] policies: [behavior, blind] pedestrians: [intercept] episodes: 1 }
+}
+"#;
+
+fn scenario(policy: &str) -> Arc<Scenario> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/judged.scn");
+    let read = |path: &Path| if path == root { Ok(SCENARIO.to_string()) } else { std::fs::read_to_string(path) };
+    let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Default::default()).unwrap();
+    let plan = compiled.plan.unwrap();
+    let evaluation = plan.campaigns[0].evaluations.iter().find(|each| each.policy == policy).unwrap();
+    evaluation.scenario.clone()
+}
+
+/// The episodes of an intercepting pedestrian.
+fn episodes(scenario: &Arc<Scenario>, count: u32) -> Vec<(Outcome, Recording)> {
+    let mut all = Vec::new();
+    let seed = Seed::root(5);
+    watch_walker(&mut Intercept, scenario, count, &seed, &seed.child("walker"), &mut |outcome, recording| {
+        all.push((*outcome, recording.clone()));
+        ControlFlow::Continue(())
+    });
+    all
+}
+
+/// Does not touch the brake.
+struct Never;
+
+impl ReferenceDriver for Never {
+    fn begin(&mut self) {}
+
+    fn brake(&mut self, _: &OwnMotion, _: Option<&Threat>, _: f64) -> Option<f64> {
+        None
+    }
+}
+
+#[test]
+fn a_recording_repeats_its_episode_bit_by_bit() {
+    let scenario = scenario("behavior");
+    for (episode, (outcome, recording)) in episodes(&scenario, 60).into_iter().enumerate() {
+        let mut env = PedestrianEnv::new(scenario.clone(), Seed::root(5));
+        env.begin(episode as u64);
+        for command in recording.commands() {
+            env.walk(*command);
+        }
+        assert_eq!(env.outcome(), Some(&outcome));
+        assert_eq!(recording.moments().len(), outcome.ticks as usize + 1);
+        assert_eq!(recording.contact().is_some(), outcome.is_collision());
+    }
+}
+
+#[test]
+fn a_driver_that_does_nothing_hits_when_the_recorded_one_did() {
+    let scenario = scenario("blind");
+    let mut compared = 0;
+    for (outcome, recording) in episodes(&scenario, 150) {
+        let Some(encounter) = Encounter::new(&scenario, &recording) else { continue };
+        let begun = recording.moments().len() - encounter.pace.len();
+        let speeds = recording.moments()[begun..].iter().map(|moment| moment.ego.speed);
+        // Where the recorded car slowed down for a bend, one that never brakes is faster.
+        if speeds.zip(&encounter.pace).any(|(speed, pace)| (speed - pace).abs() > 1e-3) {
+            continue;
+        }
+        compared += 1;
+        let trial = Trial::new(&encounter, &mut Never);
+        let ticks = |time: f64| ((time - 1e-9) / scenario.episode.tick).floor();
+        assert_eq!(ticks(trial.time), ticks(encounter.warning), "{trial:?}, {} s", encounter.warning);
+        let Ending::Collision { impact_speed, .. } = outcome.ending else { unreachable!("there is an encounter") };
+        assert!((trial.impact_speed.unwrap_or(0.0) - impact_speed).abs() < 0.25, "{trial:?}, {impact_speed} m/s");
+    }
+    assert!(compared > 20, "only {compared} runs could be compared");
+}
+
+#[test]
+fn verdicts_are_given_for_failures_alone_and_agree_with_their_trials() {
+    let scenario = scenario("behavior");
+    let mut labels = Vec::new();
+    for (outcome, recording) in episodes(&scenario, 200) {
+        let verdict = judge(&scenario, &recording);
+        assert_eq!(verdict.is_some(), outcome.is_collision());
+        let Some(verdict) = verdict else { continue };
+        let Ending::Collision { impact_speed, .. } = outcome.ending else { unreachable!("it is a collision") };
+        assert_eq!(verdict.label == Label::Standing, impact_speed <= 0.1);
+        assert!(verdict.warning > 0.0 && verdict.warning <= outcome.duration + 1e-9);
+        if verdict.label == Label::Unpreventable {
+            assert!(!verdict.trial(Reference::Bound).is_avoided());
+        }
+        for reference in Reference::ALL {
+            let trial = verdict.trial(reference);
+            assert!(trial.least_gap >= 0.0 && verdict.reduction(reference) <= impact_speed);
+            assert!(trial.is_avoided() || trial.least_gap == 0.0);
+        }
+        assert!(!verdict.foreseeable, "at 3.5 m/s at once");
+        labels.push(verdict.label);
+    }
+    assert!(labels.contains(&Label::Standing) && labels.iter().any(|label| *label != Label::Standing), "{labels:?}");
+}
+
+/// A car drives east at 10 m/s for three seconds and then touches the pedestrian, who comes from the left.
+fn run_out(obstacles: &[OrientedBox], speed: impl Fn(f64) -> f64) -> (Scenario, Recording) {
+    let mut scenario = Scenario::clone(&scenario("blind"));
+    scenario.obstacles = Arc::new(Obstacles::new(obstacles));
+    let (town, obstacles, body) = (scenario.town.clone(), scenario.obstacles.clone(), scenario.adversary.body);
+    let mut world = World::new(town, obstacles, scenario.vehicle.clone(), body, None, 0.05);
+    let mut recording = Recording::new(&scenario.episode);
+    // After 3 s the bumper is at 30 m and the pedestrian in the middle of it.
+    let walked = |time: f64| (0..(time * 1000.0) as u32).map(|i| speed(f64::from(i) / 1000.0) / 1000.0).sum::<f64>();
+    let end = walked(3.0);
+    for tick in 0..=60 {
+        let time = f64::from(tick) * 0.05;
+        world.ego.pose = Pose::new(10.0 * time - scenario.vehicle.half_length, 0.0, 0.0);
+        world.ego.speed = 10.0;
+        let aside = end - walked(time);
+        world.pedestrian.pose = Pose::new(30.0 + body.radius, aside, -std::f64::consts::FRAC_PI_2);
+        world.pedestrian.velocity = Vector::new(0.0, -speed(time));
+        let ahead = scenario.vehicle.half_length + body.radius;
+        let contact = Contact { fraction: 1.0, bearing: 0.0, ahead, aside: 0.0, impact_speed: 10.0 };
+        if tick == 0 {
+            recording.begin(&world);
+        } else {
+            recording.watch(&world, (tick == 60).then_some(&contact));
+        }
+    }
+    (scenario, recording)
+}
+
+#[test]
+fn the_danger_begins_when_the_pedestrian_can_be_seen() {
+    let (scenario, open) = run_out(&[], |_| 1.39);
+    let verdict = judge(&scenario, &open).unwrap();
+    assert!((verdict.warning - 3.0).abs() < 1e-9 && verdict.label == Label::Preventable, "{verdict:?}");
+    // A wall along the lane, 1.9 m from the middle, that ends a metre before the pedestrian's way.
+    let wall = OrientedBox::new(Pose::new(4.0, 2.4, 0.0), 25.0, 0.5);
+    let (scenario, hidden) = run_out(&[wall], |_| 1.39);
+    let hidden = judge(&scenario, &hidden).unwrap();
+    // Seen when its front edge comes out: about 1.9 m aside, 1.4 s before.
+    assert!((1.3..1.7).contains(&hidden.warning), "{hidden:?}");
+    assert!(!hidden.trial(Reference::CarefulHuman).is_avoided() && hidden.trial(Reference::IdealBrake).is_avoided());
+    assert_eq!(hidden.label, Label::Contested, "who began to count at 2 s saw no more: {hidden:?}");
+    assert!(!hidden.foreseeable || verdict.foreseeable);
+}
+
+#[test]
+fn an_earlier_approach_is_not_this_danger() {
+    // It walks towards the path, stands for more than a second, and comes again.
+    let (scenario, paused) = run_out(&[], |time| if (0.5..=2.0).contains(&time) { 0.0 } else { 1.39 });
+    assert!((judge(&scenario, &paused).unwrap().warning - 1.0).abs() < 0.11);
+    let (scenario, short) = run_out(&[], |time| if !(0.5..1.0).contains(&time) { 1.39 } else { 0.0 });
+    assert!((judge(&scenario, &short).unwrap().warning - 3.0).abs() < 1e-9);
+}
