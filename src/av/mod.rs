@@ -5,6 +5,7 @@
 
 mod perception;
 mod driving_policy;
+mod fault;
 mod path;
 mod lane_keeping;
 mod cruise;
@@ -15,6 +16,7 @@ pub mod interfuser;
 
 pub use cruise::Cruise;
 pub use driving_policy::{DrivingMode, DrivingPolicy};
+pub use fault::Fault;
 pub use idm::Idm;
 pub use path::Path;
 pub use perception::{Actor, Light, Perception, Sensors};

@@ -37,7 +37,7 @@ pub fn compile_files(files: &[PathBuf], given: &GivenOptions) -> Result<(Plan, V
     let records = RefCell::new(Vec::new());
     let read = |path: &Path| {
         let text = std::fs::read_to_string(path)?;
-        records.borrow_mut().push(FileRecord::new(path.display().to_string(), &text));
+        records.borrow_mut().push(FileRecord::new(path.display().to_string(), text.as_bytes()));
         Ok(text)
     };
     let overrides = Overrides { maps: given.map.iter().cloned().collect(), settings: given.set.clone() };

@@ -45,8 +45,10 @@ pub struct Cell {
     pub block: u32,
     /// How many runs.
     pub runs: u32,
-    /// How many episodes in all runs.
+    /// How many episodes in all runs, without those in which the driver failed.
     pub episodes: u32,
+    /// How many episodes in which the driver failed; they count nowhere else.
+    pub errors: u32,
     /// Collisions of all episodes.
     pub collision: Spread,
     /// Wilson's interval of the collision rate over all episodes.
@@ -67,7 +69,8 @@ pub struct Cell {
 const AVERAGED: [&str; 6] =
     ["collision_rate", "front_rate", "moving_rate", "episode_reward", "episode_length_s", "impact_speed_mps"];
 
-/// Aggregates episodes to runs and runs to cells, each in the order of first appearance.
+/// Aggregates episodes to runs and runs to cells, each in the order of first appearance. Episodes in which the driver failed
+/// are counted as `errors` and enter nothing else.
 ///
 /// # Errors
 /// Those of polars; none for a table made by [`episodes`](super::episodes).
@@ -80,14 +83,15 @@ pub fn metrics(episodes: &DataFrame) -> PolarsResult<Metrics> {
         .lazy()
         .group_by_stable(by_run)
         .agg([
-            len().cast(DataType::UInt32).alias("episodes"),
+            valid().cast(DataType::UInt32).sum().alias("episodes"),
+            valid().not().cast(DataType::UInt32).sum().alias("errors"),
             total("collision").alias("collisions"),
             total("front").alias("front_collisions"),
             total("moving").alias("moving_collisions"),
-            col("episode_reward").mean(),
-            col("episode_length_s").mean(),
+            col("episode_reward").filter(valid()).mean(),
+            col("episode_length_s").filter(valid()).mean(),
             col("impact_speed_mps").mean(),
-            col("least_gap_m").mean(),
+            col("least_gap_m").filter(valid()).mean(),
         ])
         .with_columns([
             ratio("collisions", "episodes").alias("collision_rate"),
@@ -96,7 +100,7 @@ pub fn metrics(episodes: &DataFrame) -> PolarsResult<Metrics> {
         ])
         .collect()?;
     let by_cell: Vec<Expr> = CELL.iter().map(|name| col(*name)).collect();
-    let mut sums = vec![len().cast(DataType::UInt32).alias("runs"), total("episodes"), total("collisions")];
+    let mut sums = vec![len().cast(DataType::UInt32).alias("runs"), total("episodes"), total("errors"), total("collisions")];
     for name in AVERAGED {
         sums.push(col(name).mean().alias(format!("{name}_mean")));
         sums.push(col(name).std(1).alias(format!("{name}_sd")));
@@ -106,6 +110,11 @@ pub fn metrics(episodes: &DataFrame) -> PolarsResult<Metrics> {
     cells.with_column(Column::new("collision_rate_wilson_low".into(), low))?;
     cells.with_column(Column::new("collision_rate_wilson_high".into(), high))?;
     Ok(Metrics { runs, cells })
+}
+
+/// Whether the driver drove to the end of the episode.
+fn valid() -> Expr {
+    col("outcome").neq(lit("error"))
 }
 
 /// A share, missing when the whole is zero.
@@ -149,6 +158,7 @@ impl Metrics {
                 block: count("block", row)?,
                 runs: count("runs", row)?,
                 episodes: count("episodes", row)?,
+                errors: count("errors", row)?,
                 collision: spread("collision_rate", row)?,
                 interval: (
                     number("collision_rate_wilson_low", row)?.unwrap_or(0.0),
@@ -169,7 +179,7 @@ impl Metrics {
 mod tests {
     use super::super::episodes;
     use super::*;
-    use crate::av::DrivingMode;
+    use crate::av::{DrivingMode, Fault};
     use crate::campaign::EpisodeRow;
     use crate::compile::TrainingKey;
     use crate::env::{Ending, Outcome, Spawn};
@@ -223,6 +233,23 @@ mod tests {
         near(cell.moving, 0.25, 0.0);
         near(cell.impact_speed, 4.0, 2.0 * 2.0_f64.sqrt());
         assert_eq!(cell.interval, wilson(3, 8));
+    }
+
+    #[test]
+    fn episodes_in_error_count_as_errors_and_nowhere_else() {
+        let failed = |run, episode| {
+            let mut row = row(run, episode, None);
+            row.outcome.ending = Ending::Error(Fault::Ended);
+            row.outcome.reward = 100.0;
+            row
+        };
+        let rows = [row(0, 0, Some((true, 4.0))), failed(0, 1), row(0, 2, None), failed(1, 0)];
+        let metrics = metrics(&episodes(&rows)).unwrap();
+        let cell = &metrics.cells().unwrap()[0];
+        assert_eq!((cell.runs, cell.episodes, cell.errors), (2, 2, 2));
+        assert_eq!(cell.collision, Spread { mean: Some(0.5), sd: None }, "a run of errors alone has no rate");
+        assert_eq!(cell.reward_sum.mean, Some(2.5));
+        assert_eq!(cell.interval, wilson(1, 2));
     }
 
     #[test]
