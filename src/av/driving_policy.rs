@@ -25,6 +25,23 @@ pub enum DrivingMode {
 }
 
 impl DrivingMode {
+    /// All of them.
+    const ALL: [Self; 8] = [
+        Self::Cruise,
+        Self::Turn,
+        Self::Follow,
+        Self::Yield,
+        Self::EmergencyStop,
+        Self::RedLight,
+        Self::Arrived,
+        Self::Unknown,
+    ];
+
+    /// The one with this name in tables.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|mode| mode.name() == name)
+    }
+
     /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {

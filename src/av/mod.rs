@@ -7,12 +7,14 @@ mod perception;
 mod driving_policy;
 mod fault;
 mod path;
+mod view;
 mod lane_keeping;
 mod cruise;
 mod idm;
 pub mod behavior_agent;
 pub mod lav;
 pub mod interfuser;
+pub mod external;
 
 pub use cruise::Cruise;
 pub use driving_policy::{DrivingMode, DrivingPolicy};

@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use super::{EpisodeRow, Observer};
 use crate::compile::{Campaign, Evaluation, Pedestrian, Training, TrainingKey};
-use crate::falsifier::{Choosing, Intercept, Random, TrainedWalker, Walker, train, try_walker};
-use crate::rl::{TrainError, Trained};
+use crate::falsifier::{Choosing, Intercept, Random, TrainError, TrainedWalker, Walker, train, try_walker};
+use crate::rl::Trained;
 use crate::seed::Seed;
 
 /// What became of a training.

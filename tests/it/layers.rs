@@ -17,7 +17,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("av", &["geometry", "road", "sim", "seed", "signature", "units"]),
     ("env", &["geometry", "road", "sim", "rl", "av", "seed", "signature", "units"]),
     ("compile", &["diagnostic", "units", "signature", "seed", "geometry", "lang", "road", "sim", "av", "rl", "env"]),
-    ("falsifier", &["seed", "sim", "rl", "env"]),
+    ("falsifier", &["seed", "sim", "av", "rl", "env"]),
     ("campaign", &["seed", "rl", "env", "compile", "falsifier"]),
     ("analysis", &["env", "campaign"]),
     ("report", &["geometry", "road", "av", "rl", "env", "compile", "campaign", "analysis"]),
