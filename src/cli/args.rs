@@ -102,6 +102,9 @@ pub struct GivenOptions {
     /// Give a parameter or a key of a declaration another value, as `far=20 m` or `ppo_paper.total_steps=1000`.
     #[arg(long, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
+    /// Let scenarios name programs as drivers, which `run` starts; give it only with files that you trust.
+    #[arg(long)]
+    pub allow_external: bool,
 }
 
 fn town_and_file(text: &str) -> Result<(String, PathBuf), String> {

@@ -9,6 +9,7 @@ mod reference;
 mod town;
 mod vehicle;
 mod policy;
+mod outside;
 mod adversary;
 mod spawn;
 mod sector;

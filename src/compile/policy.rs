@@ -1,10 +1,13 @@
 use std::sync::Arc;
 
+use super::lower::Lowering;
+use super::outside::OutsideKind;
 use crate::av::behavior_agent::BehaviorAgent;
 use crate::av::interfuser::InterFuser;
 use crate::av::lav::Lav;
 use crate::av::{Cruise, DrivingPolicy, Idm};
 use crate::env::PolicyMaker;
+use crate::lang::hir::Declaration;
 use crate::signature::{Arguments, Form, Signature};
 
 /// A kind of driving policy: what it takes, and how it is made.
@@ -33,20 +36,27 @@ pub fn kinds() -> Vec<PolicyKind> {
 }
 
 /// The form `policy`.
-pub fn form(kinds: &[PolicyKind]) -> Form {
+pub fn form(kinds: &[PolicyKind], outside: &[OutsideKind]) -> Form {
+    let own = kinds.iter().map(|kind| (kind.signature)());
+    let others = outside.iter().map(|kind| (kind.signature)());
     Form {
         name: "policy",
         doc: "A driver under test.",
         plain: None,
         multiplies: false,
-        kinds: kinds.iter().map(|kind| (kind.signature)()).collect(),
+        kinds: own.chain(others).collect(),
     }
 }
 
-/// A maker of fresh drivers of this kind.
-pub fn lower(kinds: &[PolicyKind], kind: &str, arguments: &Arguments) -> PolicyMaker {
-    let found = kinds.iter().find(|candidate| (candidate.signature)().name == kind);
+/// A maker of fresh drivers; none after saying what is wrong.
+pub fn lower(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
+    let kind = declaration.kind;
+    let catalog = lowering.catalog;
+    if let Some(outside) = catalog.outside.iter().find(|candidate| (candidate.signature)().name == kind) {
+        return (outside.lower)(declaration, lowering);
+    }
+    let found = catalog.policies.iter().find(|candidate| (candidate.signature)().name == kind);
     let make = found.expect("checked: the kind is in the catalogue").make;
-    let arguments = arguments.clone();
-    Arc::new(move || make(&arguments))
+    let arguments = declaration.block.arguments.clone();
+    Some(Arc::new(move || make(&arguments)))
 }

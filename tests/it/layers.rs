@@ -21,7 +21,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("campaign", &["seed", "rl", "env", "compile", "falsifier"]),
     ("analysis", &["env", "campaign"]),
     ("report", &["geometry", "road", "av", "rl", "env", "compile", "campaign", "analysis"]),
-    ("cli", &["diagnostic", "seed", "road", "lang", "rl", "compile", "campaign", "report", "analysis"]),
+    ("process", &["av"]),
+    ("cli", &["diagnostic", "seed", "road", "lang", "rl", "compile", "campaign", "report", "analysis", "process", "falsifier", "env"]),
 ];
 
 /// Crates that only one module may name.
@@ -38,6 +39,9 @@ const DOORS: &[(&str, &str)] = &[
     ("kuva", "report"),
     ("toml", "report"),
     ("smartcore", "analysis"),
+    ("rten", "av"),
+    ("rten_tensor", "av"),
+    ("nix", "process"),
     ("clap", "cli"),
     ("indicatif", "cli"),
     ("ctrlc", "cli"),

@@ -1,0 +1,42 @@
+//! Kinds of driving policies that are made of more than their arguments: of a program, or of a file.
+
+use std::sync::Arc;
+
+use super::lower::Lowering;
+use crate::av::external::{External, Program};
+use crate::env::PolicyMaker;
+use crate::lang::codes;
+use crate::lang::hir::Declaration;
+use crate::signature::Signature;
+
+/// A kind of driving policy from outside: what it takes, and how a maker of it comes to be.
+pub struct OutsideKind {
+    /// What it takes.
+    pub signature: fn() -> Signature,
+    /// Gets ready to make some; none after saying what is wrong.
+    pub lower: fn(&Declaration, &mut Lowering<'_>) -> Option<PolicyMaker>,
+}
+
+/// All kinds from outside; a new one is a line here.
+pub fn kinds() -> Vec<OutsideKind> {
+    vec![OutsideKind { signature: External::signature, lower: external }]
+}
+
+/// A program, if the user allows to start any. It is not started here.
+fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
+    let arguments = declaration.block.arguments.clone();
+    let place = declaration.block.place("command");
+    let command = arguments.text("command");
+    let program = match Program::parse(command, lowering.beside(declaration, "")) {
+        Ok(program) => program,
+        Err(reason) => {
+            lowering.said.push(codes::unusable_command(place, command, reason));
+            return None;
+        }
+    };
+    let Some(opener) = lowering.catalog.opener.clone() else {
+        lowering.said.push(codes::external_not_allowed(place, command));
+        return None;
+    };
+    Some(Arc::new(move || Box::new(External::new(&arguments, program.clone(), opener.clone()))))
+}
