@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::lower::Lowering;
-use crate::av::external::{External, Program};
+use crate::av::external::{External, Program, Settings};
 use crate::env::PolicyMaker;
 use crate::lang::codes;
 use crate::lang::hir::Declaration;
@@ -24,7 +24,7 @@ pub fn kinds() -> Vec<OutsideKind> {
 
 /// A program, if the user allows to start any. It is not started here.
 fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
-    let arguments = declaration.block.arguments.clone();
+    let arguments = &declaration.block.arguments;
     let place = declaration.block.place("command");
     let command = arguments.text("command");
     let program = match Program::parse(command, lowering.beside(declaration, "")) {
@@ -38,5 +38,6 @@ fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<Po
         lowering.said.push(codes::external_not_allowed(place, command));
         return None;
     };
-    Some(Arc::new(move || Box::new(External::new(&arguments, program.clone(), opener.clone()))))
+    let settings = Settings::new(arguments);
+    Some(Arc::new(move || Box::new(External::new(program.clone(), settings, opener.clone()))))
 }

@@ -2,9 +2,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rand::Rng;
 
-use super::binary::Room;
-use super::session::{Session, Setting};
-use super::{Opener, Program};
+use super::session::Session;
+use super::{Opener, Program, Settings};
 use crate::av::view::View;
 use crate::av::{DrivingMode, DrivingPolicy, Fault, Path, Perception};
 use crate::seed::Stream;
@@ -15,7 +14,7 @@ use crate::units::Dimension;
 /// A driver that is a program of its own; see the module.
 pub struct External {
     session: Arc<Mutex<Session>>,
-    setting: Setting,
+    settings: Settings,
     id: u32,
     path: Path,
     view: View,
@@ -53,24 +52,16 @@ impl External {
         )
     }
 
-    /// Makes one from checked arguments. Nothing is started before the first tick.
-    pub fn new(arguments: &Arguments, program: Program, opener: Arc<dyn Opener>) -> Self {
-        let count = |key: &str| arguments.integer(key) as usize;
-        let setting = Setting {
-            opener,
-            program,
-            limits: (arguments.number("timeout"), arguments.number("start_timeout")),
-            worlds: count("worlds"),
-            room: Room { actors: count("actors"), points: count("route_points") },
-        };
-        Self::within(Arc::new(Mutex::new(Session::new(setting.clone()))), setting)
+    /// Makes one. Nothing is started before the first tick.
+    pub fn new(program: Program, settings: Settings, opener: Arc<dyn Opener>) -> Self {
+        Self::within(Arc::new(Mutex::new(Session::new(opener, program, settings))), settings)
     }
 
-    fn within(session: Arc<Mutex<Session>>, setting: Setting) -> Self {
+    fn within(session: Arc<Mutex<Session>>, settings: Settings) -> Self {
         let id = locked(&session).enter();
         Self {
             session,
-            setting,
+            settings,
             id,
             path: Path::default(),
             view: View::default(),
@@ -84,8 +75,7 @@ impl External {
 
     fn ask(&mut self, perception: &Perception<'_>) -> Result<usize, Fault> {
         self.path.advance(perception);
-        let room = self.setting.room;
-        self.view.look(perception, &self.path, room.actors, room.points);
+        self.view.look(perception, &self.path, self.settings.actors, self.settings.route_points);
         let mut session = locked(&self.session);
         let generation = session.ready(perception)?;
         let seed = self.seed.take();
@@ -95,6 +85,20 @@ impl External {
             return Err(Fault::Restarted);
         }
         Ok(session.ask(self.id, perception.tick, seed, &self.view))
+    }
+}
+
+impl Settings {
+    /// Reads them from checked arguments.
+    pub fn new(arguments: &Arguments) -> Self {
+        let count = |key: &str| arguments.integer(key) as usize;
+        Self {
+            timeout: arguments.number("timeout"),
+            start_timeout: arguments.number("start_timeout"),
+            worlds: count("worlds"),
+            actors: count("actors"),
+            route_points: count("route_points"),
+        }
     }
 }
 
@@ -148,10 +152,10 @@ impl DrivingPolicy for External {
     }
 
     fn twin(&self) -> Option<Box<dyn DrivingPolicy>> {
-        Some(Box::new(Self::within(self.session.clone(), self.setting.clone())))
+        Some(Box::new(Self::within(self.session.clone(), self.settings)))
     }
 
     fn company(&self) -> usize {
-        self.setting.worlds
+        self.settings.worlds
     }
 }

@@ -21,6 +21,7 @@ pub use driver::External;
 pub use link::{Link, Opener};
 pub use message::PROTOCOL;
 pub use program::Program;
+pub use session::Settings;
 
 #[cfg(test)]
 mod tests;

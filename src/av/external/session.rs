@@ -11,20 +11,32 @@ const LONGEST_LINE: usize = 1 << 20;
 /// How much of a wrong answer is shown (bytes).
 const SHOWN: usize = 200;
 
-/// What a session needs to know beforehand.
-#[derive(Clone)]
-pub(super) struct Setting {
-    pub opener: Arc<dyn Opener>,
-    pub program: Program,
-    /// Time for the answer to a tick, and for the greeting (s).
-    pub limits: (f64, f64),
+/// How a driver from outside is talked to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Time for the answer to a tick (s).
+    pub timeout: f64,
+    /// Time for the greeting (s).
+    pub start_timeout: f64,
+    /// Episodes at the same time.
     pub worlds: usize,
-    pub room: Room,
+    /// Most road users that it is told of.
+    pub actors: usize,
+    /// Most points of the way that it is told of.
+    pub route_points: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { timeout: 1.0, start_timeout: 30.0, worlds: 32, actors: 8, route_points: 20 }
+    }
 }
 
 /// A running driver with its questions of a tick, and the answers.
 pub(super) struct Session {
-    setting: Setting,
+    opener: Arc<dyn Opener>,
+    program: Program,
+    settings: Settings,
     connection: Option<Connection>,
     /// How many times the driver has been started.
     generation: u64,
@@ -45,9 +57,11 @@ struct Connection {
 }
 
 impl Session {
-    pub fn new(setting: Setting) -> Self {
+    pub fn new(opener: Arc<dyn Opener>, program: Program, settings: Settings) -> Self {
         Self {
-            setting,
+            opener,
+            program,
+            settings,
             connection: None,
             generation: 0,
             refusal: None,
@@ -90,21 +104,21 @@ impl Session {
     }
 
     fn greet(&mut self, perception: &Perception<'_>) -> Result<Connection, Fault> {
-        let setting = &self.setting;
-        let mut link = setting.opener.open(&setting.program)?;
+        let settings = &self.settings;
+        let mut link = self.opener.open(&self.program)?;
         let hello = Hello {
             r#type: "hello",
             protocol: PROTOCOL,
             tick_s: perception.dt,
             town: &perception.town.name,
             vehicle: Vehicle::new(perception),
-            worlds: setting.worlds,
-            actors: setting.room.actors,
-            route_points: setting.room.points,
+            worlds: settings.worlds,
+            actors: settings.actors,
+            route_points: settings.route_points,
         };
         let mut line = serde_json::to_vec(&hello).expect("numbers and words have a form in JSON");
         line.push(b'\n');
-        link.send(&line, setting.limits.1)?;
+        link.send(&line, settings.start_timeout)?;
         line.clear();
         link.line(&mut line, LONGEST_LINE)?;
         let greeting: Result<Greeting, Fault> =
@@ -140,7 +154,8 @@ impl Session {
                     // The length is known when all have asked.
                     self.request.extend_from_slice(&[0; 4]);
                 }
-                binary::write_world(&mut self.request, id, tick, seed, view, self.setting.room);
+                let room = Room { actors: self.settings.actors, points: self.settings.route_points };
+                binary::write_world(&mut self.request, id, tick, seed, view, room);
             }
         }
         self.asked.push(id);
@@ -165,7 +180,7 @@ impl Session {
 
     fn exchange(&mut self) -> Result<(), Fault> {
         let Some(Connection { link, encoding, control }) = &mut self.connection else { return Err(Fault::Ended) };
-        let limit = self.setting.limits.0;
+        let limit = self.settings.timeout;
         self.answer.clear();
         let read = match encoding {
             Encoding::Json => {
