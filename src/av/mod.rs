@@ -15,6 +15,7 @@ pub mod behavior_agent;
 pub mod lav;
 pub mod interfuser;
 pub mod external;
+pub mod onnx;
 
 pub use cruise::Cruise;
 pub use driving_policy::{DrivingMode, DrivingPolicy};

@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use super::lower::Lowering;
 use crate::av::external::{External, Program, Settings};
+use crate::av::onnx::{Model, Onnx};
 use crate::env::PolicyMaker;
-use crate::lang::codes;
+use crate::lang::{codes, reason};
 use crate::lang::hir::Declaration;
 use crate::signature::Signature;
 
@@ -19,7 +20,10 @@ pub struct OutsideKind {
 
 /// All kinds from outside; a new one is a line here.
 pub fn kinds() -> Vec<OutsideKind> {
-    vec![OutsideKind { signature: External::signature, lower: external }]
+    vec![
+        OutsideKind { signature: External::signature, lower: external },
+        OutsideKind { signature: Onnx::signature, lower: onnx },
+    ]
 }
 
 /// A program, if the user allows to start any. It is not started here.
@@ -40,4 +44,21 @@ fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<Po
     };
     let settings = Settings::new(arguments);
     Some(Arc::new(move || Box::new(External::new(program.clone(), settings, opener.clone()))))
+}
+
+/// A network from a file.
+fn onnx(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
+    let arguments = declaration.block.arguments.clone();
+    let path = arguments.text("model");
+    let bytes = lowering.read.bytes(&lowering.beside(declaration, path)).map_err(|error| reason(&error));
+    match bytes.and_then(|bytes| Model::read(bytes).map_err(|error| error.to_string())) {
+        Ok(model) => {
+            let model = Arc::new(model);
+            Some(Arc::new(move || Box::new(Onnx::new(&arguments, model.clone()))))
+        }
+        Err(reason) => {
+            lowering.said.push(codes::unusable_model(declaration.block.place("model"), path, &reason));
+            None
+        }
+    }
 }

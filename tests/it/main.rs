@@ -15,6 +15,7 @@ mod allocation;
 mod behavior_agent_reference;
 mod command_line;
 mod determinism;
+mod external;
 mod interfuser_driving;
 mod interfuser_reference;
 mod lav_reference;

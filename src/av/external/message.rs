@@ -170,15 +170,12 @@ pub(super) enum Choice {
 impl Decision {
     /// The control at this speed; numbers beyond their ends are taken as the ends.
     pub fn control(&self, perception: &Perception<'_>) -> Control {
-        let speed = perception.ego.speed();
         let steer = self.steer.clamp(-1.0, 1.0);
         match self.pedals {
             Choice::Pedals { throttle, brake } => {
                 Control { throttle: throttle.clamp(0.0, 1.0), brake: brake.clamp(0.0, 1.0), steer }
             }
-            // At rest and not wanting to move: hold the car.
-            Choice::Acceleration(wanted) if wanted <= 0.0 && speed < 0.05 => Control { steer, ..Control::FULL_BRAKE },
-            Choice::Acceleration(wanted) => Control { steer, ..perception.blueprint.pedals_for(wanted, speed) },
+            Choice::Acceleration(wanted) => Control { steer, ..perception.pedals_or_hold(wanted) },
         }
     }
 
@@ -238,4 +235,66 @@ pub(super) fn read_decisions(line: &[u8], asked: &[u32], decisions: &mut Vec<Dec
         decisions.push(Decision { pedals, steer: action.steer, mode }.finite()?);
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::av::view::{LightAhead, Seen};
+    use crate::geometry::{Pose, Vector};
+
+    /// Whoever changes this text changes the protocol, and its version or its description with it.
+    #[test]
+    fn a_world_is_written_as_the_protocol_says() {
+        let seen = Seen {
+            kind: Kind::Pedestrian,
+            pose: Pose::new(12.0, 1.5, -1.5),
+            velocity: Vector::new(0.0, -1.25),
+            half: Vector::new(0.25, 0.25),
+        };
+        let view = View {
+            ego: Pose::new(1.0, 2.0, 0.5),
+            speed: 8.0,
+            speed_limit: 10.0,
+            light: Some(LightAhead { colour: LightColour::Red, distance: 30.0 }),
+            actors: vec![seen],
+            route: vec![Pose::new(3.0, 4.0, 0.25)],
+        };
+        let mut text = Vec::new();
+        write_world(&mut text, 7, 0, Some(99), &view);
+        assert_eq!(
+            String::from_utf8(text).unwrap(),
+            concat!(
+                r#"{"id":7,"tick":0,"seed":99,"ego":{"x":1.0,"y":2.0,"yaw":0.5,"speed":8.0},"speed_limit":10.0,"#,
+                r#""light":{"colour":"red","distance":30.0},"actors":[{"kind":"pedestrian","x":12.0,"y":1.5,"yaw":-1.5,"#,
+                r#""vx":0.0,"vy":-1.25,"length":0.5,"width":0.5}],"route":[[3.0,4.0,0.25]]}"#
+            )
+        );
+    }
+
+    #[test]
+    fn answers_may_come_in_any_order_and_each_must_be_one_decision() {
+        let read = |line: &str| {
+            let mut decisions = Vec::new();
+            read_decisions(line.as_bytes(), &[3, 5], &mut decisions).map(|()| decisions)
+        };
+        let good = read(r#"{"actions":[{"id":5,"acceleration":-2,"mode":"yield"},{"id":3,"throttle":0.1,"steer":-1,"new":0}]}"#);
+        let pedals = Decision {
+            pedals: Choice::Pedals { throttle: 0.1, brake: 0.0 },
+            steer: -1.0,
+            mode: DrivingMode::Unknown,
+        };
+        let braking = Decision { pedals: Choice::Acceleration(-2.0), steer: 0.0, mode: DrivingMode::Yield };
+        assert_eq!(good, Ok(vec![pedals, braking]));
+        for (line, reason) in [
+            ("turn left", "not the JSON of an answer"),
+            (r#"{"actions":[{"id":3,"brake":NaN},{"id":5,"brake":1}]}"#, "not the JSON of an answer"),
+            (r#"{"actions":[{"id":3,"brake":1}]}"#, "not one action for each world"),
+            (r#"{"actions":[{"id":3,"brake":1},{"id":3,"brake":1}]}"#, "not one action for each world"),
+            (r#"{"actions":[{"id":3,"brake":1},{"id":5}]}"#, "an action without throttle, brake or acceleration"),
+            (r#"{"actions":[{"id":3,"brake":1},{"id":5,"brake":1,"acceleration":0}]}"#, "an action with both acceleration and pedals"),
+        ] {
+            assert_eq!(read(line), Err(Fault::Answer(reason)), "{line}");
+        }
+    }
 }

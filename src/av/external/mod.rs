@@ -22,6 +22,3 @@ pub use link::{Link, Opener};
 pub use message::PROTOCOL;
 pub use program::Program;
 pub use session::Settings;
-
-#[cfg(test)]
-mod tests;
