@@ -3,8 +3,8 @@
 use std::io;
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use super::args::AvCheckOptions;
@@ -148,9 +148,13 @@ impl Overheard {
             return;
         }
         self.left.fetch_sub(1, Ordering::Relaxed);
+        if !message.starts_with(b"{") {
+            front::say(&format!("  {arrow} {} bytes", message.len()));
+            return;
+        }
         let text = String::from_utf8_lossy(&message[..message.len().min(SHOWN_BYTES)]);
         let dots = if message.len() > SHOWN_BYTES { "…" } else { "" };
-        front::say(&format!("  {arrow} {}{dots}", text.trim_end().escape_default()).replace("\\\"", "\""));
+        front::say(&format!("  {arrow} {}{dots}", text.trim_end().replace(char::is_control, " ")));
     }
 }
 

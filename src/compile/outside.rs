@@ -6,8 +6,8 @@ use super::lower::Lowering;
 use crate::av::external::{External, Program, Settings};
 use crate::av::onnx::{Model, Onnx};
 use crate::env::PolicyMaker;
-use crate::lang::{codes, reason};
 use crate::lang::hir::Declaration;
+use crate::lang::{codes, reason};
 use crate::signature::Signature;
 
 /// A kind of driving policy from outside: what it takes, and how a maker of it comes to be.

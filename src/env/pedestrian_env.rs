@@ -69,7 +69,17 @@ impl PedestrianEnv {
             digest: 0,
             outcome: None,
         };
-        Self { scenario, world, policy, sensors: Sensors::default(), seed, next_episode: 0, episode, faults_in_a_row: 0, last_fault: None }
+        Self {
+            scenario,
+            world,
+            policy,
+            sensors: Sensors::default(),
+            seed,
+            next_episode: 0,
+            episode,
+            faults_in_a_row: 0,
+            last_fault: None,
+        }
     }
 
     /// The scenario.

@@ -1,5 +1,4 @@
-use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::av::Fault;
 use crate::av::external::{Link, Opener, Program};
@@ -15,7 +14,7 @@ pub struct ProcessOpener {
 
 impl Opener for ProcessOpener {
     fn open(&self, program: &Program) -> Result<Box<dyn Link>, Fault> {
-        self.start(program).inspect_err(|fault| self.notes.say(program, &fault.to_string()))
+        self.start(program)
     }
 }
 
@@ -38,17 +37,24 @@ impl ProcessOpener {
     }
 }
 
-/// Prints notes until there are too many.
+/// Prints notes until there are too many; one that comes again and again is printed once.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Notes(Arc<AtomicUsize>);
+pub(super) struct Notes(Arc<Mutex<(usize, String)>>);
 
 impl Notes {
     /// Prints a note about a program.
     pub fn say(&self, program: &Program, text: &str) {
-        let said = self.0.fetch_add(1, Ordering::Relaxed);
-        if said < MOST_NOTES {
+        let mut said = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let (count, last) = &mut *said;
+        if last == text {
+            return;
+        }
+        last.clear();
+        last.push_str(text);
+        *count += 1;
+        if *count <= MOST_NOTES {
             anstream::eprintln!("driver `{}`: {text}", program.words.join(" "));
-        } else if said == MOST_NOTES {
+        } else if *count == MOST_NOTES + 1 {
             anstream::eprintln!("more notes about drivers are left out");
         }
     }

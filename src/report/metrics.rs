@@ -100,7 +100,8 @@ pub fn metrics(episodes: &DataFrame) -> PolarsResult<Metrics> {
         ])
         .collect()?;
     let by_cell: Vec<Expr> = CELL.iter().map(|name| col(*name)).collect();
-    let mut sums = vec![len().cast(DataType::UInt32).alias("runs"), total("episodes"), total("errors"), total("collisions")];
+    let mut sums =
+        vec![len().cast(DataType::UInt32).alias("runs"), total("episodes"), total("errors"), total("collisions")];
     for name in AVERAGED {
         sums.push(col(name).mean().alias(format!("{name}_mean")));
         sums.push(col(name).std(1).alias(format!("{name}_sd")));

@@ -80,7 +80,13 @@ fn errors(page: &mut String, cells: &[Cell]) {
     );
     for cell in cells.iter().filter(|cell| cell.errors > 0) {
         let (errors, all) = (cell.errors, cell.episodes + cell.errors);
-        let _ = writeln!(page, "- {} in {} against {}: {errors} of {all}", cell.pedestrian, place(cell, cells), cell.policy);
+        let _ = writeln!(
+            page,
+            "- {} in {} against {}: {errors} of {all}",
+            cell.pedestrian,
+            place(cell, cells),
+            cell.policy
+        );
     }
 }
 

@@ -1,4 +1,4 @@
-"""A driver for the tests, which fails in the way that its first argument names, in every fourth episode or at once.
+"""A driver for the tests, which fails in the way that its first argument names, in about every third episode or at once.
 
 Further arguments: `binary` for the binary encoding, a file's name to leave a mark in.
 """
@@ -48,7 +48,7 @@ def control(world, tick, seed, x, speed, limit):
     global count
     count += 1
     if seed is not None:
-        marked[world] = seed % 4 == 0
+        marked[world] = seed % 3 == 0
     fail(world, tick)
     extra = {"counting": count % 7, "random": random.random()}.get(mode, 0)
     return (0.6 if speed < 0.8 * limit else 0.0, 0.1 * extra + (0.2 if x % 40 < 4 else 0.0), 0.01 * (x % 3 - 1))

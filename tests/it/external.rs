@@ -190,13 +190,12 @@ fn episodes_in_error_are_counted_apart_and_the_bytes_are_the_same_on_one_thread_
     let command = format!("python3 {} crash", folder("tests/external/driver.py").display());
     std::fs::write(place.path().join("crash.scn"), text(&command, "timeout: 60 s")).unwrap();
     let run = |threads: &str| {
-        let output = falsify(
-            &["run", "--allow-external", "--threads", threads, "--out", threads, "crash.scn"],
-            place.path(),
-        );
+        let output =
+            falsify(&["run", "--allow-external", "--threads", threads, "--out", threads, "crash.scn"], place.path());
         assert_eq!(output.status.code(), Some(5), "{}", said(&output));
         assert!(said(&output).contains("mine ended before it answered"), "{}", said(&output));
-        let report = |file: &str| std::fs::read_to_string(place.path().join(threads).join("outside").join(file)).unwrap();
+        let report =
+            |file: &str| std::fs::read_to_string(place.path().join(threads).join("outside").join(file)).unwrap();
         (report("episodes.csv"), report("cells.csv"), report("summary.md"))
     };
     let (episodes, cells, summary) = run("1");

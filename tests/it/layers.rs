@@ -22,7 +22,24 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("analysis", &["env", "campaign"]),
     ("report", &["geometry", "road", "av", "rl", "env", "compile", "campaign", "analysis"]),
     ("process", &["av"]),
-    ("cli", &["diagnostic", "seed", "road", "lang", "rl", "compile", "campaign", "report", "analysis", "process", "falsifier", "env", "av"]),
+    (
+        "cli",
+        &[
+            "diagnostic",
+            "seed",
+            "road",
+            "lang",
+            "rl",
+            "compile",
+            "campaign",
+            "report",
+            "analysis",
+            "process",
+            "falsifier",
+            "env",
+            "av",
+        ],
+    ),
 ];
 
 /// Crates that only one module may name.

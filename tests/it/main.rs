@@ -23,6 +23,7 @@ mod layers;
 mod learning;
 mod ped_world;
 mod recorded_update;
+mod onnx;
 mod reference;
 mod road_reference;
 mod routes_reference;

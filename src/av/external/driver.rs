@@ -45,9 +45,24 @@ impl External {
                 ),
                 Param::with_default("timeout", time(), "1 s", "Time that it has for the answer to a tick."),
                 Param::with_default("start_timeout", time(), "30 s", "Time that it has for its greeting."),
-                Param::with_default("worlds", count(1024), "32", "Episodes that are tried at the same time, to ask about them in one message."),
-                Param::with_default("actors", count(64), "8", "Most road users that it is told of, the nearest ones in sight."),
-                Param::with_default("route_points", count(40), "20", "Points of the way ahead that it is told of, 2 m apart."),
+                Param::with_default(
+                    "worlds",
+                    count(1024),
+                    "32",
+                    "Episodes that are tried at the same time, to ask about them in one message.",
+                ),
+                Param::with_default(
+                    "actors",
+                    count(64),
+                    "8",
+                    "Most road users that it is told of, the nearest ones in sight.",
+                ),
+                Param::with_default(
+                    "route_points",
+                    count(40),
+                    "20",
+                    "Points of the way ahead that it is told of, 2 m apart.",
+                ),
             ],
         )
     }

@@ -278,12 +278,11 @@ mod tests {
             let mut decisions = Vec::new();
             read_decisions(line.as_bytes(), &[3, 5], &mut decisions).map(|()| decisions)
         };
-        let good = read(r#"{"actions":[{"id":5,"acceleration":-2,"mode":"yield"},{"id":3,"throttle":0.1,"steer":-1,"new":0}]}"#);
-        let pedals = Decision {
-            pedals: Choice::Pedals { throttle: 0.1, brake: 0.0 },
-            steer: -1.0,
-            mode: DrivingMode::Unknown,
-        };
+        let good = read(
+            r#"{"actions":[{"id":5,"acceleration":-2,"mode":"yield"},{"id":3,"throttle":0.1,"steer":-1,"new":0}]}"#,
+        );
+        let pedals =
+            Decision { pedals: Choice::Pedals { throttle: 0.1, brake: 0.0 }, steer: -1.0, mode: DrivingMode::Unknown };
         let braking = Decision { pedals: Choice::Acceleration(-2.0), steer: 0.0, mode: DrivingMode::Yield };
         assert_eq!(good, Ok(vec![pedals, braking]));
         for (line, reason) in [
@@ -292,7 +291,10 @@ mod tests {
             (r#"{"actions":[{"id":3,"brake":1}]}"#, "not one action for each world"),
             (r#"{"actions":[{"id":3,"brake":1},{"id":3,"brake":1}]}"#, "not one action for each world"),
             (r#"{"actions":[{"id":3,"brake":1},{"id":5}]}"#, "an action without throttle, brake or acceleration"),
-            (r#"{"actions":[{"id":3,"brake":1},{"id":5,"brake":1,"acceleration":0}]}"#, "an action with both acceleration and pedals"),
+            (
+                r#"{"actions":[{"id":3,"brake":1},{"id":5,"brake":1,"acceleration":0}]}"#,
+                "an action with both acceleration and pedals",
+            ),
         ] {
             assert_eq!(read(line), Err(Fault::Answer(reason)), "{line}");
         }

@@ -216,7 +216,7 @@ impl Session {
 
 /// The beginning of what a driver said, fit to be printed.
 fn shown(said: &[u8]) -> String {
-    let text = String::from_utf8_lossy(&said[..said.len().min(SHOWN)]);
+    let text = String::from_utf8_lossy(&said[..said.len().min(SHOWN)]).replace(char::is_control, " ");
     let dots = if said.len() > SHOWN { "…" } else { "" };
-    format!("`{}{dots}`", text.escape_debug())
+    format!("`{text}{dots}`")
 }

@@ -1,5 +1,5 @@
-use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
 
 use rten::{RunOptions, ThreadPool};
 

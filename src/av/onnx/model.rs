@@ -1,6 +1,6 @@
 use rten::{Dimension, ModelOptions, NodeId, RunOptions, ValueOrView};
 use rten_tensor::prelude::*;
-use rten_tensor::{TensorView, Tensor};
+use rten_tensor::{Tensor, TensorView};
 
 use crate::av::Fault;
 use crate::av::view::View;
@@ -195,9 +195,60 @@ fn encode(input: Input, view: &View) -> Vec<f32> {
                 })
             })
             .collect(),
-        Input::Route(rows) => (0..rows)
-            .flat_map(|row| view.route.get(row).or(view.route.last()).map_or([0.0; 3], place))
-            .collect(),
+        Input::Route(rows) => {
+            (0..rows).flat_map(|row| view.route.get(row).or(view.route.last()).map_or([0.0; 3], place)).collect()
+        }
     };
     numbers.into_iter().map(|number| number as f32).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_network_answers_as_it_does_in_onnxruntime() {
+        let model = Model::read(include_bytes!("../../../tests/reference/onnx/follow.onnx").to_vec()).unwrap();
+        assert_eq!((model.room(), model.numbers), ((2, 4), 2));
+        let recorded: serde_json::Value =
+            serde_json::from_str(include_str!("../../../tests/reference/onnx/follow.json")).unwrap();
+        for case in recorded["cases"].as_array().unwrap() {
+            let numbers = |key: &str| -> Vec<f32> {
+                case[key].as_array().unwrap().iter().map(|number| number.as_f64().unwrap() as f32).collect()
+            };
+            let answer = model.decide(&["ego", "actors", "route"].map(numbers), RunOptions::default()).unwrap();
+            for (mine, wanted) in answer.iter().zip(numbers("control")) {
+                assert!((mine - wanted).abs() < 1e-5, "{answer:?} instead of {wanted}");
+            }
+        }
+    }
+
+    #[test]
+    fn numbers_are_in_the_frame_of_the_ego() {
+        use crate::av::view::{Kind, LightAhead, Seen};
+        let half_turn = std::f64::consts::PI;
+        let view = View {
+            ego: Pose::new(10.0, 5.0, half_turn / 2.0),
+            speed: 8.0,
+            speed_limit: 10.0,
+            light: Some(LightAhead { colour: LightColour::Yellow, distance: 30.0 }),
+            actors: vec![Seen {
+                kind: Kind::Pedestrian,
+                pose: Pose::new(8.0, 15.0, half_turn),
+                velocity: Vector::new(1.5, 0.0),
+                half: Vector::new(0.25, 0.25),
+            }],
+            route: vec![Pose::new(10.0, 6.0, half_turn / 2.0)],
+        };
+        let near = |input, wanted: &[f32]| {
+            let numbers = encode(input, &view);
+            let same = numbers.len() == wanted.len() && numbers.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-5);
+            assert!(same, "{numbers:?} instead of {wanted:?}");
+        };
+        near(Input::Ego, &[8.0, 10.0, 2.0, 30.0]);
+        let quarter = half_turn as f32 / 2.0;
+        let walker = [1.0, 10.0, 2.0, quarter, 0.0, -1.5, 0.5, 0.5];
+        near(Input::Actors(2), &[walker, [0.0; 8]].concat());
+        near(Input::Route(2), &[1.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
+    }
 }
