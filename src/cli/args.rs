@@ -16,7 +16,7 @@ Examples:
 
 Exit codes:
   0 done   1 internal error   2 wrong usage or missing file   3 errors in a scenario
-  4 nothing to run   5 a run failed   6 a report cannot be written   130 stopped by Ctrl-C";
+  4 nothing to run   5 a run or a driver failed   6 a report cannot be written   130 stopped by Ctrl-C";
 
 /// Finds the ways a self-driving car hits a pedestrian.
 #[derive(Debug, Parser)]

@@ -48,13 +48,14 @@ fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<Po
 
 /// A network from a file.
 fn onnx(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
-    let arguments = declaration.block.arguments.clone();
+    let arguments = &declaration.block.arguments;
     let path = arguments.text("model");
     let bytes = lowering.read.bytes(&lowering.beside(declaration, path)).map_err(|error| reason(&error));
     match bytes.and_then(|bytes| Model::read(bytes).map_err(|error| error.to_string())) {
         Ok(model) => {
             let model = Arc::new(model);
-            Some(Arc::new(move || Box::new(Onnx::new(&arguments, model.clone()))))
+            let worlds = arguments.integer("worlds") as usize;
+            Some(Arc::new(move || Box::new(Onnx::new(worlds, model.clone()))))
         }
         Err(reason) => {
             lowering.said.push(codes::unusable_model(declaration.block.place("model"), path, &reason));

@@ -5,7 +5,7 @@ use super::engine::{Batch, Engine};
 use crate::av::view::View;
 use crate::av::{DrivingMode, DrivingPolicy, Fault, Path, Perception};
 use crate::seed::Stream;
-use crate::signature::{Arguments, Param, Signature, Type};
+use crate::signature::{Param, Signature, Type};
 use crate::sim::Control;
 
 /// A learnt driver; see the module.
@@ -45,10 +45,10 @@ impl Onnx {
         )
     }
 
-    /// Makes one from checked arguments and its network.
-    pub fn new(arguments: &Arguments, model: Arc<Model>) -> Self {
+    /// Makes one for so many episodes at the same time.
+    pub fn new(worlds: usize, model: Arc<Model>) -> Self {
         let shared = Shared { engine: Engine::new(model.clone()), batch: Batch::default(), answered: false };
-        Self::within(model, Arc::new(Mutex::new(shared)), arguments.integer("worlds") as usize)
+        Self::within(model, Arc::new(Mutex::new(shared)), worlds)
     }
 
     fn within(model: Arc<Model>, shared: Arc<Mutex<Shared>>, worlds: usize) -> Self {

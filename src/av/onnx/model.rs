@@ -76,6 +76,12 @@ impl Model {
     /// # Errors
     /// It is no ONNX, has operators that are not known here, or does not fit the contract of this module.
     pub fn read(bytes: Vec<u8>) -> Result<Self, ModelError> {
+        // The file is the user's, and the runtime is not ours: what it does not expect must be an error here, too.
+        let panicked = |_| Err(ModelError::Unreadable("the runtime cannot cope with it".into()));
+        std::panic::catch_unwind(|| Self::read_and_try(bytes)).unwrap_or_else(panicked)
+    }
+
+    fn read_and_try(bytes: Vec<u8>) -> Result<Self, ModelError> {
         let network =
             ModelOptions::with_all_ops().load(bytes).map_err(|error| ModelError::Unreadable(error.to_string()))?;
         let (ids, outputs) = (network.input_ids().to_vec(), network.output_ids().to_vec());
