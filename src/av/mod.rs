@@ -6,7 +6,9 @@
 
 mod perception;
 mod driving_policy;
+mod fault;
 mod path;
+mod view;
 mod lane_keeping;
 mod cruise;
 mod idm;
@@ -22,10 +24,13 @@ pub mod behavior_agent;
 pub mod lav;
 pub mod interfuser;
 pub mod reference_drivers;
+pub mod external;
+pub mod onnx;
 
 pub use aeb::Aeb;
 pub use cruise::Cruise;
 pub use driving_policy::{DrivingMode, DrivingPolicy};
+pub use fault::Fault;
 pub use idm::Idm;
 pub use oracle_brake::OracleBrake;
 pub use path::Path;

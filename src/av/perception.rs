@@ -1,6 +1,6 @@
 use crate::geometry::{Obstacles, OrientedBox, Pose, Vector};
 use crate::road::Town;
-use crate::sim::{LightColour, VehicleBlueprint, World};
+use crate::sim::{Control, LightColour, VehicleBlueprint, World};
 
 /// Another road user, or the ego itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,6 +69,15 @@ impl Perception<'_> {
     /// CARLA's driver does not ask: it reads the world's list of actors.
     pub fn in_sight(&self, actor: &Actor) -> bool {
         !self.obstacles.blocks_sight(self.ego.pose.position(), actor.pose.position())
+    }
+
+    /// The pedals for an acceleration (m/s²), and the full brake for a car at rest that does not want to move.
+    pub(super) fn pedals_or_hold(&self, acceleration: f64) -> Control {
+        let speed = self.ego.speed();
+        if acceleration <= 0.0 && speed < 0.05 {
+            return Control::FULL_BRAKE;
+        }
+        self.blueprint.pedals_for(acceleration, speed)
     }
 }
 

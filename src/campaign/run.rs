@@ -4,9 +4,9 @@ use rayon::prelude::*;
 
 use super::{EpisodeRow, Observer};
 use crate::compile::{Campaign, Evaluation, Pedestrian, Training, TrainingKey};
-use crate::falsifier::{Choosing, Intercept, Random, TrainedWalker, Walker, train, watch_walker};
+use crate::falsifier::{Choosing, Intercept, Random, TrainError, TrainedWalker, Walker, train, watch_walker};
 use crate::judge::judge;
-use crate::rl::{TrainError, Trained};
+use crate::rl::Trained;
 use crate::seed::Seed;
 
 /// What became of a training.
@@ -95,33 +95,32 @@ fn evaluate(
     }
     let place = |branch: &str| seed.child(branch).child(&evaluation.town).child(&evaluation.policy);
     let walker_seed = place("walker").child(evaluation.pedestrian.name()).index(evaluation.trained.run.into());
-    let mut rows = Vec::with_capacity(evaluation.episodes as usize);
     let scenario = &evaluation.scenario;
-    let episodes_seed = place("evaluate");
-    watch_walker(
+    let noted = watch_walker(
         walker.as_mut(),
         scenario,
         evaluation.episodes,
-        &episodes_seed,
+        &place("evaluate"),
         &walker_seed,
-        &mut |outcome, recording| {
-            rows.push(EpisodeRow {
-                trained: evaluation.trained.clone(),
-                pedestrian: evaluation.pedestrian.name(),
-                town: evaluation.town.clone(),
-                policy: evaluation.policy.clone(),
-                vehicle: evaluation.vehicle.clone(),
-                adversary: evaluation.adversary.clone(),
-                block: evaluation.block,
-                episode: rows.len() as u32,
-                outcome: *outcome,
-                verdict: judge(scenario, recording),
-            });
+        &mut |outcome, recording| (*outcome, judge(scenario, recording)),
+        &mut |_| {
             observer.tried(index, evaluation);
             flow(observer)
         },
     );
-    rows
+    let row = |(episode, (outcome, verdict))| EpisodeRow {
+        trained: evaluation.trained.clone(),
+        pedestrian: evaluation.pedestrian.name(),
+        town: evaluation.town.clone(),
+        policy: evaluation.policy.clone(),
+        vehicle: evaluation.vehicle.clone(),
+        adversary: evaluation.adversary.clone(),
+        block: evaluation.block,
+        episode: episode as u32,
+        outcome,
+        verdict,
+    };
+    noted.into_iter().enumerate().map(row).collect()
 }
 
 fn flow(observer: &dyn Observer) -> ControlFlow<()> {

@@ -11,11 +11,12 @@ Examples:
                                              change a value without touching the file
   falsify check my.scn                       find mistakes without running anything
   falsify check --sample 1000 my.scn         see where episodes would begin, and what is rejected
+  falsify av check -- python3 my_av.py       see whether a driver of your own speaks the protocol
   falsify map Town02.xodr --waypoints 2      draw a map, list what it holds
 
 Exit codes:
   0 done   1 internal error   2 wrong usage or missing file   3 errors in a scenario
-  4 nothing to run   5 a run failed   6 a report cannot be written   130 stopped by Ctrl-C";
+  4 nothing to run   5 a run or a driver failed   6 a report cannot be written   130 stopped by Ctrl-C";
 
 /// Finds the ways a self-driving car hits a pedestrian.
 #[derive(Debug, Parser)]
@@ -40,6 +41,9 @@ pub enum Command {
     Check(CheckOptions),
     /// Draw a town, and say what its map holds and what was skipped.
     Map(MapOptions),
+    /// Work on a driver of your own.
+    #[command(subcommand)]
+    Av(AvCommand),
     /// Print a completion script for a shell.
     Completions {
         /// The shell.
@@ -102,6 +106,9 @@ pub struct GivenOptions {
     /// Give a parameter or a key of a declaration another value, as `far=20 m` or `ppo_paper.total_steps=1000`.
     #[arg(long, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
+    /// Let scenarios name programs as drivers, which `run` starts; give it only with files that you trust.
+    #[arg(long)]
+    pub allow_external: bool,
 }
 
 fn town_and_file(text: &str) -> Result<(String, PathBuf), String> {
@@ -126,6 +133,35 @@ pub struct MapOptions {
 fn spacing(text: &str) -> Result<f64, String> {
     let spacing: f64 = text.parse().map_err(|_| "not a number".to_string())?;
     if (0.01..=1000.0).contains(&spacing) { Ok(spacing) } else { Err("must be from 0.01 to 1000".into()) }
+}
+
+/// What can be done with a driver.
+#[derive(Debug, Subcommand)]
+pub enum AvCommand {
+    /// See whether a program speaks the protocol of scenarios/external/README.md and drives the same way twice.
+    Check(AvCheckOptions),
+}
+
+/// Options of `falsify av check`.
+#[derive(Debug, Args)]
+pub struct AvCheckOptions {
+    /// The program and its arguments, after `--`.
+    #[arg(required = true, last = true, value_name = "COMMAND")]
+    pub command: Vec<String>,
+    /// Seconds that it has for the answer to a tick.
+    #[arg(long, default_value_t = 1.0, value_name = "SECONDS", value_parser = seconds)]
+    pub timeout: f64,
+    /// Seconds that it has for its greeting.
+    #[arg(long, default_value_t = 30.0, value_name = "SECONDS", value_parser = seconds)]
+    pub start_timeout: f64,
+    /// Show the first messages.
+    #[arg(long)]
+    pub show: bool,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let seconds: f64 = text.parse().map_err(|_| "not a number".to_string())?;
+    if (0.001..=3600.0).contains(&seconds) { Ok(seconds) } else { Err("must be from 0.001 to 3600".into()) }
 }
 
 /// When to colour the output.

@@ -11,7 +11,7 @@ pub enum ExitCode {
     Scenario = 3,
     /// No campaign was found.
     Nothing = 4,
-    /// A training failed.
+    /// A training failed, or a driver from outside.
     RunFailed = 5,
     /// A report cannot be written.
     WriteFailed = 6,

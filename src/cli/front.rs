@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use anstyle::{AnsiColor, Style};
 
@@ -10,7 +11,8 @@ use super::ExitCode;
 use super::args::GivenOptions;
 use crate::compile::{Catalog, Overrides, Plan, compile_with};
 use crate::diagnostic::{Colour, Severity, Sources, render};
-use crate::lang::reason;
+use crate::lang::{Reader, reason};
+use crate::process::ProcessOpener;
 use crate::report::FileRecord;
 
 const ERROR: Style = AnsiColor::Red.on_default().bold();
@@ -28,20 +30,41 @@ pub fn say(line: &str) {
     let _ = writeln!(anstream::stdout(), "{line}");
 }
 
+/// Reads the files of the disk and keeps a record of each.
+#[derive(Default)]
+struct Files {
+    records: RefCell<Vec<FileRecord>>,
+}
+
+impl Files {
+    fn record(&self, path: &Path, contents: &[u8]) {
+        self.records.borrow_mut().push(FileRecord::new(path.display().to_string(), contents));
+    }
+}
+
+impl Reader for Files {
+    fn text(&self, path: &Path) -> std::io::Result<String> {
+        std::fs::read_to_string(path).inspect(|text| self.record(path, text.as_bytes()))
+    }
+
+    fn bytes(&self, path: &Path) -> std::io::Result<Vec<u8>> {
+        std::fs::read(path).inspect(|bytes| self.record(path, bytes))
+    }
+}
+
 /// Reads, checks and compiles files; gives the plan and a record of every file that was read.
 ///
 /// # Errors
 /// The exit code, after the reason has been printed.
 pub fn compile_files(files: &[PathBuf], given: &GivenOptions) -> Result<(Plan, Vec<FileRecord>), ExitCode> {
     let mut sources = Sources::default();
-    let records = RefCell::new(Vec::new());
-    let read = |path: &Path| {
-        let text = std::fs::read_to_string(path)?;
-        records.borrow_mut().push(FileRecord::new(path.display().to_string(), &text));
-        Ok(text)
+    let read = Files::default();
+    let catalog = match given.allow_external {
+        true => Catalog::builtin().with_opener(Arc::new(ProcessOpener::default())),
+        false => Catalog::builtin(),
     };
     let overrides = Overrides { maps: given.map.iter().cloned().collect(), settings: given.set.clone() };
-    let compiled = match compile_with(files, &overrides, &Catalog::builtin(), &read, &mut sources) {
+    let compiled = match compile_with(files, &overrides, &catalog, &read, &mut sources) {
         Ok(compiled) => compiled,
         Err((path, error)) => {
             fail(&format!("cannot read `{}`: {}", path.display(), reason(&error)));
@@ -58,7 +81,7 @@ pub fn compile_files(files: &[PathBuf], given: &GivenOptions) -> Result<(Plan, V
     let errors = compiled.diagnostics.iter().filter(|each| each.severity == Severity::Error).count();
     match compiled.plan {
         Some(plan) => match overrides.maps.keys().find(|name| !plan.has_town(name)) {
-            None => Ok((plan, records.into_inner())),
+            None => Ok((plan, read.records.into_inner())),
             Some(name) => {
                 fail(&format!("--map names the town `{name}`, which nothing uses"));
                 Err(ExitCode::Usage)

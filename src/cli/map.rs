@@ -10,7 +10,9 @@ use crate::road::{LaneKind, Town, opendrive};
 pub fn map(options: &MapOptions) -> ExitCode {
     let is_scenario = options.file.extension().is_some_and(|extension| extension == "scn");
     let towns = if is_scenario {
-        match front::compile_files(std::slice::from_ref(&options.file), &GivenOptions::default()) {
+        // Drawing starts no program.
+        let given = GivenOptions { allow_external: true, ..GivenOptions::default() };
+        match front::compile_files(std::slice::from_ref(&options.file), &given) {
             Ok((plan, _)) => plan.towns.into_iter().map(|named| named.town).collect(),
             Err(code) => return code,
         }

@@ -8,6 +8,7 @@ mod progress;
 mod run;
 mod check;
 mod map;
+mod av_check;
 
 pub use args::Arguments;
 pub use exit_code::ExitCode;
@@ -37,6 +38,7 @@ fn run_command() -> ExitCode {
         args::Command::Run(options) => run::run(&options),
         args::Command::Check(options) => check::check(&options),
         args::Command::Map(options) => map::map(&options),
+        args::Command::Av(args::AvCommand::Check(options)) => av_check::check(&options),
         args::Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Arguments::command(), "falsify", &mut script);

@@ -108,6 +108,7 @@ fn carry_out(campaign: &Campaign, options: &RunOptions, files: &[FileRecord]) ->
             first.policy
         ));
     }
+    say_errors(&finished);
     interrupt::hold(true);
     let written = write(&folder, campaign, &finished, &manifest);
     let kept =
@@ -120,7 +121,22 @@ fn carry_out(campaign: &Campaign, options: &RunOptions, files: &[FileRecord]) ->
     print_cells(campaign, &finished).map_err(|error| error.to_string())?;
     front::say(&place.join("summary.md").display().to_string());
     let whole = manifest.complete || finished.interrupted;
-    Ok(if failed || !whole { ExitCode::RunFailed } else { ExitCode::Done })
+    Ok(if failed || !whole || manifest.errors > 0 { ExitCode::RunFailed } else { ExitCode::Done })
+}
+
+/// Says in how many episodes a driver failed, and how in the first.
+fn say_errors(finished: &Finished) {
+    let mut failed = finished.rows.iter().filter_map(|row| row.outcome.fault().map(|fault| (row, fault)));
+    if let Some((row, fault)) = failed.next() {
+        front::fail(&format!(
+            "a driver failed in {} of {} episodes, which count for nothing; the first is episode {} in {}: {} {fault}",
+            failed.count() + 1,
+            finished.rows.len(),
+            row.episode,
+            row.town,
+            row.policy
+        ));
+    }
 }
 
 fn manifest(
@@ -156,15 +172,31 @@ fn manifest(
         smoke: options.smoke,
         complete: all_trained
             && finished.rows.len() == planned
-            && finished.rows.iter().all(|row| row.outcome.reward.is_finite()),
+            && finished.rows.iter().all(|row| row.outcome.reward.is_finite())
+            && every_driver_drove(finished),
         stopped: finished.interrupted,
         threads: rayon::current_num_threads(),
         evaluation_ticks: finished.rows.iter().map(|row| u64::from(row.outcome.ticks)).sum(),
+        errors: errors(finished),
         wall_time_s,
         files: files.to_vec(),
         vector_instructions: vector_instructions().into(),
         trainings: trainings.collect(),
     }
+}
+
+/// How many episodes a driver failed in.
+fn errors(finished: &Finished) -> usize {
+    finished.rows.iter().filter(|row| row.outcome.fault().is_some()).count()
+}
+
+/// Whether every driver drove at least one episode in every town to its end.
+fn every_driver_drove(finished: &Finished) -> bool {
+    let mut driven: BTreeMap<(&str, &str), bool> = BTreeMap::new();
+    for row in &finished.rows {
+        *driven.entry((&row.town, &row.policy)).or_default() |= row.outcome.fault().is_none();
+    }
+    driven.values().all(|drove| *drove)
 }
 
 /// The vector instructions that the networks' products may use, on which the last bits of a training depend.

@@ -1,5 +1,9 @@
+use std::sync::Arc;
+
+use super::outside::{self, OutsideKind};
 use super::policy::PolicyKind;
 use super::{adversary, campaign, episode, policy, reward, sensors, spawn, town, training, vehicle};
+use crate::av::external::Opener;
 use crate::signature::{Form, Vocabulary};
 
 /// Everything the language offers: forms, their kinds, and what formulas may speak about.
@@ -9,15 +13,17 @@ pub struct Catalog {
     /// Variables and events.
     pub vocabulary: Vocabulary,
     pub(super) policies: Vec<PolicyKind>,
+    pub(super) outside: Vec<OutsideKind>,
+    pub(super) opener: Option<Arc<dyn Opener>>,
 }
 
 impl Catalog {
-    /// What this program offers.
+    /// What this program offers; scenarios may not start programs.
     pub fn builtin() -> Self {
-        let policies = policy::kinds();
+        let (policies, outside) = (policy::kinds(), outside::kinds());
         let forms = vec![
             town::form(),
-            policy::form(&policies),
+            policy::form(&policies, &outside),
             sensors::form(),
             vehicle::form(),
             adversary::form(),
@@ -27,6 +33,11 @@ impl Catalog {
             training::form(),
             campaign::form(),
         ];
-        Self { forms, vocabulary: crate::env::vocabulary(), policies }
+        Self { forms, vocabulary: crate::env::vocabulary(), policies, outside, opener: None }
+    }
+
+    /// The same, and scenarios may start programs in this way.
+    pub fn with_opener(self, opener: Arc<dyn Opener>) -> Self {
+        Self { opener: Some(opener), ..self }
     }
 }

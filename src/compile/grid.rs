@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::lower::{BuiltTown, Lowering};
 use super::plan::{Campaign, Evaluation, NamedTown, Pedestrian, Training, TrainingKey};
-use super::{adversary, episode, policy, reward, sensors, training, vehicle};
+use super::{adversary, episode, reward, training, vehicle};
 use crate::env::{Adversary, EpisodeRule, PolicyMaker, RewardRule, Scenario, SpawnRule};
 use crate::lang::codes;
 use crate::lang::hir::{Block, Declaration};
@@ -172,16 +172,13 @@ impl Lowering<'_> {
         axis
     }
 
-    fn policies(&self, block: &Block) -> Vec<Axis<PolicyMaker>> {
-        let each = |id: DeclarationId| {
-            let declaration = self.program.get(id);
-            let arguments = &declaration.block.arguments;
-            let senses = arguments.has("sensors").then(|| self.program.get(arguments.reference("sensors")));
-            let senses = senses.map(|found| Arc::new(sensors::lower(&found.block)));
-            let value = policy::lower(&self.catalog.policies, declaration.kind, arguments, senses);
-            Axis { name: declaration.name.clone(), value }
-        };
-        block.arguments.references("policies").into_iter().map(each).collect()
+    fn policies(&mut self, block: &Block) -> Vec<Axis<PolicyMaker>> {
+        let mut axis = Vec::new();
+        for id in block.arguments.references("policies") {
+            let name = self.program.get(id).name.clone();
+            axis.extend(self.policy(id).map(|value| Axis { name, value }));
+        }
+        axis
     }
 
     fn rewards(&self, block: &Block) -> Vec<Axis<RewardRule>> {

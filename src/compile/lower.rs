@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::plan::{NamedTown, Plan};
-use super::{Catalog, spawn, town};
+use super::{Catalog, policy, spawn, town};
 use crate::diagnostic::{Diagnostic, Severity, Sources};
-use crate::env::SpawnRule;
+use crate::env::{PolicyMaker, SpawnRule};
 use crate::geometry::Obstacles;
 use crate::lang::hir::{Block, Declaration, Program};
 use crate::lang::{self, Matrix, Reader, codes};
@@ -39,7 +39,7 @@ pub struct Overrides {
 pub fn compile(
     paths: &[PathBuf],
     catalog: &Catalog,
-    read: &Reader,
+    read: &dyn Reader,
     sources: &mut Sources,
 ) -> Result<Compiled, (PathBuf, std::io::Error)> {
     compile_with(paths, &Overrides::default(), catalog, read, sources)
@@ -53,7 +53,7 @@ pub fn compile_with(
     paths: &[PathBuf],
     overrides: &Overrides,
     catalog: &Catalog,
-    read: &Reader,
+    read: &dyn Reader,
     sources: &mut Sources,
 ) -> Result<Compiled, (PathBuf, std::io::Error)> {
     let mut loaded = lang::load(paths, read, sources)?;
@@ -69,7 +69,7 @@ pub fn compile_with(
         lang::once(&mut diagnostics);
         return Ok(Compiled { plan: None, diagnostics });
     }
-    let mut shared = Shared { towns: BTreeMap::new(), used: BTreeSet::new() };
+    let mut shared = Shared::default();
     let mut plan = Plan::default();
     for variant in &variants {
         let (program, maps) = (&variant.program, &overrides.maps);
@@ -138,9 +138,12 @@ pub(super) struct BuiltTown {
 }
 
 /// What all variants of the files have in common.
+#[derive(Default)]
 struct Shared {
     /// Towns that have been built, by their declaration and what it says.
     towns: BTreeMap<DeclarationId, Vec<(Block, Option<BuiltTown>)>>,
+    /// Policies that have been made ready, likewise.
+    policies: BTreeMap<DeclarationId, Vec<(Block, Option<PolicyMaker>)>>,
     /// Declarations that campaigns use.
     used: BTreeSet<DeclarationId>,
 }
@@ -150,8 +153,8 @@ pub(super) struct Lowering<'a> {
     pub program: &'a Program,
     pub catalog: &'a Catalog,
     pub said: &'a mut Vec<Diagnostic>,
+    pub read: &'a dyn Reader,
     sources: &'a Sources,
-    read: &'a Reader<'a>,
     maps: &'a BTreeMap<String, PathBuf>,
     shared: &'a mut Shared,
 }
@@ -164,6 +167,9 @@ impl Lowering<'_> {
             for declaration in program.of_form("town") {
                 let built = self.town(declaration.id);
                 plan.towns.extend(built.map(|built| NamedTown { name: declaration.name.clone(), town: built.town }));
+            }
+            for declaration in program.of_form("policy") {
+                let _ = self.policy(declaration.id);
             }
             for declaration in program.of_form("spawn") {
                 let _ = self.spawn_rule(declaration.id);
@@ -199,6 +205,23 @@ impl Lowering<'_> {
     pub fn spawn_rule(&mut self, id: DeclarationId) -> Option<SpawnRule> {
         let declaration = self.program.get(id);
         spawn::lower(&declaration.name, &declaration.block, &self.catalog.vocabulary, self.sources, self.said)
+    }
+
+    pub fn policy(&mut self, id: DeclarationId) -> Option<PolicyMaker> {
+        let declaration = self.program.get(id);
+        let known = self.shared.policies.get(&id).into_iter().flatten();
+        if let Some((_, made)) = known.clone().find(|(block, _)| *block == declaration.block) {
+            return made.clone();
+        }
+        let made = policy::lower(declaration, self);
+        self.shared.policies.entry(id).or_default().push((declaration.block.clone(), made.clone()));
+        made
+    }
+
+    /// A path relative to the folder of the file that holds a declaration.
+    pub fn beside(&self, declaration: &Declaration, path: &str) -> PathBuf {
+        let file = &self.sources.get(declaration.source).path;
+        file.parent().map(|folder| folder.join(path)).unwrap_or_else(|| path.into())
     }
 
     fn note_used(&mut self, campaign: DeclarationId) {

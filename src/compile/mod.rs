@@ -9,6 +9,7 @@ mod reference;
 mod town;
 mod vehicle;
 mod policy;
+mod outside;
 mod sensors;
 mod sensor_suites;
 mod adversary;

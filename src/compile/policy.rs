@@ -1,11 +1,15 @@
 use std::sync::Arc;
 
+use super::lower::Lowering;
+use super::outside::OutsideKind;
+use super::sensors;
 use crate::av::behavior_agent::BehaviorAgent;
 use crate::av::interfuser::InterFuser;
 use crate::av::lav::Lav;
-use crate::av::senses::{Sensing, SensorModel};
+use crate::av::senses::Sensing;
 use crate::av::{Aeb, Cruise, DrivingPolicy, Idm, OracleBrake, Predictive, RssGuarded};
 use crate::env::PolicyMaker;
+use crate::lang::hir::Declaration;
 use crate::signature::{Arguments, Form, Param, Signature, Type};
 
 /// A kind of driving policy: what it takes, and how it is made.
@@ -38,9 +42,10 @@ pub fn kinds() -> Vec<PolicyKind> {
 }
 
 /// The form `policy`. Every kind takes `sensors` beside what its own signature says.
-pub fn form(kinds: &[PolicyKind]) -> Form {
-    let with_sensors = |kind: &PolicyKind| {
-        let mut signature = (kind.signature)();
+pub fn form(kinds: &[PolicyKind], outside: &[OutsideKind]) -> Form {
+    let own = kinds.iter().map(|kind| (kind.signature)());
+    let others = outside.iter().map(|kind| (kind.signature)());
+    let with_sensors = |mut signature: Signature| {
         signature.params.push(Param::with_default(
             "sensors",
             Type::Reference("sensors"),
@@ -54,22 +59,30 @@ pub fn form(kinds: &[PolicyKind]) -> Form {
         doc: "A driver under test.",
         plain: None,
         multiplies: false,
-        kinds: kinds.iter().map(with_sensors).collect(),
+        kinds: own.chain(others).map(with_sensors).collect(),
     }
 }
 
-/// A maker of fresh drivers of this kind, behind these sensors.
-pub fn lower(
-    kinds: &[PolicyKind],
-    kind: &str,
-    arguments: &Arguments,
-    sensors: Option<Arc<SensorModel>>,
-) -> PolicyMaker {
-    let found = kinds.iter().find(|candidate| (candidate.signature)().name == kind);
-    let make = found.expect("checked: the kind is in the catalogue").make;
-    let arguments = arguments.clone();
-    match sensors {
-        None => Arc::new(move || make(&arguments)),
-        Some(model) => Arc::new(move || Box::new(Sensing::new(make(&arguments), model.clone()))),
+/// A maker of fresh drivers, behind their sensors; none after saying what is wrong.
+pub fn lower(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
+    let make = driver(declaration, lowering)?;
+    let arguments = &declaration.block.arguments;
+    if !arguments.has("sensors") {
+        return Some(make);
     }
+    let sensors = lowering.program.get(arguments.reference("sensors"));
+    let model = Arc::new(sensors::lower(&sensors.block));
+    Some(Arc::new(move || Box::new(Sensing::new(make(), model.clone()))))
+}
+
+fn driver(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
+    let kind = declaration.kind;
+    let catalog = lowering.catalog;
+    if let Some(outside) = catalog.outside.iter().find(|candidate| (candidate.signature)().name == kind) {
+        return (outside.lower)(declaration, lowering);
+    }
+    let found = catalog.policies.iter().find(|candidate| (candidate.signature)().name == kind);
+    let make = found.expect("checked: the kind is in the catalogue").make;
+    let arguments = declaration.block.arguments.clone();
+    Some(Arc::new(move || make(&arguments)))
 }

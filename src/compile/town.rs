@@ -178,7 +178,7 @@ pub fn lower(
     declaration: &Declaration,
     map: Option<&Path>,
     sources: &Sources,
-    read: &Reader,
+    read: &dyn Reader,
     said: &mut Vec<Diagnostic>,
 ) -> Option<Town> {
     let block = &declaration.block;
@@ -238,11 +238,11 @@ fn read_map(
     declaration: &Declaration,
     file: &Path,
     shown: &str,
-    read: &Reader,
+    read: &dyn Reader,
     said: &mut Vec<Diagnostic>,
 ) -> Option<TownParts> {
     let place = declaration.block.place("file");
-    let text = read(file).map_err(|error| crate::lang::reason(&error));
+    let text = read.text(file).map_err(|error| crate::lang::reason(&error));
     match text.and_then(|text| opendrive::read(&text, &declaration.name).map_err(|error| error.to_string())) {
         Ok(parts) => {
             let warnings: Vec<String> = parts.warnings.iter().map(ToString::to_string).collect();

@@ -1,5 +1,5 @@
 use super::Spawn;
-use crate::av::DrivingMode;
+use crate::av::{DrivingMode, Fault};
 
 /// Why an episode ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,6 +19,8 @@ pub enum Ending {
     Lost,
     /// The time was up.
     Timeout,
+    /// The driver failed as a program: nothing is known about how it would have driven.
+    Error(Fault),
 }
 
 /// What became of an episode.
@@ -46,5 +48,13 @@ impl Outcome {
     /// Whether the pedestrian and the ego touched.
     pub fn is_collision(&self) -> bool {
         matches!(self.ending, Ending::Collision { .. })
+    }
+
+    /// What went wrong with the driver, if that ended the episode.
+    pub fn fault(&self) -> Option<Fault> {
+        match self.ending {
+            Ending::Error(fault) => Some(fault),
+            _ => None,
+        }
     }
 }

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use super::{Ending, Observation, Outcome, RewardRule, Scenario, Situation, Spawn};
-use crate::av::{DrivingMode, DrivingPolicy, Sensors};
+use crate::av::{DrivingMode, DrivingPolicy, Fault, Sensors};
 use crate::geometry::{Pose, wrap_angle};
 use crate::rl::{Env, Step};
 use crate::seed::Seed;
@@ -20,13 +20,21 @@ pub struct PedestrianEnv {
     seed: Seed,
     next_episode: u64,
     episode: Episode,
+    faults_in_a_row: u32,
+    last_fault: Option<Fault>,
 }
+
+/// Episodes in a row in which a driver may fail before it is given up.
+const MOST_FAULTS: u32 = 10;
 
 /// The running episode's record.
 #[derive(Debug, Clone, Copy)]
 struct Episode {
     spawn: Spawn,
     command: WalkCommand,
+    /// Ticks for which the command has been held.
+    held: u32,
+    contact: Option<Contact>,
     reward: f64,
     least_gap: f64,
     mode: DrivingMode,
@@ -37,6 +45,11 @@ struct Episode {
 impl PedestrianEnv {
     /// Makes an environment whose first episode is number 0 under the seed. The scenario's spawn rule must have been probed.
     pub fn new(scenario: Arc<Scenario>, seed: Seed) -> Self {
+        let policy = (scenario.policy)();
+        Self::with_policy(scenario, seed, policy)
+    }
+
+    fn with_policy(scenario: Arc<Scenario>, seed: Seed, policy: Box<dyn DrivingPolicy>) -> Self {
         let lights = scenario.episode.traffic_lights.then(LightCycle::default);
         let world = World::new(
             scenario.town.clone(),
@@ -46,18 +59,29 @@ impl PedestrianEnv {
             lights,
             scenario.episode.tick,
         );
-        let policy = (scenario.policy)();
         let nowhere = Spawn { ego: Pose::default(), ego_speed: 0.0, pedestrian: Pose::default() };
         let episode = Episode {
             spawn: nowhere,
             command: WalkCommand::default(),
+            held: 0,
+            contact: None,
             reward: 0.0,
             least_gap: f64::INFINITY,
             mode: DrivingMode::Cruise,
             digest: 0,
             outcome: None,
         };
-        Self { scenario, world, policy, sensors: Sensors::default(), seed, next_episode: 0, episode }
+        Self {
+            scenario,
+            world,
+            policy,
+            sensors: Sensors::default(),
+            seed,
+            next_episode: 0,
+            episode,
+            faults_in_a_row: 0,
+            last_fault: None,
+        }
     }
 
     /// The scenario.
@@ -89,6 +113,8 @@ impl PedestrianEnv {
         self.episode = Episode {
             spawn,
             command: WalkCommand { heading: spawn.pedestrian.yaw, speed: 0.0 },
+            held: 0,
+            contact: None,
             reward: 0.0,
             least_gap: self.world.gap(),
             mode: DrivingMode::Cruise,
@@ -110,31 +136,74 @@ impl PedestrianEnv {
         self.episode.outcome.as_ref()
     }
 
-    /// Carries a command out for as many ticks as the scenario holds it.
-    pub fn walk(&mut self, command: WalkCommand) -> Step {
-        self.walk_watched(command, |_, _| ())
+    /// How pedestrian and ego touched in the last tick; none when they did not.
+    pub fn contact(&self) -> Option<&Contact> {
+        self.episode.contact.as_ref()
     }
 
-    /// Carries a command out and shows the world after each tick, with the touch if there was one.
-    pub fn walk_watched(&mut self, command: WalkCommand, mut watch: impl FnMut(&World, Option<&Contact>)) -> Step {
-        let rule = &self.scenario.episode;
-        let (limit, hold) = (rule.ticks, rule.hold);
-        self.episode.command = command;
-        let mut contact = None;
-        for tick in 0..hold {
-            let perception = self.sensors.perceive(&self.world);
-            let control = self.policy.drive(&perception);
-            if tick == 0 {
-                self.episode.mode = self.policy.mode();
-            }
-            contact = self.world.tick(control, command);
-            self.record();
-            watch(&self.world, contact.as_ref());
-            if contact.is_some() || self.world.ticks >= limit {
-                break;
+    /// Carries a command out for as many ticks as the scenario holds it.
+    pub fn walk(&mut self, command: WalkCommand) -> Step {
+        self.set_out(command);
+        loop {
+            if let Some(step) = self.tick() {
+                return step;
             }
         }
-        self.settle(contact)
+    }
+
+    /// Takes a command, to be carried out by [`PedestrianEnv::tick`].
+    pub fn set_out(&mut self, command: WalkCommand) {
+        self.episode.command = command;
+        self.episode.held = 0;
+    }
+
+    /// Lets the driver prepare for the coming tick, so that drivers of many environments can be asked at once.
+    pub fn announce(&mut self) {
+        self.policy.announce(&self.sensors.perceive(&self.world));
+    }
+
+    /// Moves on by one tick; gives the decision's step when the command has been held long enough or the episode is over.
+    pub fn tick(&mut self) -> Option<Step> {
+        let rule = &self.scenario.episode;
+        let (limit, hold) = (rule.ticks, rule.hold);
+        let perception = self.sensors.perceive(&self.world);
+        let control = self.policy.drive(&perception);
+        if let Some(fault) = self.policy.fault() {
+            return Some(self.give_up(fault));
+        }
+        if self.episode.held == 0 {
+            self.episode.mode = self.policy.mode();
+        }
+        self.episode.held += 1;
+        let contact = self.world.tick(control, self.episode.command);
+        self.episode.contact = contact;
+        self.record();
+        let over = contact.is_some() || self.world.ticks >= limit || self.episode.held >= hold;
+        over.then(|| self.settle(contact))
+    }
+
+    /// Ends an episode that says nothing, since the driver failed: no reward for the decision, and what would have followed
+    /// is unknown.
+    fn give_up(&mut self, fault: Fault) -> Step {
+        self.finish(Ending::Error(fault), None);
+        self.faults_in_a_row += 1;
+        self.last_fault = Some(fault);
+        Step { reward: 0.0, terminated: false, truncated: true }
+    }
+
+    /// The driver's fault, when it failed in so many episodes in a row that there is no use in going on.
+    pub fn hopeless(&self) -> Option<Fault> {
+        self.last_fault.filter(|_| self.faults_in_a_row >= MOST_FAULTS)
+    }
+
+    /// Another environment of the same scenario and seed, when its driver and this one's gain from driving at once.
+    pub fn twin(&self) -> Option<Self> {
+        self.policy.twin().map(|policy| Self::with_policy(self.scenario.clone(), self.seed, policy))
+    }
+
+    /// How many twins should drive at once.
+    pub fn company(&self) -> usize {
+        self.policy.company()
     }
 
     /// Pays for the decision and ends the episode when it is over.
@@ -163,20 +232,25 @@ impl PedestrianEnv {
         };
         self.episode.reward += earned;
         if let Some(ending) = ending {
-            let duration = self.elapsed(contact.as_ref());
-            self.episode.outcome = Some(Outcome {
-                spawn: self.episode.spawn,
-                ending,
-                reward: self.episode.reward,
-                ticks: self.world.ticks,
-                duration,
-                least_gap: if contact.is_some() { 0.0 } else { self.episode.least_gap },
-                last_mode: self.episode.mode,
-                digest: self.episode.digest,
-            });
+            self.finish(ending, contact.as_ref());
+            self.faults_in_a_row = 0;
         }
         let truncated = ending == Some(Ending::Timeout);
         Step { reward: earned, terminated: ending.is_some() && !truncated, truncated }
+    }
+
+    /// Writes down what became of the episode.
+    fn finish(&mut self, ending: Ending, contact: Option<&Contact>) {
+        self.episode.outcome = Some(Outcome {
+            spawn: self.episode.spawn,
+            ending,
+            reward: self.episode.reward,
+            ticks: self.world.ticks,
+            duration: self.elapsed(contact),
+            least_gap: if contact.is_some() { 0.0 } else { self.episode.least_gap },
+            last_mode: self.episode.mode,
+            digest: self.episode.digest,
+        });
     }
 
     fn situation(&self, contact: Option<&Contact>) -> Situation {
@@ -284,7 +358,11 @@ impl Env for PedestrianEnv {
     }
 
     fn step(&mut self, action: &[f64], state: &mut [f64]) -> Step {
-        let step = self.walk(self.command([action[0], action[1]]));
+        // A driver that has been given up is not asked any more; the training ends with the update in hand.
+        let step = match self.hopeless() {
+            Some(_) => Step { reward: 0.0, terminated: false, truncated: true },
+            None => self.walk(self.command([action[0], action[1]])),
+        };
         state.copy_from_slice(&self.state());
         step
     }

@@ -13,4 +13,8 @@ impl Walker for Intercept {
     fn choose(&mut self, env: &PedestrianEnv) -> WalkCommand {
         env.intercept()
     }
+
+    fn twin(&self) -> Option<Box<dyn Walker>> {
+        Some(Box::new(*self))
+    }
 }

@@ -1,6 +1,7 @@
 //! Pedestrians that look for a collision, and trying them: one interface for trained and untrained ones.
 
 mod walker;
+mod training;
 mod trained;
 mod random;
 mod intercept;
@@ -9,5 +10,6 @@ mod episodes;
 pub use episodes::{try_walker, watch_walker};
 pub use intercept::Intercept;
 pub use random::Random;
-pub use trained::{Choosing, TrainedWalker, train};
+pub use trained::{Choosing, TrainedWalker};
+pub use training::{TrainError, train};
 pub use walker::Walker;

@@ -21,4 +21,8 @@ impl Walker for Random {
         let bounds = env.scenario().adversary.action_bounds();
         env.command(bounds.map(|(low, high)| low + (high - low) * stream.random::<f64>()))
     }
+
+    fn twin(&self) -> Option<Box<dyn Walker>> {
+        Some(Box::new(self.clone()))
+    }
 }

@@ -1,28 +1,8 @@
-use std::ops::ControlFlow;
-use std::sync::Arc;
-
 use super::Walker;
-use crate::env::{PedestrianEnv, Scenario};
-use crate::rl::{self, ActorCritic, PpoConfig, Scratch, TrainError, Trained, UpdateLog};
-use crate::seed::{Seed, Stream};
+use crate::env::PedestrianEnv;
+use crate::rl::{ActorCritic, Scratch};
+use crate::seed::Stream;
 use crate::sim::WalkCommand;
-
-/// Trains a pedestrian in so many environments of a scenario, each with its own stream of episodes.
-///
-/// # Errors
-/// A loss that is no number, with its update; or that the observer broke.
-pub fn train(
-    scenario: &Arc<Scenario>,
-    environments: usize,
-    config: &PpoConfig,
-    seed: &Seed,
-    observer: &mut dyn FnMut(&UpdateLog) -> ControlFlow<()>,
-) -> Result<Trained, TrainError> {
-    let episodes = seed.child("episodes");
-    let mut envs: Vec<PedestrianEnv> =
-        (0..environments as u64).map(|env| PedestrianEnv::new(scenario.clone(), episodes.index(env))).collect();
-    rl::train(&mut envs, config, &seed.child("ppo"), observer)
-}
 
 /// How a trained pedestrian chooses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,5 +47,9 @@ impl Walker for TrainedWalker {
             *component = component.clamp(low, high);
         }
         env.command(action)
+    }
+
+    fn twin(&self) -> Option<Box<dyn Walker>> {
+        Some(Box::new(self.clone()))
     }
 }

@@ -9,4 +9,10 @@ pub trait Walker {
 
     /// Chooses the next command; it sees the environment as it stands.
     fn choose(&mut self, env: &PedestrianEnv) -> WalkCommand;
+
+    /// Another one that chooses as this one does, for episodes that are tried at the same time; none when it cannot be in two
+    /// episodes at once.
+    fn twin(&self) -> Option<Box<dyn Walker>> {
+        None
+    }
 }

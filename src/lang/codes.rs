@@ -409,3 +409,21 @@ pub fn map_warning(span: Span, path: &str, warnings: &[String]) -> Diagnostic {
 pub fn unplaceable(span: Span, town: &str, reason: &str) -> Diagnostic {
     Diagnostic::error("unplaceable", span, format!("nobody can be placed in `{town}`: {reason}"))
 }
+
+/// A scenario names a program to be started, and the user has not allowed that.
+pub fn external_not_allowed(span: Span, command: &str) -> Diagnostic {
+    Diagnostic::error("external-not-allowed", span, format!("this scenario wants to start the program `{command}`"))
+        .help("`--allow-external` lets scenarios start programs; give it only with files that you trust")
+}
+
+/// A command cannot be split into a program and its arguments.
+pub fn unusable_command(span: Span, command: &str, reason: &str) -> Diagnostic {
+    Diagnostic::error("unusable-command", span, format!("cannot use the command `{command}`: {reason}"))
+        .help("it is split at blanks, and single quotes hold blanks together; there is no shell")
+}
+
+/// A model of a learnt driver cannot be used.
+pub fn unusable_model(span: Span, path: &str, reason: &str) -> Diagnostic {
+    Diagnostic::error("unusable-model", span, format!("cannot use the model `{path}`: {reason}"))
+        .help("paths are relative to the folder of the file that names them")
+}

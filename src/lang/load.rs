@@ -6,8 +6,28 @@ use super::ast::File;
 use super::{codes, parse};
 use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
 
-/// Reads a file's text; the only way in which the front end reaches the outside.
-pub type Reader<'a> = dyn Fn(&Path) -> std::io::Result<String> + 'a;
+/// Reads files; the only way in which the front end reaches the outside. A function that gives a file's text is one.
+pub trait Reader {
+    /// The text of a file.
+    ///
+    /// # Errors
+    /// It cannot be read, or is no text.
+    fn text(&self, path: &Path) -> std::io::Result<String>;
+
+    /// The bytes of a file that is no text.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    fn bytes(&self, path: &Path) -> std::io::Result<Vec<u8>> {
+        self.text(path).map(String::into_bytes)
+    }
+}
+
+impl<F: Fn(&Path) -> std::io::Result<String>> Reader for F {
+    fn text(&self, path: &Path) -> std::io::Result<String> {
+        self(path)
+    }
+}
 
 /// Everything that was read.
 #[derive(Debug, Clone)]
@@ -24,7 +44,7 @@ pub struct Loaded {
 ///
 /// # Errors
 /// The first named file that cannot be read, with the reason. An import that cannot be read is a diagnostic instead.
-pub fn load(paths: &[PathBuf], read: &Reader, sources: &mut Sources) -> Result<Loaded, (PathBuf, std::io::Error)> {
+pub fn load(paths: &[PathBuf], read: &dyn Reader, sources: &mut Sources) -> Result<Loaded, (PathBuf, std::io::Error)> {
     let mut loader = Loader { read, sources, known: Vec::new(), files: Vec::new(), diagnostics: Vec::new() };
     let mut roots = Vec::new();
     for path in paths {
@@ -39,7 +59,7 @@ pub fn load(paths: &[PathBuf], read: &Reader, sources: &mut Sources) -> Result<L
 }
 
 struct Loader<'a> {
-    read: &'a Reader<'a>,
+    read: &'a dyn Reader,
     sources: &'a mut Sources,
     known: Vec<(PathBuf, SourceId)>,
     files: Vec<File>,
@@ -52,7 +72,7 @@ impl Loader<'_> {
         if let Some((_, source)) = self.known.iter().find(|(known, _)| *known == key) {
             return Ok(*source);
         }
-        let text = (self.read)(path)?;
+        let text = self.read.text(path)?;
         // Some editors begin files with a byte order mark.
         let text = text.strip_prefix('\u{feff}').map_or(text.clone(), str::to_string);
         let source = self.sources.add(path, text.clone());

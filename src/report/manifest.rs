@@ -23,20 +23,22 @@ pub struct Manifest {
     pub vector_instructions: String,
     /// Simulator ticks of the evaluations.
     pub evaluation_ticks: u64,
+    /// Episodes in which the driver failed as a program.
+    pub errors: usize,
     /// Wall time of the whole campaign (s).
     pub wall_time_s: f64,
-    /// The scenario files and the maps they name, in the order they were read.
+    /// The scenario files and what they name, in the order they were read.
     pub files: Vec<FileRecord>,
     /// The trainings.
     pub trainings: Vec<TrainingRecord>,
 }
 
-/// A scenario file or a map.
+/// A scenario file, or a map or model that it names.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FileRecord {
     /// Its path as given.
     pub path: String,
-    /// BLAKE3 of its text.
+    /// BLAKE3 of its contents.
     pub blake3: String,
 }
 
@@ -63,8 +65,8 @@ pub struct TrainingRecord {
 
 impl FileRecord {
     /// Makes a record of a file.
-    pub fn new(path: String, text: &str) -> Self {
-        Self { path, blake3: blake3::hash(text.as_bytes()).to_hex().to_string() }
+    pub fn new(path: String, contents: &[u8]) -> Self {
+        Self { path, blake3: blake3::hash(contents).to_hex().to_string() }
     }
 }
 

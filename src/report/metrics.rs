@@ -46,8 +46,10 @@ pub struct Cell {
     pub block: u32,
     /// How many runs.
     pub runs: u32,
-    /// How many episodes in all runs.
+    /// How many episodes in all runs, without those in which the driver failed.
     pub episodes: u32,
+    /// How many episodes in which the driver failed; they count nowhere else.
+    pub errors: u32,
     /// Collisions of all episodes.
     pub collision: Spread,
     /// Wilson's interval of the collision rate over all episodes.
@@ -102,7 +104,8 @@ fn counted(label: Label) -> String {
     format!("{}_collisions", label.name())
 }
 
-/// Aggregates episodes to runs and runs to cells, each in the order of first appearance.
+/// Aggregates episodes to runs and runs to cells, each in the order of first appearance. Episodes in which the driver failed
+/// are counted as `errors` and enter nothing else.
 ///
 /// # Errors
 /// Those of polars; none for a table made by [`episodes`](super::episodes).
@@ -115,14 +118,15 @@ pub fn metrics(episodes: &DataFrame) -> PolarsResult<Metrics> {
         one.cast(DataType::UInt32).sum().alias(counted(label))
     });
     let mut aggregated = vec![
-        len().cast(DataType::UInt32).alias("episodes"),
+        valid().cast(DataType::UInt32).sum().alias("episodes"),
+        valid().not().cast(DataType::UInt32).sum().alias("errors"),
         total("collision").alias("collisions"),
         total("front").alias("front_collisions"),
         total("moving").alias("moving_collisions"),
-        col("episode_reward").mean(),
-        col("episode_length_s").mean(),
+        col("episode_reward").filter(valid()).mean(),
+        col("episode_length_s").filter(valid()).mean(),
         col("impact_speed_mps").mean(),
-        col("least_gap_m").mean(),
+        col("least_gap_m").filter(valid()).mean(),
         col("foreseeable").fill_null(lit(false)).cast(DataType::UInt32).sum().alias("foreseeable_collisions"),
     ];
     aggregated.extend(labels);
@@ -140,7 +144,8 @@ pub fn metrics(episodes: &DataFrame) -> PolarsResult<Metrics> {
         ])
         .collect()?;
     let by_cell: Vec<Expr> = CELL.iter().map(|name| col(*name)).collect();
-    let mut sums = vec![len().cast(DataType::UInt32).alias("runs"), total("episodes"), total("collisions")];
+    let mut sums =
+        vec![len().cast(DataType::UInt32).alias("runs"), total("episodes"), total("errors"), total("collisions")];
     sums.push(total("foreseeable_collisions"));
     sums.extend(Label::ALL.map(|label| total(&counted(label))));
     for name in AVERAGED {
@@ -154,6 +159,11 @@ pub fn metrics(episodes: &DataFrame) -> PolarsResult<Metrics> {
         cells.with_column(Column::new(format!("{name}_wilson_high").into(), high))?;
     }
     Ok(Metrics { runs, cells })
+}
+
+/// Whether the driver drove to the end of the episode.
+fn valid() -> Expr {
+    col("outcome").neq(lit("error"))
 }
 
 /// A share, missing when the whole is zero.
@@ -205,6 +215,7 @@ impl Metrics {
                 block: count("block", row)?,
                 runs: count("runs", row)?,
                 episodes: count("episodes", row)?,
+                errors: count("errors", row)?,
                 collision: spread("collision_rate", row)?,
                 interval: interval("collision_rate", row)?,
                 front: spread("front_rate", row)?,
@@ -229,7 +240,7 @@ impl Metrics {
 mod tests {
     use super::super::episodes;
     use super::*;
-    use crate::av::DrivingMode;
+    use crate::av::{DrivingMode, Fault};
     use crate::campaign::EpisodeRow;
     use crate::compile::TrainingKey;
     use crate::env::{Ending, Outcome, Spawn};
@@ -297,6 +308,23 @@ mod tests {
         near(cell.preventable_share, 0.75, 0.25 * 2.0_f64.sqrt());
         assert_eq!((cell.preventable_interval, cell.preventable_share_interval), (wilson(2, 8), wilson(2, 3)));
         assert_eq!((cell.collisions, cell.labels, cell.foreseeable), (3, [2, 0, 0, 0, 0, 1], 2));
+    }
+
+    #[test]
+    fn episodes_in_error_count_as_errors_and_nowhere_else() {
+        let failed = |run, episode| {
+            let mut row = row(run, episode, None);
+            row.outcome.ending = Ending::Error(Fault::Ended);
+            row.outcome.reward = 100.0;
+            row
+        };
+        let rows = [row(0, 0, Some((true, 4.0))), failed(0, 1), row(0, 2, None), failed(1, 0)];
+        let metrics = metrics(&episodes(&rows)).unwrap();
+        let cell = &metrics.cells().unwrap()[0];
+        assert_eq!((cell.runs, cell.episodes, cell.errors), (2, 2, 2));
+        assert_eq!(cell.collision, Spread { mean: Some(0.5), sd: None }, "a run of errors alone has no rate");
+        assert_eq!(cell.reward_sum.mean, Some(2.5));
+        assert_eq!(cell.interval, wilson(1, 2));
     }
 
     #[test]

@@ -50,6 +50,7 @@ pub fn summary(name: &str, docs: &[String], cells: &[Cell], manifest: &Manifest)
             spread(cell.impact_speed),
         );
     }
+    errors(&mut page, cells);
     page.push_str(&avoidable(cells));
     let _ = write!(
         page,
@@ -62,6 +63,29 @@ pub fn summary(name: &str, docs: &[String], cells: &[Cell], manifest: &Manifest)
         manifest.seed, manifest.version
     );
     page
+}
+
+/// Says in how many episodes a driver failed as a program, if any.
+fn errors(page: &mut String, cells: &[Cell]) {
+    let failed: u32 = cells.iter().map(|cell| cell.errors).sum();
+    if failed == 0 {
+        return;
+    }
+    let _ = writeln!(
+        page,
+        "\n**In {failed} more episodes the driver failed as a program. They count neither as passed nor as failed and enter no \
+         number above;** `episodes.csv` holds the cause of each in the column `error`:\n"
+    );
+    for cell in cells.iter().filter(|cell| cell.errors > 0) {
+        let (errors, all) = (cell.errors, cell.episodes + cell.errors);
+        let _ = writeln!(
+            page,
+            "- {} in {} against {}: {errors} of {all}",
+            cell.pedestrian,
+            place(cell, cells),
+            cell.policy
+        );
+    }
 }
 
 /// What the reference drivers are, for every summary.
@@ -150,6 +174,12 @@ fn short(number: f64) -> String {
     if number.abs() < 1e5 { format!("{number:.2}") } else { format!("{number:.2e}") }
 }
 
+/// Runs × episodes, and the episodes in error if there are any.
+fn number(cell: &Cell) -> String {
+    let number = format!("{} × {}", cell.runs, cell.episodes / cell.runs.max(1));
+    if cell.errors > 0 { format!("{number}, {} errors", cell.errors) } else { number }
+}
+
 /// The cells as text for a terminal.
 pub fn table(name: &str, cells: &[Cell]) -> String {
     let head = ["pedestrian", "town", "policy", "collision", "front", "moving", "reward", "n"];
@@ -167,7 +197,7 @@ pub fn table(name: &str, cells: &[Cell]) -> String {
             spread(cell.front),
             spread(cell.moving),
             spread(cell.reward_sum),
-            format!("{} × {}", cell.runs, cell.episodes / cell.runs.max(1)),
+            number(cell),
         ]);
     }
     let widths: Vec<usize> =

@@ -39,6 +39,7 @@ pub fn episodes(rows: &[EpisodeRow]) -> DataFrame {
         count("block", &|row| row.block),
         count("episode", &|row| row.episode),
         text("outcome", &|row| ending(&row.outcome.ending).into()),
+        text("error", &|row| row.outcome.fault().map_or(String::new(), |fault| fault.to_string())),
         truth("collision", &|row| hit(row).is_some()),
         truth("front", &|row| hit(row).is_some_and(|(front, ..)| front)),
         truth("moving", &|row| hit(row).is_some_and(|(_, moving, ..)| moving)),
@@ -91,6 +92,7 @@ fn ending(ending: &Ending) -> &'static str {
         Ending::Collision { .. } => "collision",
         Ending::Lost => "lost",
         Ending::Timeout => "timeout",
+        Ending::Error(_) => "error",
     }
 }
 

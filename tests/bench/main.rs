@@ -1,5 +1,6 @@
 //! `cargo bench`: what a campaign spends its time on. Compare ratios within one run; machines are noisy.
 
+use std::io::{BufRead, Read, Write};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -14,7 +15,12 @@ use falsify::road::LaneFilter;
 use falsify::seed::Seed;
 
 fn main() {
-    divan::main();
+    // The bench of drivers from outside starts this binary again as one.
+    match std::env::args().nth(1).as_deref() {
+        Some("drive-json") => driver(false),
+        Some("drive-binary") => driver(true),
+        _ => divan::main(),
+    }
 }
 
 /// One evaluation for each driving policy, in the harbour.
@@ -155,4 +161,82 @@ fn nearest_lane(bencher: Bencher<'_, '_>) {
     let scenario = scenario("behavior");
     let place = scenario.town.pose(scenario.town.driving_lanes()[0].start).position();
     bencher.bench_local(|| scenario.town.nearest_lane(divan::black_box(place), LaneFilter::Any));
+}
+
+/// One world a message and many, in lines of JSON and in floats; the driver is the binary itself, which answers without
+/// thinking (`driver` below), so that this is the price of the way there and back. Counted in ticks of a world.
+#[divan::bench(args = ["json", "binary"], consts = [1, 8, 32, 128], sample_count = 5)]
+fn external<const WORLDS: usize>(bencher: Bencher<'_, '_>, encoding: &str) {
+    use falsify::av::external::{External, Program, Settings};
+    let own = std::env::current_exe().expect("a bench has a file").display().to_string();
+    let program = Program { words: vec![own, format!("drive-{encoding}")], folder: PathBuf::new() };
+    let opener = Arc::new(falsify::process::ProcessOpener::default());
+    let settings = Settings { worlds: WORLDS, timeout: 60.0, ..Settings::default() };
+    let maker = move || -> Box<dyn falsify::av::DrivingPolicy> {
+        Box::new(External::new(program.clone(), settings, opener.clone()))
+    };
+    let outside = Arc::new(Scenario { policy: Arc::new(maker), ..(*scenario("blind")).clone() });
+    episodes_of(bencher, &outside, 128);
+}
+
+/// A small network from an ONNX file, counted in ticks of a world.
+#[divan::bench(consts = [1, 32], sample_count = 5)]
+fn onnx<const WORLDS: usize>(bencher: Bencher<'_, '_>) {
+    use falsify::av::onnx::{Model, Onnx};
+    let bytes = include_bytes!("../reference/onnx/follow.onnx").to_vec();
+    let model = Arc::new(Model::read(bytes).expect("the network drives"));
+    let maker = move || -> Box<dyn falsify::av::DrivingPolicy> { Box::new(Onnx::new(WORLDS, model.clone())) };
+    let outside = Arc::new(Scenario { policy: Arc::new(maker), ..(*scenario("blind")).clone() });
+    episodes_of(bencher, &outside, 32);
+}
+
+fn episodes_of(bencher: Bencher<'_, '_>, scenario: &Arc<Scenario>, episodes: u32) {
+    let run = || {
+        let seed = Seed::root(1);
+        try_walker(&mut Random::default(), scenario, episodes, &seed, &seed.child("walker"), &mut |_| {
+            ControlFlow::Continue(())
+        })
+    };
+    let ticks: u32 = run().iter().map(|outcome| outcome.ticks).sum();
+    bencher.counter(ItemsCount::new(ticks)).bench_local(run);
+}
+
+/// Drives straight on in every world that it is asked about.
+fn driver(binary: bool) {
+    let (mut input, mut output) = (std::io::stdin().lock(), std::io::stdout().lock());
+    let mut line = String::new();
+    input.read_line(&mut line).expect("a greeting");
+    let encoding = if binary { "binary" } else { "json" };
+    writeln!(output, "{{\"protocol\":\"falsify-av/1\",\"encoding\":\"{encoding}\"}}").expect("somebody listens");
+    let world = 8 * (12 + 8 * 8 + 3 * 20);
+    let mut length = [0; 4];
+    let mut answer = Vec::new();
+    loop {
+        answer.clear();
+        if binary {
+            if input.read_exact(&mut length).is_err() {
+                return;
+            }
+            let mut worlds = vec![0; u32::from_le_bytes(length) as usize];
+            input.read_exact(&mut worlds).expect("a whole message");
+            answer.extend_from_slice(&(worlds.len() as u32 / world * 32).to_le_bytes());
+            for numbers in worlds.chunks(world as usize) {
+                answer.extend_from_slice(&numbers[..8]);
+                [0.5_f64, 0.0, 0.0].iter().for_each(|number| answer.extend_from_slice(&number.to_le_bytes()));
+            }
+        } else {
+            line.clear();
+            if input.read_line(&mut line).is_ok_and(|read| read == 0) {
+                return;
+            }
+            let message: serde_json::Value = serde_json::from_str(&line).expect("a message");
+            answer.extend_from_slice(b"{\"actions\":[");
+            for (place, world) in message["worlds"].as_array().expect("worlds").iter().enumerate() {
+                let comma = if place > 0 { "," } else { "" };
+                write!(answer, "{comma}{{\"id\":{},\"throttle\":0.5}}", world["id"]).expect("memory");
+            }
+            answer.extend_from_slice(b"]}\n");
+        }
+        output.write_all(&answer).and_then(|()| output.flush()).expect("somebody listens");
+    }
 }

@@ -36,13 +36,17 @@ fn scenario(policy: &str) -> Arc<Scenario> {
 
 /// The episodes of an intercepting pedestrian.
 fn episodes(scenario: &Arc<Scenario>, count: u32) -> Vec<(Outcome, Recording)> {
-    let mut all = Vec::new();
     let seed = Seed::root(5);
-    watch_walker(&mut Intercept, scenario, count, &seed, &seed.child("walker"), &mut |outcome, recording| {
-        all.push((*outcome, recording.clone()));
-        ControlFlow::Continue(())
-    });
-    all
+    let note = &mut |outcome: &Outcome, recording: &Recording| (*outcome, recording.clone());
+    watch_walker(
+        &mut Intercept,
+        scenario,
+        count,
+        &seed,
+        &seed.child("walker"),
+        note,
+        &mut |_| ControlFlow::Continue(()),
+    )
 }
 
 /// Does not touch the brake.

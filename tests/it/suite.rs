@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use falsify::compile::{Catalog, Overrides, compile_with};
 use falsify::diagnostic::{Severity, Sources};
+use falsify::lang::Reader;
 
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord, Clone)]
 struct Said {
@@ -54,9 +55,25 @@ fn split(text: &str) -> Vec<(String, String)> {
     sections
 }
 
+/// Reads a section in place of a file, and files.
+struct Section<'a> {
+    root: PathBuf,
+    body: &'a str,
+}
+
+impl Reader for Section<'_> {
+    fn text(&self, path: &Path) -> std::io::Result<String> {
+        if path == self.root { Ok(self.body.to_string()) } else { std::fs::read_to_string(path) }
+    }
+
+    fn bytes(&self, path: &Path) -> std::io::Result<Vec<u8>> {
+        std::fs::read(path)
+    }
+}
+
 fn section(folder: &Path, body: &str) -> Result<(), String> {
     let root = folder.join("section.scn");
-    let read = |path: &Path| if path == root { Ok(body.to_string()) } else { std::fs::read_to_string(path) };
+    let read = Section { root: root.clone(), body };
     let mut sources = Sources::default();
     let settings = body.lines().filter_map(|line| line.strip_prefix("// set: ")).map(str::to_string).collect();
     let overrides = Overrides { settings, ..Overrides::default() };

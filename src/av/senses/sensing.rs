@@ -4,7 +4,7 @@ use super::SensorModel;
 use super::ghost::Ghost;
 use super::sight::{half_width_of, visible_share};
 use super::track::{Belief, Kind, Track, moved};
-use crate::av::{Actor, DrivingMode, DrivingPolicy, Perception};
+use crate::av::{Actor, DrivingMode, DrivingPolicy, Fault, Perception};
 use crate::seed::{Seed, Stream};
 use crate::sim::Control;
 
@@ -157,6 +157,12 @@ impl DrivingPolicy for Sensing {
         self.driver.reset(&believed, stream);
     }
 
+    fn announce(&mut self, perception: &Perception<'_>) {
+        self.look(perception);
+        let believed = Perception { pedestrians: &self.pedestrians, vehicles: &self.vehicles, ..*perception };
+        self.driver.announce(&believed);
+    }
+
     fn drive(&mut self, perception: &Perception<'_>) -> Control {
         self.look(perception);
         let believed = Perception { pedestrians: &self.pedestrians, vehicles: &self.vehicles, ..*perception };
@@ -165,5 +171,18 @@ impl DrivingPolicy for Sensing {
 
     fn mode(&self) -> DrivingMode {
         self.driver.mode()
+    }
+
+    fn fault(&self) -> Option<Fault> {
+        self.driver.fault()
+    }
+
+    fn twin(&self) -> Option<Box<dyn DrivingPolicy>> {
+        let driver = self.driver.twin()?;
+        Some(Box::new(Self::new(driver, self.model.clone())))
+    }
+
+    fn company(&self) -> usize {
+        self.driver.company()
     }
 }

@@ -1,0 +1,84 @@
+//! The messages after the greeting as 64-bit floats, low byte first, with their length in bytes before them as `u32`.
+
+use super::message::{Choice, Decision, Pedals};
+use crate::av::view::{Kind, View};
+use crate::av::{DrivingMode, Fault};
+use crate::geometry::Pose;
+use crate::sim::LightColour;
+
+/// Numbers of an action: id, throttle or acceleration, brake, steer.
+const ACTION: usize = 4;
+
+/// The most actors and route points of a world: with them every world takes as much room.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Room {
+    pub actors: usize,
+    pub points: usize,
+}
+
+/// Appends a world to a request; the seed is −1 but at the beginning of an episode.
+pub(super) fn write_world(out: &mut Vec<u8>, id: u32, tick: u32, seed: Option<u64>, view: &View, room: Room) {
+    let mut put = |number: f64| out.extend_from_slice(&number.to_le_bytes());
+    let (light, distance) = view.light.map_or((0.0, 0.0), |light| {
+        let colour = match light.colour {
+            LightColour::Green => 1.0,
+            LightColour::Yellow => 2.0,
+            LightColour::Red => 3.0,
+        };
+        (colour, light.distance)
+    });
+    put(f64::from(id));
+    put(f64::from(tick));
+    put(seed.map_or(-1.0, |seed| seed as f64));
+    let Pose { x, y, yaw } = view.ego;
+    [x, y, yaw, view.speed, view.speed_limit, light, distance].into_iter().for_each(&mut put);
+    put(view.actors.len() as f64);
+    put(view.route.len() as f64);
+    for place in 0..room.actors {
+        let numbers = view.actors.get(place).map_or([0.0; 8], |seen| {
+            let kind = match seen.kind {
+                Kind::Pedestrian => 1.0,
+                Kind::Vehicle => 2.0,
+            };
+            let Pose { x, y, yaw } = seen.pose;
+            [kind, x, y, yaw, seen.velocity.x, seen.velocity.y, 2.0 * seen.half.x, 2.0 * seen.half.y]
+        });
+        numbers.into_iter().for_each(&mut put);
+    }
+    for place in 0..room.points {
+        let numbers = view.route.get(place).map_or([0.0; 3], |pose| [pose.x, pose.y, pose.yaw]);
+        numbers.into_iter().for_each(&mut put);
+    }
+}
+
+/// Length in bytes of the answer for so many worlds.
+pub(super) fn answer_length(worlds: usize) -> usize {
+    worlds * ACTION * size_of::<f64>()
+}
+
+/// Reads a driver's decisions for the worlds that it was asked about, in their order.
+///
+/// # Errors
+/// Other worlds, or another order.
+pub(super) fn read_decisions(
+    answer: &[u8],
+    asked: &[u32],
+    control: Pedals,
+    decisions: &mut Vec<Decision>,
+) -> Result<(), Fault> {
+    decisions.clear();
+    for (id, bytes) in asked.iter().zip(answer.as_chunks::<{ ACTION * size_of::<f64>() }>().0) {
+        let [own, first, second, steer] = std::array::from_fn(|place| {
+            f64::from_le_bytes(std::array::from_fn(|byte| bytes[place * size_of::<f64>() + byte]))
+        });
+        if own != f64::from(*id) {
+            return Err(Fault::Answer("worlds in another order than asked"));
+        }
+        let pedals = match control {
+            Pedals::Pedals => Choice::Pedals { throttle: first, brake: second },
+            Pedals::Acceleration => Choice::Acceleration(first),
+        };
+        decisions.push(Decision { pedals, steer, mode: DrivingMode::Unknown }.finite()?);
+    }
+    Ok(())
+}

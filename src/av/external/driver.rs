@@ -1,0 +1,176 @@
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use rand::Rng;
+
+use super::session::Session;
+use super::{Opener, Program, Settings};
+use crate::av::view::View;
+use crate::av::{DrivingMode, DrivingPolicy, Fault, Path, Perception};
+use crate::seed::Stream;
+use crate::signature::{Arguments, Param, Signature, Type};
+use crate::sim::Control;
+use crate::units::Dimension;
+
+/// A driver that is a program of its own; see the module.
+pub struct External {
+    session: Arc<Mutex<Session>>,
+    settings: Settings,
+    id: u32,
+    path: Path,
+    view: View,
+    /// The seed of an episode that the program does not know of yet.
+    seed: Option<u64>,
+    /// Which start of the program the episode began with.
+    generation: u64,
+    /// The place of the question that has been asked for this tick.
+    asked: Option<usize>,
+    mode: DrivingMode,
+    fault: Option<Fault>,
+}
+
+impl External {
+    /// What it takes in a scenario.
+    pub fn signature() -> Signature {
+        let count = |max| Type::Integer { min: 1, max };
+        let time = || Type::Quantity { dimension: Dimension::TIME, min: 0.001, max: 3600.0 };
+        Signature::new(
+            "external",
+            "A program of your own that is told what it sees and answers with controls over its standard input and output \
+             (`scenarios/external/README.md`). It is started only where `--allow-external` is given.",
+            vec![
+                Param::required(
+                    "command",
+                    Type::Text,
+                    "The program and its arguments, split at blanks and started without a shell in the folder of the file that names it.",
+                ),
+                Param::with_default("timeout", time(), "1 s", "Time that it has for the answer to a tick."),
+                Param::with_default("start_timeout", time(), "30 s", "Time that it has for its greeting."),
+                Param::with_default(
+                    "worlds",
+                    count(1024),
+                    "32",
+                    "Episodes that are tried at the same time, to ask about them in one message.",
+                ),
+                Param::with_default(
+                    "actors",
+                    count(64),
+                    "8",
+                    "Most road users that it is told of, the nearest ones in sight.",
+                ),
+                Param::with_default(
+                    "route_points",
+                    count(40),
+                    "20",
+                    "Points of the way ahead that it is told of, 2 m apart.",
+                ),
+            ],
+        )
+    }
+
+    /// Makes one. Nothing is started before the first tick.
+    pub fn new(program: Program, settings: Settings, opener: Arc<dyn Opener>) -> Self {
+        Self::within(Arc::new(Mutex::new(Session::new(opener, program, settings))), settings)
+    }
+
+    fn within(session: Arc<Mutex<Session>>, settings: Settings) -> Self {
+        let id = locked(&session).enter();
+        Self {
+            session,
+            settings,
+            id,
+            path: Path::default(),
+            view: View::default(),
+            seed: None,
+            generation: 0,
+            asked: None,
+            mode: DrivingMode::Unknown,
+            fault: None,
+        }
+    }
+
+    fn ask(&mut self, perception: &Perception<'_>) -> Result<usize, Fault> {
+        self.path.advance(perception);
+        self.view.look(perception, &self.path, self.settings.actors, self.settings.route_points);
+        let mut session = locked(&self.session);
+        let generation = session.ready(perception)?;
+        let seed = self.seed.take();
+        if seed.is_some() {
+            self.generation = generation;
+        } else if self.generation != generation {
+            return Err(Fault::Restarted);
+        }
+        Ok(session.ask(self.id, perception.tick, seed, &self.view))
+    }
+}
+
+impl Settings {
+    /// Reads them from checked arguments.
+    pub fn new(arguments: &Arguments) -> Self {
+        let count = |key: &str| arguments.integer(key) as usize;
+        Self {
+            timeout: arguments.number("timeout"),
+            start_timeout: arguments.number("start_timeout"),
+            worlds: count("worlds"),
+            actors: count("actors"),
+            route_points: count("route_points"),
+        }
+    }
+}
+
+/// A session is whole between two calls, whatever became of the thread that made them.
+fn locked(session: &Mutex<Session>) -> MutexGuard<'_, Session> {
+    session.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl DrivingPolicy for External {
+    fn reset(&mut self, perception: &Perception<'_>, mut stream: Stream) {
+        // So many bits are exact in every language's numbers.
+        self.seed = Some(stream.next_u64() >> 11);
+        self.path.reset(perception, stream);
+        self.asked = None;
+        self.mode = DrivingMode::Unknown;
+        self.fault = None;
+        locked(&self.session).forgive();
+    }
+
+    fn announce(&mut self, perception: &Perception<'_>) {
+        match self.ask(perception) {
+            Ok(place) => self.asked = Some(place),
+            Err(fault) => self.fault = Some(fault),
+        }
+    }
+
+    fn drive(&mut self, perception: &Perception<'_>) -> Control {
+        if self.asked.is_none() && self.fault.is_none() {
+            self.announce(perception);
+        }
+        let Some(place) = self.asked.take() else { return Control::FULL_BRAKE };
+        let decision = locked(&self.session).answer(place);
+        match decision {
+            Ok(decision) => {
+                self.mode = decision.mode;
+                decision.control(perception)
+            }
+            Err(fault) => {
+                self.fault = Some(fault);
+                Control::FULL_BRAKE
+            }
+        }
+    }
+
+    fn mode(&self) -> DrivingMode {
+        self.mode
+    }
+
+    fn fault(&self) -> Option<Fault> {
+        self.fault
+    }
+
+    fn twin(&self) -> Option<Box<dyn DrivingPolicy>> {
+        Some(Box::new(Self::within(self.session.clone(), self.settings)))
+    }
+
+    fn company(&self) -> usize {
+        self.settings.worlds
+    }
+}

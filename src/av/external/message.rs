@@ -1,0 +1,302 @@
+//! The messages in JSON.
+
+use serde::{Deserialize, Serialize};
+
+use crate::av::view::{Kind, View};
+use crate::av::{DrivingMode, Fault, Perception};
+use crate::sim::{Control, LightColour};
+
+/// Name and major version of the protocol. Keys may be added within a version and must be ignored by who does not know them.
+pub const PROTOCOL: &str = "falsify-av/1";
+
+/// The first message to a driver.
+#[derive(Serialize)]
+pub(super) struct Hello<'a> {
+    pub r#type: &'static str,
+    pub protocol: &'static str,
+    pub tick_s: f64,
+    pub town: &'a str,
+    pub vehicle: Vehicle,
+    pub worlds: usize,
+    pub actors: usize,
+    pub route_points: usize,
+}
+
+#[derive(Serialize)]
+pub(super) struct Vehicle {
+    length: f64,
+    width: f64,
+    wheelbase: f64,
+    greatest_wheel_angle: f64,
+}
+
+impl Vehicle {
+    pub fn new(perception: &Perception<'_>) -> Self {
+        let blueprint = perception.blueprint;
+        Self {
+            length: 2.0 * blueprint.half_length,
+            width: 2.0 * blueprint.half_width,
+            wheelbase: blueprint.wheelbase,
+            greatest_wheel_angle: blueprint.greatest_wheel_angle * blueprint.steering_response,
+        }
+    }
+}
+
+/// How messages after the greeting are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Encoding {
+    #[default]
+    Json,
+    Binary,
+}
+
+/// What the first two numbers of a binary answer mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Pedals {
+    #[default]
+    Pedals,
+    Acceleration,
+}
+
+/// A driver's greeting.
+#[derive(Deserialize)]
+pub(super) struct Greeting {
+    pub protocol: String,
+    #[serde(default)]
+    pub encoding: Encoding,
+    #[serde(default)]
+    pub control: Pedals,
+}
+
+#[derive(Serialize)]
+struct Body {
+    x: f64,
+    y: f64,
+    yaw: f64,
+    speed: f64,
+}
+
+#[derive(Serialize)]
+struct Light {
+    colour: &'static str,
+    distance: f64,
+}
+
+#[derive(Serialize)]
+struct Actor {
+    kind: &'static str,
+    x: f64,
+    y: f64,
+    yaw: f64,
+    vx: f64,
+    vy: f64,
+    length: f64,
+    width: f64,
+}
+
+#[derive(Serialize)]
+struct World<'a> {
+    id: u32,
+    tick: u32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    seed: Option<u64>,
+    ego: Body,
+    speed_limit: f64,
+    light: Option<Light>,
+    actors: Each<'a, crate::av::view::Seen, Actor>,
+    route: Each<'a, crate::geometry::Pose, [f64; 3]>,
+}
+
+/// A list whose members are turned into their written form on the way, without a list in between.
+struct Each<'a, T, U>(&'a [T], fn(&T) -> U);
+
+impl<T, U: Serialize> Serialize for Each<'_, T, U> {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.0.iter().map(self.1))
+    }
+}
+
+/// Appends a world to a request; `seed` only at the beginning of an episode.
+pub(super) fn write_world(out: &mut Vec<u8>, id: u32, tick: u32, seed: Option<u64>, view: &View) {
+    let world = World {
+        id,
+        tick,
+        seed,
+        ego: Body { x: view.ego.x, y: view.ego.y, yaw: view.ego.yaw, speed: view.speed },
+        speed_limit: view.speed_limit,
+        light: view.light.map(|light| Light {
+            colour: match light.colour {
+                LightColour::Green => "green",
+                LightColour::Yellow => "yellow",
+                LightColour::Red => "red",
+            },
+            distance: light.distance,
+        }),
+        actors: Each(&view.actors, |seen| Actor {
+            kind: match seen.kind {
+                Kind::Pedestrian => "pedestrian",
+                Kind::Vehicle => "vehicle",
+            },
+            x: seen.pose.x,
+            y: seen.pose.y,
+            yaw: seen.pose.yaw,
+            vx: seen.velocity.x,
+            vy: seen.velocity.y,
+            length: 2.0 * seen.half.x,
+            width: 2.0 * seen.half.y,
+        }),
+        route: Each(&view.route, |pose| [pose.x, pose.y, pose.yaw]),
+    };
+    serde_json::to_writer(out, &world).expect("numbers and words have a form in JSON");
+}
+
+/// A driver's decision for a world.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Decision {
+    pub pedals: Choice,
+    pub steer: f64,
+    pub mode: DrivingMode,
+}
+
+/// What a driver does with its feet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Choice {
+    Pedals { throttle: f64, brake: f64 },
+    Acceleration(f64),
+}
+
+impl Decision {
+    /// The control at this speed; numbers beyond their ends are taken as the ends.
+    pub fn control(&self, perception: &Perception<'_>) -> Control {
+        let steer = self.steer.clamp(-1.0, 1.0);
+        match self.pedals {
+            Choice::Pedals { throttle, brake } => {
+                Control { throttle: throttle.clamp(0.0, 1.0), brake: brake.clamp(0.0, 1.0), steer }
+            }
+            Choice::Acceleration(wanted) => Control { steer, ..perception.pedals_or_hold(wanted) },
+        }
+    }
+
+    /// Makes sure that all its numbers are finite.
+    pub fn finite(self) -> Result<Self, Fault> {
+        let finite = match self.pedals {
+            Choice::Pedals { throttle, brake } => throttle.is_finite() && brake.is_finite(),
+            Choice::Acceleration(wanted) => wanted.is_finite(),
+        };
+        let finite = finite && self.steer.is_finite();
+        if finite { Ok(self) } else { Err(Fault::Answer("a control is not finite")) }
+    }
+}
+
+#[derive(Deserialize)]
+struct Answers {
+    actions: Vec<Action>,
+}
+
+#[derive(Deserialize)]
+struct Action {
+    id: u32,
+    throttle: Option<f64>,
+    brake: Option<f64>,
+    acceleration: Option<f64>,
+    #[serde(default)]
+    steer: f64,
+    #[serde(default)]
+    mode: String,
+}
+
+/// Reads a driver's decisions for the worlds that it was asked about, in their order.
+///
+/// # Errors
+/// A line that is no answer, or one that does not answer each world once.
+pub(super) fn read_decisions(line: &[u8], asked: &[u32], decisions: &mut Vec<Decision>) -> Result<(), Fault> {
+    let answers: Answers = serde_json::from_slice(line).map_err(|_| Fault::Answer("not the JSON of an answer"))?;
+    if answers.actions.len() != asked.len() {
+        return Err(Fault::Answer("not one action for each world"));
+    }
+    decisions.clear();
+    for (place, id) in asked.iter().enumerate() {
+        // Most drivers answer in the order in which they were asked.
+        let here = &answers.actions[place];
+        let action = Some(here).filter(|here| here.id == *id);
+        let action = action.or_else(|| answers.actions.iter().find(|action| action.id == *id));
+        let action = action.ok_or(Fault::Answer("not one action for each world"))?;
+        let pedals = match (action.acceleration, action.throttle, action.brake) {
+            (Some(acceleration), None, None) => Choice::Acceleration(acceleration),
+            (None, None, None) => return Err(Fault::Answer("an action without throttle, brake or acceleration")),
+            (None, throttle, brake) => {
+                Choice::Pedals { throttle: throttle.unwrap_or(0.0), brake: brake.unwrap_or(0.0) }
+            }
+            _ => return Err(Fault::Answer("an action with both acceleration and pedals")),
+        };
+        let mode = DrivingMode::named(&action.mode).unwrap_or(DrivingMode::Unknown);
+        decisions.push(Decision { pedals, steer: action.steer, mode }.finite()?);
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::av::view::{LightAhead, Seen};
+    use crate::geometry::{Pose, Vector};
+
+    /// Whoever changes this text changes the protocol, and its version or its description with it.
+    #[test]
+    fn a_world_is_written_as_the_protocol_says() {
+        let seen = Seen {
+            kind: Kind::Pedestrian,
+            pose: Pose::new(12.0, 1.5, -1.5),
+            velocity: Vector::new(0.0, -1.25),
+            half: Vector::new(0.25, 0.25),
+        };
+        let view = View {
+            ego: Pose::new(1.0, 2.0, 0.5),
+            speed: 8.0,
+            speed_limit: 10.0,
+            light: Some(LightAhead { colour: LightColour::Red, distance: 30.0 }),
+            actors: vec![seen],
+            route: vec![Pose::new(3.0, 4.0, 0.25)],
+        };
+        let mut text = Vec::new();
+        write_world(&mut text, 7, 0, Some(99), &view);
+        assert_eq!(
+            String::from_utf8(text).unwrap(),
+            concat!(
+                r#"{"id":7,"tick":0,"seed":99,"ego":{"x":1.0,"y":2.0,"yaw":0.5,"speed":8.0},"speed_limit":10.0,"#,
+                r#""light":{"colour":"red","distance":30.0},"actors":[{"kind":"pedestrian","x":12.0,"y":1.5,"yaw":-1.5,"#,
+                r#""vx":0.0,"vy":-1.25,"length":0.5,"width":0.5}],"route":[[3.0,4.0,0.25]]}"#
+            )
+        );
+    }
+
+    #[test]
+    fn answers_may_come_in_any_order_and_each_must_be_one_decision() {
+        let read = |line: &str| {
+            let mut decisions = Vec::new();
+            read_decisions(line.as_bytes(), &[3, 5], &mut decisions).map(|()| decisions)
+        };
+        let good = read(
+            r#"{"actions":[{"id":5,"acceleration":-2,"mode":"yield"},{"id":3,"throttle":0.1,"steer":-1,"new":0}]}"#,
+        );
+        let pedals =
+            Decision { pedals: Choice::Pedals { throttle: 0.1, brake: 0.0 }, steer: -1.0, mode: DrivingMode::Unknown };
+        let braking = Decision { pedals: Choice::Acceleration(-2.0), steer: 0.0, mode: DrivingMode::Yield };
+        assert_eq!(good, Ok(vec![pedals, braking]));
+        for (line, reason) in [
+            ("turn left", "not the JSON of an answer"),
+            (r#"{"actions":[{"id":3,"brake":NaN},{"id":5,"brake":1}]}"#, "not the JSON of an answer"),
+            (r#"{"actions":[{"id":3,"brake":1}]}"#, "not one action for each world"),
+            (r#"{"actions":[{"id":3,"brake":1},{"id":3,"brake":1}]}"#, "not one action for each world"),
+            (r#"{"actions":[{"id":3,"brake":1},{"id":5}]}"#, "an action without throttle, brake or acceleration"),
+            (
+                r#"{"actions":[{"id":3,"brake":1},{"id":5,"brake":1,"acceleration":0}]}"#,
+                "an action with both acceleration and pedals",
+            ),
+        ] {
+            assert_eq!(read(line), Err(Fault::Answer(reason)), "{line}");
+        }
+    }
+}

@@ -1,0 +1,24 @@
+//! A driver that is a program of its own, in whatever language: it gets what it sees as messages and answers with controls.
+//!
+//! ```text
+//! External ──┐ announce: adds its world to the request
+//! External ──┤                                            Session ── Link ──> the program
+//! External ──┘ drive: takes its answer; the first one     (handshake, encoding,     (pipes, deadlines:
+//!              sends the request                           restart after a fault)    given from above)
+//! ```
+//!
+//! The protocol is described in `scenarios/external/README.md`. Nothing here starts a process or reads a clock: a [`Link`]
+//! does, which an [`Opener`] makes.
+
+mod link;
+mod program;
+mod message;
+mod binary;
+mod session;
+mod driver;
+
+pub use driver::External;
+pub use link::{Link, Opener};
+pub use message::PROTOCOL;
+pub use program::Program;
+pub use session::Settings;

@@ -1,0 +1,25 @@
+/// Why a driver could not drive. An episode in which this happens counts neither as passed nor as failed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum Fault {
+    /// Its process could not be started.
+    #[error("could not be started")]
+    NotStarted,
+    /// It did not greet as the protocol asks, or not in a version that is spoken here.
+    #[error("greeted wrongly: {0}")]
+    Greeting(&'static str),
+    /// It did not answer in time.
+    #[error("did not answer within {limit_ms} ms")]
+    Late {
+        /// The time it had (ms).
+        limit_ms: u32,
+    },
+    /// It ended, or closed its output.
+    #[error("ended before it answered")]
+    Ended,
+    /// It ended with other episodes in hand, of which this was one.
+    #[error("was restarted during the episode")]
+    Restarted,
+    /// It gave an answer that makes no sense.
+    #[error("gave a wrong answer: {0}")]
+    Answer(&'static str),
+}

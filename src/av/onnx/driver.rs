@@ -1,0 +1,135 @@
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use super::Model;
+use super::engine::{Batch, Engine};
+use crate::av::view::View;
+use crate::av::{DrivingMode, DrivingPolicy, Fault, Path, Perception};
+use crate::seed::Stream;
+use crate::signature::{Param, Signature, Type};
+use crate::sim::Control;
+
+/// A learnt driver; see the module.
+pub struct Onnx {
+    model: Arc<Model>,
+    shared: Arc<Mutex<Shared>>,
+    worlds: usize,
+    path: Path,
+    view: View,
+    asked: Option<usize>,
+    fault: Option<Fault>,
+}
+
+/// The network with the questions of a tick.
+struct Shared {
+    engine: Engine,
+    batch: Batch,
+    answered: bool,
+}
+
+impl Onnx {
+    /// What it takes in a scenario.
+    pub fn signature() -> Signature {
+        Signature::new(
+            "onnx",
+            "A learnt driver: a network in an ONNX file that is told what it sees and gives pedals or acceleration and steer \
+             (`scenarios/external/README.md`).",
+            vec![
+                Param::required("model", Type::Path, "The file."),
+                Param::with_default(
+                    "worlds",
+                    Type::Integer { min: 1, max: 1024 },
+                    "32",
+                    "Episodes that are tried at the same time.",
+                ),
+            ],
+        )
+    }
+
+    /// Makes one for so many episodes at the same time.
+    pub fn new(worlds: usize, model: Arc<Model>) -> Self {
+        let shared = Shared { engine: Engine::new(model.clone()), batch: Batch::default(), answered: false };
+        Self::within(model, Arc::new(Mutex::new(shared)), worlds)
+    }
+
+    fn within(model: Arc<Model>, shared: Arc<Mutex<Shared>>, worlds: usize) -> Self {
+        let (path, view) = (Path::default(), View::default());
+        Self { model, shared, worlds, path, view, asked: None, fault: None }
+    }
+}
+
+/// What is shared is whole between two calls, whatever became of the thread that made them.
+fn locked(shared: &Mutex<Shared>) -> MutexGuard<'_, Shared> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl DrivingPolicy for Onnx {
+    fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
+        self.path.reset(perception, stream);
+        self.asked = None;
+        self.fault = None;
+    }
+
+    fn announce(&mut self, perception: &Perception<'_>) {
+        self.path.advance(perception);
+        let (actors, points) = self.model.room();
+        self.view.look(perception, &self.path, actors, points);
+        let mut shared = locked(&self.shared);
+        if std::mem::take(&mut shared.answered) {
+            shared.batch.questions.clear();
+        }
+        shared.batch.questions.push(self.model.encode(&self.view));
+        self.asked = Some(shared.batch.questions.len() - 1);
+    }
+
+    fn drive(&mut self, perception: &Perception<'_>) -> Control {
+        if self.asked.is_none() {
+            self.announce(perception);
+        }
+        let place = self.asked.take().unwrap_or_default();
+        let mut shared = locked(&self.shared);
+        let Shared { engine, batch, answered } = &mut *shared;
+        if !*answered {
+            engine.answer(batch);
+            *answered = true;
+        }
+        match &batch.answers[place] {
+            Ok(numbers) => control(numbers, perception),
+            Err(fault) => {
+                self.fault = Some(*fault);
+                Control::FULL_BRAKE
+            }
+        }
+    }
+
+    fn mode(&self) -> DrivingMode {
+        DrivingMode::Unknown
+    }
+
+    fn fault(&self) -> Option<Fault> {
+        self.fault
+    }
+
+    fn twin(&self) -> Option<Box<dyn DrivingPolicy>> {
+        Some(Box::new(Self::within(self.model.clone(), self.shared.clone(), self.worlds)))
+    }
+
+    fn company(&self) -> usize {
+        self.worlds
+    }
+}
+
+/// The control that a network's two or three numbers mean.
+fn control(numbers: &[f32], perception: &Perception<'_>) -> Control {
+    match *numbers {
+        [throttle, brake, steer] => Control {
+            throttle: f64::from(throttle).clamp(0.0, 1.0),
+            brake: f64::from(brake).clamp(0.0, 1.0),
+            steer: f64::from(steer).clamp(-1.0, 1.0),
+        },
+        [acceleration, steer] => {
+            let steer = f64::from(steer).clamp(-1.0, 1.0);
+            Control { steer, ..perception.pedals_or_hold(f64::from(acceleration)) }
+        }
+        _ => Control::FULL_BRAKE,
+    }
+}

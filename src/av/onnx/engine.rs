@@ -1,0 +1,57 @@
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+use rten::{RunOptions, ThreadPool};
+
+use super::Model;
+use crate::av::Fault;
+
+/// The numbers of all worlds of a tick, and the network's answers to them.
+#[derive(Default)]
+pub(super) struct Batch {
+    pub questions: Vec<Vec<Vec<f32>>>,
+    pub answers: Vec<Result<Vec<f32>, Fault>>,
+}
+
+/// A thread on which a network runs.
+///
+/// The runtime has threads of its own, and a caller on a thread of a campaign would take up other work of the campaign while
+/// it waits for them, so that evaluations nest in each other. This thread is one of the runtime's, the only one of its
+/// pool, and whoever asks it waits idly. Every world is computed by itself: in batches the last bits would hang on the company.
+pub(super) struct Engine {
+    questions: Sender<Batch>,
+    answers: Receiver<Batch>,
+}
+
+impl Engine {
+    /// Starts the thread; it ends when the engine is dropped.
+    pub fn new(model: Arc<Model>) -> Self {
+        let (questions, asked) = channel::<Batch>();
+        let (given, answers) = channel();
+        std::thread::spawn(move || {
+            let pool = Arc::new(ThreadPool::with_num_threads(1));
+            pool.clone().run(move || {
+                for mut batch in asked {
+                    let options = || RunOptions::default().with_thread_pool(Some(pool.clone()));
+                    batch.answers.clear();
+                    batch.answers.extend(batch.questions.iter().map(|question| model.decide(question, options())));
+                    if given.send(batch).is_err() {
+                        return;
+                    }
+                }
+            });
+        });
+        Self { questions, answers }
+    }
+
+    /// Answers the questions of a batch.
+    pub fn answer(&self, batch: &mut Batch) {
+        let gone = || Err(Fault::Answer("the network failed"));
+        let count = batch.questions.len();
+        let sent = self.questions.send(std::mem::take(batch));
+        match sent.ok().and_then(|()| self.answers.recv().ok()) {
+            Some(answered) => *batch = answered,
+            None => batch.answers = (0..count).map(|_| gone()).collect(),
+        }
+    }
+}

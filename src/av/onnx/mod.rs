@@ -1,0 +1,20 @@
+//! A learnt driver: a network in an ONNX file.
+//!
+//! The network has some of these inputs, told apart by their names, in 32-bit floats, all in the ego's frame (x ahead, y to the
+//! left, angles counter-clockwise), in m, m/s, rad:
+//!
+//! | input | shape | numbers |
+//! |---|---|---|
+//! | `ego` | (1, 4) | speed, speed limit, light ahead (0 none, 1 green, 2 yellow, 3 red), distance to it |
+//! | `actors` | (1, K, 8) | of each of the K nearest in sight: 1 (0 when there are fewer), x, y, heading, velocity x and y, length, width |
+//! | `route` | (1, R, 3) | of R points, 2 m apart: x, y, heading; the last one again where the road ends |
+//!
+//! Its one output holds two numbers, acceleration (m/s²) and steer, or three: throttle, brake, steer. K and R are read from the
+//! file; the first dimension is 1 or free.
+
+mod model;
+mod engine;
+mod driver;
+
+pub use driver::Onnx;
+pub use model::{Model, ModelError};

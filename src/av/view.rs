@@ -1,0 +1,95 @@
+use super::{Path, Perception};
+use crate::geometry::{Pose, Vector};
+use crate::sim::LightColour;
+
+/// How far ahead (m) and how far beside the ego's axis (m) a light is looked for.
+const LIGHT_AHEAD: f64 = 60.0;
+const LIGHT_ASIDE: f64 = 6.0;
+/// Every so manieth point of the path is a point of the route: 2 m apart.
+const STRIDE: usize = 2;
+
+/// What a road user is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// On foot.
+    Pedestrian,
+    /// In a car.
+    Vehicle,
+}
+
+/// A road user in sight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seen {
+    /// What it is.
+    pub kind: Kind,
+    /// Middle of its box on the ground, and its heading.
+    pub pose: Pose,
+    /// Velocity (m/s).
+    pub velocity: Vector,
+    /// Half extents along its heading and across it (m).
+    pub half: Vector,
+}
+
+/// The next traffic light that faces the ego.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LightAhead {
+    /// What it shows.
+    pub colour: LightColour,
+    /// How far ahead of the ego's middle the middle of its trigger box is, along the ego's heading (m).
+    pub distance: f64,
+}
+
+/// A [`Perception`] in plain numbers, for drivers that do not know our types: what is in sight, the nearest first, and the way.
+#[derive(Debug, Clone, Default)]
+pub struct View {
+    /// The ego's pose in the world.
+    pub ego: Pose,
+    /// The ego's speed (m/s).
+    pub speed: f64,
+    /// The limit that holds for the ego (m/s).
+    pub speed_limit: f64,
+    /// The next light.
+    pub light: Option<LightAhead>,
+    /// Whoever is in sight; nothing hidden by a building is here.
+    pub actors: Vec<Seen>,
+    /// The way ahead in the world, 2 m apart, the first point abeam the ego; shorter where the road ends.
+    pub route: Vec<Pose>,
+}
+
+impl View {
+    /// Looks again, at no more than so many actors and points of the way.
+    pub fn look(&mut self, perception: &Perception<'_>, path: &Path, actors: usize, points: usize) {
+        let ego = &perception.ego;
+        self.ego = ego.pose;
+        self.speed = ego.speed();
+        self.speed_limit = perception.speed_limit;
+        self.light = light_ahead(perception);
+        self.actors.clear();
+        let pedestrians = perception.pedestrians.iter().map(|actor| (Kind::Pedestrian, actor));
+        let vehicles = perception.vehicles.iter().map(|actor| (Kind::Vehicle, actor));
+        let in_sight = pedestrians.chain(vehicles).filter(|(_, actor)| perception.in_sight(actor));
+        self.actors.extend(in_sight.map(|(kind, actor)| Seen {
+            kind,
+            pose: actor.pose,
+            velocity: actor.velocity,
+            half: actor.half,
+        }));
+        let here = ego.pose.position();
+        let distance = |seen: &Seen| (seen.pose.position() - here).norm_squared();
+        self.actors.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+        self.actors.truncate(actors);
+        self.route.clear();
+        self.route.extend(path.points().step_by(STRIDE).take(points).map(|point| point.pose));
+    }
+}
+
+fn light_ahead(perception: &Perception<'_>) -> Option<LightAhead> {
+    let ego = &perception.ego.pose;
+    let facing = perception.lights.iter().filter_map(|light| {
+        let place = ego.to_local(light.trigger.position());
+        let same_way = ego.forward().dot(&light.trigger.forward()) > 0.5;
+        let ahead = (0.0..LIGHT_AHEAD).contains(&place.x) && place.y.abs() < LIGHT_ASIDE;
+        (same_way && ahead).then_some(LightAhead { colour: light.colour, distance: place.x })
+    });
+    facing.min_by(|a, b| a.distance.total_cmp(&b.distance))
+}

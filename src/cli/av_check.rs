@@ -1,0 +1,180 @@
+//! The conformance test of a driver from outside: real episodes in a small town, and whether they repeat.
+
+use std::io;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use super::args::AvCheckOptions;
+use super::{ExitCode, front};
+use crate::av::Fault;
+use crate::av::external::{External, Link, Opener, PROTOCOL, Program, Settings};
+use crate::compile::{Catalog, compile};
+use crate::diagnostic::Sources;
+use crate::env::{Outcome, Scenario};
+use crate::falsifier::{Random, try_walker};
+use crate::process::ProcessOpener;
+use crate::seed::Seed;
+
+/// A crossing with lights, and pedestrians that walk at random.
+const PROVING_GROUND: &str = "\
+edition 1
+town proving_ground {
+  traffic_lights: true
+  street along { through: [(0 m, 0 m), (100 m, 0 m), (200 m, 0 m)] }
+  street across { through: [(100 m, -100 m), (100 m, 0 m), (100 m, 100 m)] }
+  building corner { corner: (110 m, 10 m) opposite: (130 m, 30 m) }
+}
+policy placeholder = cruise()
+vehicle car = model3()
+adversary walker { }
+spawn ahead { }
+episode half_a_minute { }
+reward any { on hit => 1 }
+training none = ppo()
+campaign check {
+  vehicle: car adversary: walker spawn: ahead episode: half_a_minute training: none
+  train { towns: [proving_ground] policies: [placeholder] rewards: [any] }
+}
+";
+
+/// How many episodes are driven each time, and at the same time in the last trial.
+const EPISODES: u32 = 8;
+
+/// How many messages `--show` shows, and how much of each (bytes).
+const SHOWN: usize = 4;
+const SHOWN_BYTES: usize = 600;
+
+/// `falsify av check`
+pub fn check(options: &AvCheckOptions) -> ExitCode {
+    let program = Program { words: options.command.clone(), folder: ".".into() };
+    let settings =
+        Settings { timeout: options.timeout, start_timeout: options.start_timeout, worlds: 1, ..Settings::default() };
+    let opener = Arc::new(Overhearing { inner: ProcessOpener::default(), left: Arc::new(AtomicUsize::new(0)) });
+    if options.show {
+        opener.left.store(SHOWN, Ordering::Relaxed);
+    }
+    front::say(&format!("driver {}", options.command.join(" ")));
+    let ground = proving_ground();
+    let drive = |worlds: usize| {
+        let (program, opener) = (program.clone(), opener.clone());
+        let settings = Settings { worlds, ..settings };
+        let maker = move || {
+            Box::new(External::new(program.clone(), settings, opener.clone())) as Box<dyn crate::av::DrivingPolicy>
+        };
+        let scenario = Arc::new(Scenario { policy: Arc::new(maker), ..ground.clone() });
+        let (seed, began) = (Seed::root(1), Instant::now());
+        let mut walker = Random::default();
+        let go_on = &mut |_| ControlFlow::Continue(());
+        let outcomes = try_walker(&mut walker, &scenario, EPISODES, &seed, &seed.child("walker"), go_on);
+        let ticks: u32 = outcomes.iter().map(|outcome| outcome.ticks).sum();
+        (outcomes, f64::from(ticks) / began.elapsed().as_secs_f64())
+    };
+
+    let (first, alone) = drive(1);
+    if let Some((episode, fault)) = first_fault(&first) {
+        return failed(&format!("drives {EPISODES} episodes to their end: in episode {episode} it {fault}"));
+    }
+    passed(&format!("greets as {PROTOCOL} and drives {EPISODES} episodes to their end"));
+    let (second, _) = drive(1);
+    if let Some(episode) = first_difference(&first, &second) {
+        return failed(&format!(
+            "drives the same way when the same seeds come again: episode {episode} became another one"
+        ));
+    }
+    passed("drives the same way when the same seeds come again");
+    let (company, together) = drive(EPISODES as usize);
+    if let Some(episode) = first_difference(&first, &company) {
+        return failed(&format!(
+            "drives the same way when it is asked about {EPISODES} worlds at once: episode {episode} became another one"
+        ));
+    }
+    passed(&format!("drives the same way when it is asked about {EPISODES} worlds at once"));
+    front::say(&format!("        {alone:.0} ticks a second alone, {together:.0} with {EPISODES} worlds at once"));
+    ExitCode::Done
+}
+
+fn passed(what: &str) {
+    front::say(&format!("  ok    {what}"));
+}
+
+fn failed(what: &str) -> ExitCode {
+    front::say(&format!("  FAIL  {what}"));
+    ExitCode::RunFailed
+}
+
+fn first_fault(outcomes: &[Outcome]) -> Option<(usize, Fault)> {
+    outcomes.iter().enumerate().find_map(|(episode, outcome)| outcome.fault().map(|fault| (episode, fault)))
+}
+
+fn first_difference(left: &[Outcome], right: &[Outcome]) -> Option<usize> {
+    left.iter().zip(right).position(|(left, right)| left != right)
+}
+
+fn proving_ground() -> Scenario {
+    let read = |path: &Path| match path.to_str() {
+        Some("proving_ground.scn") => Ok(PROVING_GROUND.to_string()),
+        _ => Err(io::Error::from(io::ErrorKind::NotFound)),
+    };
+    let files = ["proving_ground.scn".into()];
+    let compiled = compile(&files, &Catalog::builtin(), &read, &mut Sources::default());
+    let plan = compiled.ok().and_then(|compiled| compiled.plan).expect("the text above is sound");
+    (*plan.campaigns[0].trainings[0].scenario).clone()
+}
+
+/// Shows what is said over the links that it opens.
+struct Overhearing {
+    inner: ProcessOpener,
+    left: Arc<AtomicUsize>,
+}
+
+struct Overheard {
+    inner: Box<dyn Link>,
+    left: Arc<AtomicUsize>,
+}
+
+impl Opener for Overhearing {
+    fn open(&self, program: &Program) -> Result<Box<dyn Link>, Fault> {
+        let inner = self.inner.open(program)?;
+        Ok(Box::new(Overheard { inner, left: self.left.clone() }))
+    }
+}
+
+impl Overheard {
+    fn show(&self, arrow: &str, message: &[u8]) {
+        if self.left.load(Ordering::Relaxed) == 0 {
+            return;
+        }
+        self.left.fetch_sub(1, Ordering::Relaxed);
+        if !message.starts_with(b"{") {
+            front::say(&format!("  {arrow} {} bytes", message.len()));
+            return;
+        }
+        let text = String::from_utf8_lossy(&message[..message.len().min(SHOWN_BYTES)]);
+        let dots = if message.len() > SHOWN_BYTES { "…" } else { "" };
+        front::say(&format!("  {arrow} {}{dots}", text.trim_end().replace(char::is_control, " ")));
+    }
+}
+
+impl Link for Overheard {
+    fn send(&mut self, message: &[u8], limit: f64) -> Result<(), Fault> {
+        self.show("->", message);
+        self.inner.send(message, limit)
+    }
+
+    fn line(&mut self, line: &mut Vec<u8>, longest: usize) -> Result<(), Fault> {
+        self.inner.line(line, longest)?;
+        self.show("<-", line);
+        Ok(())
+    }
+
+    fn exact(&mut self, bytes: &mut [u8]) -> Result<(), Fault> {
+        self.inner.exact(bytes)
+    }
+
+    fn note(&self, text: &str) {
+        self.inner.note(text);
+    }
+}

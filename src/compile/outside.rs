@@ -1,0 +1,65 @@
+//! Kinds of driving policies that are made of more than their arguments: of a program, or of a file.
+
+use std::sync::Arc;
+
+use super::lower::Lowering;
+use crate::av::external::{External, Program, Settings};
+use crate::av::onnx::{Model, Onnx};
+use crate::env::PolicyMaker;
+use crate::lang::hir::Declaration;
+use crate::lang::{codes, reason};
+use crate::signature::Signature;
+
+/// A kind of driving policy from outside: what it takes, and how a maker of it comes to be.
+pub struct OutsideKind {
+    /// What it takes.
+    pub signature: fn() -> Signature,
+    /// Gets ready to make some; none after saying what is wrong.
+    pub lower: fn(&Declaration, &mut Lowering<'_>) -> Option<PolicyMaker>,
+}
+
+/// All kinds from outside; a new one is a line here.
+pub fn kinds() -> Vec<OutsideKind> {
+    vec![
+        OutsideKind { signature: External::signature, lower: external },
+        OutsideKind { signature: Onnx::signature, lower: onnx },
+    ]
+}
+
+/// A program, if the user allows to start any. It is not started here.
+fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
+    let arguments = &declaration.block.arguments;
+    let place = declaration.block.place("command");
+    let command = arguments.text("command");
+    let program = match Program::parse(command, lowering.beside(declaration, "")) {
+        Ok(program) => program,
+        Err(reason) => {
+            lowering.said.push(codes::unusable_command(place, command, reason));
+            return None;
+        }
+    };
+    let Some(opener) = lowering.catalog.opener.clone() else {
+        lowering.said.push(codes::external_not_allowed(place, command));
+        return None;
+    };
+    let settings = Settings::new(arguments);
+    Some(Arc::new(move || Box::new(External::new(program.clone(), settings, opener.clone()))))
+}
+
+/// A network from a file.
+fn onnx(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
+    let arguments = &declaration.block.arguments;
+    let path = arguments.text("model");
+    let bytes = lowering.read.bytes(&lowering.beside(declaration, path)).map_err(|error| reason(&error));
+    match bytes.and_then(|bytes| Model::read(bytes).map_err(|error| error.to_string())) {
+        Ok(model) => {
+            let model = Arc::new(model);
+            let worlds = arguments.integer("worlds") as usize;
+            Some(Arc::new(move || Box::new(Onnx::new(worlds, model.clone()))))
+        }
+        Err(reason) => {
+            lowering.said.push(codes::unusable_model(declaration.block.place("model"), path, &reason));
+            None
+        }
+    }
+}

@@ -1,0 +1,55 @@
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use crate::av::Fault;
+use crate::env::{PedestrianEnv, Scenario};
+use crate::rl::{self, PpoConfig, Trained, Trainer, UpdateLog};
+use crate::seed::Seed;
+
+/// Why a training ended early.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum TrainError {
+    /// The learner could not go on, or the observer asked to stop.
+    #[error(transparent)]
+    Learner(#[from] rl::TrainError),
+    /// The driver failed in too many episodes in a row.
+    #[error("the driver failed again and again until update {update}; the last time it {fault}")]
+    Driver {
+        /// The update, from 1.
+        update: u64,
+        /// What went wrong with the driver in the end.
+        fault: Fault,
+    },
+}
+
+/// Trains a pedestrian in so many environments of a scenario, each with its own stream of episodes.
+///
+/// An episode in which the driver fails is cut off without a reward; ten in a row end the training.
+///
+/// # Errors
+/// A loss that is no number, with its update; a driver that fails again and again; or that the observer broke.
+pub fn train(
+    scenario: &Arc<Scenario>,
+    environments: usize,
+    config: &PpoConfig,
+    seed: &Seed,
+    observer: &mut dyn FnMut(&UpdateLog) -> ControlFlow<()>,
+) -> Result<Trained, TrainError> {
+    let episodes = seed.child("episodes");
+    let mut envs: Vec<PedestrianEnv> =
+        (0..environments as u64).map(|env| PedestrianEnv::new(scenario.clone(), episodes.index(env))).collect();
+    let mut trainer = Trainer::new(&mut envs, config, &seed.child("ppo"))?;
+    let mut learning_curve: Vec<UpdateLog> = Vec::new();
+    while !trainer.is_done() {
+        let log = trainer.update(&mut envs)?;
+        if let Some(fault) = envs.iter().find_map(PedestrianEnv::hopeless) {
+            return Err(TrainError::Driver { update: log.update, fault });
+        }
+        let flow = observer(&log);
+        learning_curve.push(log);
+        if flow.is_break() {
+            return Err(rl::TrainError::Stopped { update: trainer.updates() }.into());
+        }
+    }
+    Ok(Trained { actor_critic: trainer.into_actor_critic(), learning_curve })
+}

@@ -1,0 +1,183 @@
+use std::io::{self, Read, Write};
+use std::os::fd::{AsFd, BorrowedFd};
+use std::os::unix::process::CommandExt;
+use std::process::{ChildStdin, ChildStdout, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use nix::fcntl::{FcntlArg, OFlag, fcntl};
+use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
+use nix::sys::signal::{Signal, killpg};
+use nix::unistd::Pid;
+
+use super::opener::Notes;
+use crate::av::Fault;
+use crate::av::external::{Link, Program};
+
+/// Bytes that are read at once.
+const CHUNK: usize = 1 << 16;
+/// How long a child may take to end after its input was closed.
+const LEAVE: Duration = Duration::from_millis(500);
+
+/// A child process with pipes that never block: every wait has an end.
+pub(super) struct Child {
+    program: Program,
+    process: std::process::Child,
+    /// Taken when it is to end.
+    input: Option<ChildStdin>,
+    output: ChildStdout,
+    /// What was read and not yet asked for begins at `used`.
+    read: Vec<u8>,
+    used: usize,
+    limit: Duration,
+    deadline: Instant,
+    notes: Notes,
+}
+
+impl Child {
+    /// Starts a program.
+    pub fn start(program: &Program, notes: Notes) -> io::Result<Self> {
+        let mut command = Command::new(&program.words[0]);
+        command.args(&program.words[1..]).stdin(Stdio::piped()).stdout(Stdio::piped()).process_group(0);
+        if !program.folder.as_os_str().is_empty() {
+            command.current_dir(&program.folder);
+        }
+        let mut process = command.spawn()?;
+        let (input, output) = (process.stdin.take(), process.stdout.take());
+        let (input, output) = input.zip(output).expect("both were asked for");
+        never_block(input.as_fd())?;
+        never_block(output.as_fd())?;
+        Ok(Self {
+            program: program.clone(),
+            process,
+            input: Some(input),
+            output,
+            read: Vec::with_capacity(CHUNK),
+            used: 0,
+            limit: Duration::ZERO,
+            deadline: Instant::now(),
+            notes,
+        })
+    }
+
+    fn late(&self) -> Fault {
+        Fault::Late { limit_ms: self.limit.as_millis() as u32 }
+    }
+
+    /// Waits until something can be done with a pipe, or the time is up.
+    fn wait(&self, pipe: BorrowedFd<'_>, what: PollFlags) -> Result<(), Fault> {
+        let left = self.deadline.saturating_duration_since(Instant::now());
+        if left.is_zero() {
+            return Err(self.late());
+        }
+        // Rounded up, so that the last wait does not spin.
+        let left = PollTimeout::try_from(left + Duration::from_millis(1)).unwrap_or(PollTimeout::MAX);
+        match poll(&mut [PollFd::new(pipe, what)], left) {
+            Ok(0) => Err(self.late()),
+            Ok(_) | Err(nix::errno::Errno::EINTR) => Ok(()),
+            Err(_) => Err(Fault::Ended),
+        }
+    }
+
+    /// Reads what there is, waiting for at least one byte.
+    fn more(&mut self) -> Result<(), Fault> {
+        if self.used == self.read.len() {
+            self.read.clear();
+            self.used = 0;
+        }
+        if Instant::now() >= self.deadline {
+            return Err(self.late());
+        }
+        let old = self.read.len();
+        self.read.resize(old + CHUNK, 0);
+        let result = loop {
+            match self.output.read(&mut self.read[old..]) {
+                Ok(0) => break Err(Fault::Ended),
+                Ok(count) => break Ok(count),
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
+                    if let Err(fault) = self.wait(self.output.as_fd(), PollFlags::POLLIN) {
+                        break Err(fault);
+                    }
+                }
+                Err(_) => break Err(Fault::Ended),
+            }
+        };
+        self.read.truncate(old + *result.as_ref().unwrap_or(&0));
+        result.map(|_| ())
+    }
+}
+
+fn never_block(pipe: BorrowedFd<'_>) -> io::Result<()> {
+    let flags = OFlag::from_bits_retain(fcntl(pipe, FcntlArg::F_GETFL)?);
+    fcntl(pipe, FcntlArg::F_SETFL(flags | OFlag::O_NONBLOCK))?;
+    Ok(())
+}
+
+impl Link for Child {
+    fn send(&mut self, message: &[u8], limit: f64) -> Result<(), Fault> {
+        self.limit = Duration::from_secs_f64(limit);
+        self.deadline = Instant::now() + self.limit;
+        let mut left = message;
+        while !left.is_empty() {
+            let Some(input) = &mut self.input else { return Err(Fault::Ended) };
+            match input.write(left) {
+                Ok(count) => left = &left[count..],
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
+                    let input = self.input.as_ref().map(AsFd::as_fd).ok_or(Fault::Ended)?;
+                    self.wait(input, PollFlags::POLLOUT)?;
+                }
+                Err(_) => return Err(Fault::Ended),
+            }
+        }
+        Ok(())
+    }
+
+    fn line(&mut self, line: &mut Vec<u8>, longest: usize) -> Result<(), Fault> {
+        loop {
+            let new = &self.read[self.used..];
+            let end = new.iter().position(|byte| *byte == b'\n');
+            let length = end.unwrap_or(new.len());
+            line.extend_from_slice(&new[..length]);
+            self.used += length + usize::from(end.is_some());
+            if line.len() > longest {
+                return Err(Fault::Answer("a line that does not end"));
+            }
+            match end {
+                Some(_) => return Ok(()),
+                None => self.more()?,
+            }
+        }
+    }
+
+    fn exact(&mut self, bytes: &mut [u8]) -> Result<(), Fault> {
+        let mut filled = 0;
+        while filled < bytes.len() {
+            if self.used == self.read.len() {
+                self.more()?;
+            }
+            let count = (self.read.len() - self.used).min(bytes.len() - filled);
+            bytes[filled..filled + count].copy_from_slice(&self.read[self.used..self.used + count]);
+            self.used += count;
+            filled += count;
+        }
+        Ok(())
+    }
+
+    fn note(&self, text: &str) {
+        self.notes.say(&self.program, text);
+    }
+}
+
+impl Drop for Child {
+    /// Closes its input, which is the request to end, and ends it when it does not.
+    fn drop(&mut self) {
+        drop(self.input.take());
+        self.deadline = Instant::now() + LEAVE;
+        // Its output is closed when it has ended.
+        while self.exact(&mut [0; 1 << 12]).is_ok() {}
+        // By then nothing of it should be left; if something is, it hangs.
+        let _ = killpg(Pid::from_raw(self.process.id() as i32), Signal::SIGKILL);
+        let _ = self.process.wait();
+    }
+}

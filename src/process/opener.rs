@@ -1,0 +1,61 @@
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::av::Fault;
+use crate::av::external::{Link, Opener, Program};
+
+/// Most notes about drivers that are printed.
+const MOST_NOTES: usize = 20;
+
+/// Starts drivers as child processes and says on the error stream what they do wrong.
+#[derive(Debug, Clone, Default)]
+pub struct ProcessOpener {
+    notes: Notes,
+}
+
+impl Opener for ProcessOpener {
+    fn open(&self, program: &Program) -> Result<Box<dyn Link>, Fault> {
+        self.start(program)
+    }
+}
+
+impl ProcessOpener {
+    #[cfg(unix)]
+    fn start(&self, program: &Program) -> Result<Box<dyn Link>, Fault> {
+        match super::child::Child::start(program, self.notes.clone()) {
+            Ok(child) => Ok(Box::new(child)),
+            Err(error) => {
+                self.notes.say(program, &error.to_string());
+                Err(Fault::NotStarted)
+            }
+        }
+    }
+
+    #[cfg(not(unix))]
+    fn start(&self, program: &Program) -> Result<Box<dyn Link>, Fault> {
+        self.notes.say(program, "drivers as processes need a Unix system");
+        Err(Fault::NotStarted)
+    }
+}
+
+/// Prints notes until there are too many; one that comes again and again is printed once.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Notes(Arc<Mutex<(usize, String)>>);
+
+impl Notes {
+    /// Prints a note about a program.
+    pub fn say(&self, program: &Program, text: &str) {
+        let mut said = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let (count, last) = &mut *said;
+        if last == text {
+            return;
+        }
+        last.clear();
+        last.push_str(text);
+        *count += 1;
+        if *count <= MOST_NOTES {
+            anstream::eprintln!("driver `{}`: {text}", program.words.join(" "));
+        } else if *count == MOST_NOTES + 1 {
+            anstream::eprintln!("more notes about drivers are left out");
+        }
+    }
+}

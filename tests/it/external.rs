@@ -1,0 +1,253 @@
+//! Drivers that are programs of their own: what they may do wrong, and what must not come of it.
+
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::Arc;
+
+use falsify::av::Fault;
+use falsify::compile::{Catalog, Plan, compile};
+use falsify::diagnostic::Sources;
+use falsify::env::{Outcome, Scenario};
+use falsify::falsifier::{Random, TrainError, train, try_walker};
+use falsify::process::ProcessOpener;
+use falsify::seed::Seed;
+
+const EPISODES: u32 = 12;
+
+/// The Python that runs the drivers of these tests, if there is one.
+fn python() -> Option<&'static str> {
+    let found = Command::new("python3").arg("--version").output().is_ok_and(|output| output.status.success());
+    if !found {
+        loud!("skipped: there is no python3");
+    }
+    found.then_some("python3")
+}
+
+fn folder(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
+}
+
+/// A campaign against a driver from outside.
+fn text(command: &str, settings: &str) -> String {
+    format!(
+        "edition 1\nimport \"{0}/paper.scn\"\nimport \"{0}/drivers.scn\"\nimport \"{0}/towns.scn\"\n\
+         policy mine = external(command: \"{command}\", {settings})\n\
+         training short = ppo(steps: 300)\n\
+         episode brief {{ ticks: 80 }}\n\
+         campaign outside {{ vehicle: model3 adversary: suicidal spawn: ahead episode: brief training: short\n\
+         train {{ towns: [harbour] policies: [blind] rewards: [r1] runs: 1 }}\n\
+         evaluate {{ towns: [harbour] policies: [mine] pedestrians: [random] episodes: {EPISODES} }} }}\n",
+        folder("scenarios/lib").display()
+    )
+}
+
+fn plan(command: &str, settings: &str) -> Plan {
+    let root = folder("tests/external/test.scn");
+    let scenario = text(command, settings);
+    let read = |path: &Path| if path == root { Ok(scenario.clone()) } else { std::fs::read_to_string(path) };
+    let catalog = Catalog::builtin().with_opener(Arc::new(ProcessOpener::default()));
+    let compiled = compile(std::slice::from_ref(&root), &catalog, &read, &mut Sources::default()).unwrap();
+    compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics))
+}
+
+fn scenario(command: &str, settings: &str) -> Arc<Scenario> {
+    plan(command, settings).campaigns[0].evaluations[0].scenario.clone()
+}
+
+/// What becomes of the episodes against a driver of `tests/external/driver.py`.
+fn outcomes(mode: &str, settings: &str) -> Vec<Outcome> {
+    let scenario = scenario(&format!("python3 driver.py {mode}"), settings);
+    let seed = Seed::root(5);
+    try_walker(&mut Random::default(), &scenario, EPISODES, &seed, &seed.child("walker"), &mut |_| {
+        ControlFlow::Continue(())
+    })
+}
+
+#[test]
+fn encodings_company_and_the_size_of_writes_change_no_outcome() {
+    if python().is_none() {
+        return;
+    }
+    let alone = outcomes("good", "worlds: 1, timeout: 60 s");
+    assert_eq!(alone.len(), EPISODES as usize);
+    assert!(alone.iter().all(|outcome| outcome.fault().is_none()), "{alone:?}");
+    assert!(alone.iter().any(|outcome| outcome.last_mode.name() == "cruise"), "the driver tells what it does");
+    let mode_free = |outcomes: Vec<Outcome>| -> Vec<u64> { outcomes.iter().map(|outcome| outcome.digest).collect() };
+    let digests = mode_free(alone.clone());
+    assert_eq!(outcomes("good", "worlds: 5, timeout: 60 s"), alone);
+    assert_eq!(outcomes("bytewise", "worlds: 32, timeout: 60 s"), alone);
+    assert_eq!(outcomes("reversed", "worlds: 3, timeout: 60 s"), alone, "answers may come in any order");
+    assert_eq!(mode_free(outcomes("good binary", "worlds: 1, timeout: 60 s")), digests);
+    assert_eq!(mode_free(outcomes("bytewise binary", "worlds: 7, timeout: 60 s")), digests);
+}
+
+#[test]
+fn a_fault_marks_its_own_episode_and_no_other() {
+    if python().is_none() {
+        return;
+    }
+    let good = outcomes("good", "worlds: 1, timeout: 60 s");
+    let cases = [
+        ("crash", "timeout: 60 s", Fault::Ended),
+        ("crash binary", "timeout: 60 s", Fault::Ended),
+        ("half", "timeout: 60 s", Fault::Ended),
+        ("garbage", "timeout: 60 s", Fault::Answer("not the JSON of an answer")),
+        ("endless", "timeout: 60 s", Fault::Answer("a line that does not end")),
+        ("hang", "timeout: 2 s", Fault::Late { limit_ms: 2000 }),
+    ];
+    for (mode, timeout, fault) in cases {
+        let alone = outcomes(mode, &format!("worlds: 1, {timeout}"));
+        let failed = alone.iter().filter(|outcome| outcome.fault() == Some(fault)).count();
+        assert!(failed > 0 && failed < alone.len() / 2, "{mode}: {alone:?}");
+        for (mine, good) in alone.iter().zip(&good) {
+            let same = mine.digest == good.digest && mine.ending == good.ending;
+            assert!(same != (mine.fault() == Some(fault)), "{mode}: {mine:?} instead of {good:?}");
+            assert!(mine.fault().is_none() || (mine.ticks == 30 && mine.reward == 0.0), "{mine:?}");
+        }
+        assert_eq!(outcomes(mode, &format!("worlds: 6, {timeout}")), alone, "{mode}: with six worlds at once");
+    }
+}
+
+#[test]
+fn a_driver_that_never_drives_is_given_up_after_ten_episodes() {
+    if python().is_none() {
+        return;
+    }
+    let cases = [
+        ("version", Fault::Greeting("another protocol than falsify-av/1")),
+        ("gone", Fault::Ended),
+        ("lazy", Fault::Answer("not one action for each world")),
+        ("nan", Fault::Answer("not the JSON of an answer")),
+    ];
+    for (mode, fault) in cases {
+        for worlds in [1, 4] {
+            let outcomes = outcomes(mode, &format!("worlds: {worlds}, timeout: 60 s"));
+            let faults: Vec<_> = outcomes.iter().map(Outcome::fault).collect();
+            assert_eq!(faults, [Some(fault); 10], "{mode}");
+        }
+    }
+    let silent = outcomes("silent", "start_timeout: 200 ms");
+    assert_eq!(silent[0].fault(), Some(Fault::Late { limit_ms: 200 }));
+    let nobody = scenario("no-such-program --fast", "worlds: 2");
+    let seed = Seed::root(5);
+    let tried = try_walker(&mut Random::default(), &nobody, EPISODES, &seed, &seed, &mut |_| ControlFlow::Continue(()));
+    assert_eq!(tried.iter().map(Outcome::fault).collect::<Vec<_>>(), [Some(Fault::NotStarted); 10]);
+}
+
+#[test]
+fn a_training_survives_some_faults_and_ends_with_the_cause_of_too_many() {
+    if python().is_none() {
+        return;
+    }
+    let training = |mode: &str| {
+        let plan = plan(&format!("python3 driver.py {mode}"), "timeout: 60 s");
+        let mut config = plan.campaigns[0].trainings[0].config.clone();
+        config.total_steps = 150;
+        let against = &plan.campaigns[0].evaluations[0].scenario;
+        train(against, 1, &config, &Seed::root(1), &mut |_| ControlFlow::Continue(()))
+    };
+    assert!(training("crash").is_ok());
+    assert_eq!(training("gone").err(), Some(TrainError::Driver { update: 1, fault: Fault::Ended }));
+}
+
+fn falsify(arguments: &[&str], folder: &Path) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_falsify")).args(arguments).current_dir(folder).output().unwrap()
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
+}
+
+#[test]
+fn nothing_is_started_unless_the_user_allows_it() {
+    let place = tempfile::tempdir().unwrap();
+    let mark = place.path().join("mark");
+    let driver = folder("tests/external/driver.py");
+    let command = format!("python3 {} good {}", driver.display(), mark.display());
+    std::fs::write(place.path().join("evil.scn"), text(&command, "worlds: 4")).unwrap();
+    for arguments in [&["run", "evil.scn"][..], &["check", "evil.scn"], &["run", "--list", "evil.scn"]] {
+        let output = falsify(arguments, place.path());
+        assert_eq!(output.status.code(), Some(3), "{}", said(&output));
+        assert!(said(&output).contains("error[external-not-allowed]"), "{}", said(&output));
+    }
+    for arguments in [&["check", "--allow-external", "evil.scn"][..], &["map", "evil.scn"]] {
+        falsify(arguments, place.path());
+    }
+    assert!(!mark.exists(), "checking and drawing start nothing");
+    if python().is_some() {
+        let output = falsify(&["run", "--smoke", "--allow-external", "evil.scn"], place.path());
+        assert!(output.status.success() && mark.exists(), "{}", said(&output));
+    }
+}
+
+#[test]
+fn episodes_in_error_are_counted_apart_and_the_bytes_are_the_same_on_one_thread_and_two() {
+    if python().is_none() {
+        return;
+    }
+    let place = tempfile::tempdir().unwrap();
+    let command = format!("python3 {} crash", folder("tests/external/driver.py").display());
+    std::fs::write(place.path().join("crash.scn"), text(&command, "timeout: 60 s")).unwrap();
+    let run = |threads: &str| {
+        let output =
+            falsify(&["run", "--allow-external", "--threads", threads, "--out", threads, "crash.scn"], place.path());
+        assert_eq!(output.status.code(), Some(5), "{}", said(&output));
+        assert!(said(&output).contains("mine ended before it answered"), "{}", said(&output));
+        let report =
+            |file: &str| std::fs::read_to_string(place.path().join(threads).join("outside").join(file)).unwrap();
+        (report("episodes.csv"), report("cells.csv"), report("summary.md"))
+    };
+    let (episodes, cells, summary) = run("1");
+    assert_eq!(run("2"), (episodes.clone(), cells.clone(), summary.clone()));
+    let errors = episodes.matches("error,ended before it answered").count();
+    assert!(errors > 0, "{episodes}");
+    let names: Vec<&str> = cells.lines().next().unwrap().split(',').collect();
+    let values: Vec<&str> = cells.lines().nth(1).unwrap().split(',').collect();
+    let value = |name: &str| values[names.iter().position(|each| *each == name).unwrap()].parse::<usize>().unwrap();
+    assert_eq!((value("errors"), value("episodes")), (errors, EPISODES as usize - errors));
+    assert!(summary.contains(&format!("In {errors} more episodes the driver failed")), "{summary}");
+}
+
+#[test]
+fn av_check_tells_good_drivers_from_bad_ones() {
+    if python().is_none() {
+        return;
+    }
+    let check = |arguments: &[&str]| {
+        let command = [&["av", "check", "--timeout", "60", "--show", "--", "python3"], arguments].concat();
+        let output = falsify(&command, &folder("tests/external"));
+        (output.status.code(), said(&output))
+    };
+    for good in [&["driver.py", "good"][..], &["driver.py", "good", "binary"], &["../../scenarios/external/my_av.py"]] {
+        let (code, text) = check(good);
+        assert_eq!(code, Some(0), "{text}");
+        assert_eq!((text.matches("  ok    ").count(), text.matches("FAIL").count()), (3, 0), "{text}");
+        assert!(text.contains("-> {\"type\":\"hello\",\"protocol\":\"falsify-av/1\",\"tick_s\":0.05"), "{text}");
+    }
+    for (mode, what) in [
+        ("version", "it greeted wrongly: another protocol"),
+        ("crash", "it ended before it answered"),
+        ("lazy", "it gave a wrong answer: not one action"),
+        ("random", "when the same seeds come again"),
+        ("counting", "when it is asked about 8 worlds at once"),
+    ] {
+        let (code, text) = check(&["driver.py", mode]);
+        assert_eq!(code, Some(5), "{mode}: {text}");
+        assert!(text.lines().any(|line| line.contains("FAIL") && line.contains(what)), "{mode}: {text}");
+    }
+}
+
+#[test]
+fn the_driver_in_cpp_compiles_and_conforms() {
+    let place = tempfile::tempdir().unwrap();
+    let source = folder("scenarios/external/my_av.cpp");
+    let compiler = Command::new("c++").args(["-O2", "-o", "my_av"]).arg(source).current_dir(place.path()).output();
+    let Ok(compiler) = compiler else {
+        loud!("skipped: there is no C++ compiler");
+        return;
+    };
+    assert!(compiler.status.success(), "{}", said(&compiler));
+    let output = falsify(&["av", "check", "--timeout", "60", "--", "./my_av"], place.path());
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+}

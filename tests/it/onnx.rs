@@ -1,0 +1,64 @@
+//! Learnt drivers from ONNX files.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::process::Command;
+
+use falsify::compile::{Catalog, compile};
+use falsify::diagnostic::Sources;
+use falsify::env::Outcome;
+use falsify::falsifier::{Random, try_walker};
+use falsify::lang::Reader;
+use falsify::seed::Seed;
+
+/// Reads one text in place of a file, and files.
+struct With(String);
+
+impl Reader for With {
+    fn text(&self, path: &Path) -> std::io::Result<String> {
+        if path.ends_with("test.scn") { Ok(self.0.clone()) } else { std::fs::read_to_string(path) }
+    }
+
+    fn bytes(&self, path: &Path) -> std::io::Result<Vec<u8>> {
+        std::fs::read(path)
+    }
+}
+
+fn text(worlds: u32) -> String {
+    let root = env!("CARGO_MANIFEST_DIR");
+    format!(
+        "edition 1\nimport \"{root}/scenarios/lib/paper.scn\"\nimport \"{root}/scenarios/lib/drivers.scn\"\n\
+         import \"{root}/scenarios/lib/towns.scn\"\n\
+         policy learnt = onnx(model: \"{root}/tests/reference/onnx/follow.onnx\", worlds: {worlds})\n\
+         campaign learnt {{ vehicle: model3 adversary: suicidal spawn: ahead episode: thirty_seconds training: ppo_paper\n\
+         train {{ towns: [harbour] policies: [blind] rewards: [r1] runs: 1 }}\n\
+         evaluate {{ towns: [harbour] policies: [learnt] pedestrians: [random] episodes: 10 }} }}\n"
+    )
+}
+
+fn outcomes(worlds: u32) -> Vec<Outcome> {
+    let catalog = Catalog::builtin();
+    let compiled = compile(&["test.scn".into()], &catalog, &With(text(worlds)), &mut Sources::default()).unwrap();
+    let plan = compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));
+    let (scenario, seed) = (&plan.campaigns[0].evaluations[0].scenario, Seed::root(2));
+    try_walker(&mut Random::default(), scenario, 10, &seed, &seed.child("walker"), &mut |_| ControlFlow::Continue(()))
+}
+
+#[test]
+fn a_network_drives_and_company_changes_nothing() {
+    let alone = outcomes(1);
+    assert!(alone.iter().all(|outcome| outcome.fault().is_none()), "{alone:?}");
+    assert!(alone.iter().any(|outcome| outcome.ticks > 100), "somebody gets away");
+    assert_eq!(outcomes(4), alone);
+}
+
+#[test]
+fn a_campaign_with_a_network_runs_and_the_manifest_names_its_file() {
+    let place = tempfile::tempdir().unwrap();
+    std::fs::write(place.path().join("learnt.scn"), text(8)).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_falsify"));
+    let output = command.args(["run", "--smoke", "learnt.scn"]).current_dir(place.path()).output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    let manifest = std::fs::read_to_string(place.path().join("reports/learnt-smoke/manifest.toml")).unwrap();
+    assert!(manifest.contains("follow.onnx"), "{manifest}");
+}
