@@ -6,7 +6,7 @@ use super::{Cell, Manifest, Spread};
 const LEFT_OUT: &str = "\
 The simulator is flat and has one car and one pedestrian: no other traffic, no kerbs, no weather, and parked cars and trees \
 only where the scenario puts them. The car is a kinematic bicycle whose pedals are fitted to figures that others printed from \
-CARLA, and its driver knows without error and at once whatever it looks at. The pedestrian is a disc. Maps from OpenDRIVE hold \
+CARLA, and its driver knows without error and at once whatever it looks at, unless the scenario gives it sensors. The pedestrian is a disc. Maps from OpenDRIVE hold \
 no buildings unless the scenario adds them.";
 
 /// The page to read first: one table of cells, how it was made, and what it does not say.

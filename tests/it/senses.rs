@@ -229,6 +229,9 @@ fn misses_happen_at_the_stated_rate() {
     }
 }
 
+/// A quantity's name, mean and standard deviation, and how it is read off an actor.
+type Case<'a> = (&'a str, f64, f64, &'a dyn Fn(&Actor) -> f64);
+
 #[test]
 fn noise_has_the_stated_moments() {
     let model = SensorModel {
@@ -248,13 +251,13 @@ fn noise_has_the_stated_moments() {
         (mean, (values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / values.len() as f64).sqrt())
     };
     // Standing, it is believed to walk at half of 1.2 m/s along its heading of 0.3.
-    let cases: [(&str, f64, f64, &dyn Fn(&Actor) -> f64); 6] = [
+    let cases: [Case<'_>; 6] = [
         ("x", 8.0, 0.3, &|actor| actor.pose.x),
         ("y", 2.0, 0.3, &|actor| actor.pose.y),
         ("heading", 0.3, 0.2, &|actor| actor.pose.yaw),
         ("east", 0.6 * 0.955_336, 0.5, &|actor| actor.velocity.x),
         ("north", 0.6 * 0.295_520, 0.5, &|actor| actor.velocity.y),
-        ("size", 0.0, 0.1, &|actor| (actor.half.x / 0.19).ln()),
+        ("size", 0.0, 0.1, &|actor| libm::log(actor.half.x / 0.19)),
     ];
     for (name, mean, deviation, value) in cases {
         let (got_mean, got_deviation) = moments(value);
