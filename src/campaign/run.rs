@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::{EpisodeRow, Observer};
 use crate::compile::{Campaign, Evaluation, Pedestrian, Training, TrainingKey};
-use crate::falsifier::{Choosing, Intercept, Random, TrainedWalker, Walker, train, try_walker};
+use crate::falsifier::{Choosing, Homing, Intercept, Random, TrainedWalker, Walker, train, try_walker};
 use crate::rl::{TrainError, Trained};
 use crate::seed::Seed;
 
@@ -81,6 +81,7 @@ fn evaluate(
 ) -> Vec<EpisodeRow> {
     let mut walker: Box<dyn Walker> = match evaluation.pedestrian {
         Pedestrian::Random => Box::new(Random::default()),
+        Pedestrian::Homing => Box::new(Homing),
         Pedestrian::Intercept => Box::new(Intercept),
         Pedestrian::Trained(training) | Pedestrian::Sampled(training) => {
             let Some(TrainingResult { result: Ok(trained), .. }) = &trainings[training] else { return Vec::new() };

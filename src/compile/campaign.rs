@@ -1,7 +1,7 @@
 use crate::signature::{Form, Param, Signature, Type};
 
 /// Who can be tried.
-const PEDESTRIANS: &[&str] = &["trained", "sampled", "random", "intercept"];
+const PEDESTRIANS: &[&str] = &["trained", "sampled", "random", "homing", "intercept"];
 
 /// The form `campaign`.
 pub fn form() -> Form {
@@ -37,7 +37,7 @@ pub fn form() -> Form {
                 "pedestrians",
                 Type::List(Box::new(Type::Choice(PEDESTRIANS))),
                 "[trained, random]",
-                "Who tries: the trained ones doing what they think best (`trained`) or drawing from their policy (`sampled`), one that chooses at random, one that walks to where it would meet the ego.",
+                "Who tries: the trained ones doing what they think best (`trained`) or drawing from their policy (`sampled`), one that chooses at random, one that walks straight at the ego (`homing`), one that walks to where it would meet the ego.",
             ),
             Param::optional(
                 "vehicles",

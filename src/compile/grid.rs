@@ -245,7 +245,7 @@ fn note_town(towns: &mut Vec<NamedTown>, town: &Axis<BuiltTown>) {
 }
 
 /// Who is tried: every trained pedestrian, and for every run of a reward a random one, which draws anew in each; the
-/// intercepting one draws nothing, so it is tried once for each reward.
+/// homing and the intercepting one draw nothing, so they are tried once for each reward.
 fn pedestrians(words: &[Value], trainings: &[Training]) -> Vec<(Pedestrian, TrainingKey)> {
     let mut all = Vec::new();
     for word in words {
@@ -254,16 +254,17 @@ fn pedestrians(words: &[Value], trainings: &[Training]) -> Vec<(Pedestrian, Trai
         for (index, training) in trainings.iter().enumerate() {
             let pedestrian = match *word {
                 "random" => Pedestrian::Random,
+                "homing" => Pedestrian::Homing,
                 "intercept" => Pedestrian::Intercept,
                 "sampled" => Pedestrian::Sampled(index),
                 _ => Pedestrian::Trained(index),
             };
             let mut key = training.key.clone();
-            if matches!(pedestrian, Pedestrian::Random | Pedestrian::Intercept) {
+            if matches!(pedestrian, Pedestrian::Random | Pedestrian::Homing | Pedestrian::Intercept) {
                 key.town = String::new();
                 key.policy = String::new();
             }
-            if pedestrian == Pedestrian::Intercept {
+            if matches!(pedestrian, Pedestrian::Homing | Pedestrian::Intercept) {
                 key.run = 0;
             }
             if seen.insert((pedestrian, key.clone())) {

@@ -97,6 +97,8 @@ pub enum Pedestrian {
     Sampled(usize),
     /// One that draws every command uniformly from all that it could do.
     Random,
+    /// One that walks straight at the ego.
+    Homing,
     /// One that walks to where it would meet an ego that keeps its velocity.
     Intercept,
 }
@@ -108,6 +110,7 @@ impl Pedestrian {
             Self::Trained(_) => "trained",
             Self::Sampled(_) => "sampled",
             Self::Random => "random",
+            Self::Homing => "homing",
             Self::Intercept => "intercept",
         }
     }

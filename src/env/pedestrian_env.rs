@@ -27,6 +27,8 @@ pub struct PedestrianEnv {
 struct Episode {
     spawn: Spawn,
     command: WalkCommand,
+    /// How far the command turned away from the one before (rad).
+    turn: f64,
     reward: f64,
     least_gap: f64,
     mode: DrivingMode,
@@ -51,6 +53,7 @@ impl PedestrianEnv {
         let episode = Episode {
             spawn: nowhere,
             command: WalkCommand::default(),
+            turn: 0.0,
             reward: 0.0,
             least_gap: f64::INFINITY,
             mode: DrivingMode::Cruise,
@@ -89,6 +92,7 @@ impl PedestrianEnv {
         self.episode = Episode {
             spawn,
             command: WalkCommand { heading: spawn.pedestrian.yaw, speed: 0.0 },
+            turn: 0.0,
             reward: 0.0,
             least_gap: self.world.gap(),
             mode: DrivingMode::Cruise,
@@ -114,6 +118,7 @@ impl PedestrianEnv {
     pub fn walk(&mut self, command: WalkCommand) -> Step {
         let rule = &self.scenario.episode;
         let (limit, hold) = (rule.ticks, rule.hold);
+        self.episode.turn = wrap_angle(command.heading - self.episode.command.heading);
         self.episode.command = command;
         let mut contact = None;
         for tick in 0..hold {
@@ -190,6 +195,9 @@ impl PedestrianEnv {
                 let seen = pedestrian.pose.to_local(ego.pose.position());
                 libm::atan2(seen.y, seen.x)
             },
+            turn: self.episode.turn,
+            pace: self.episode.command.speed,
+            miss_distance: if contact.is_some() { 0.0 } else { self.episode.least_gap },
         }
     }
 
@@ -224,6 +232,12 @@ impl PedestrianEnv {
     pub fn command(&self, action: [f64; 2]) -> WalkCommand {
         let (pedestrian, ego) = (&self.world.pedestrian.pose, self.world.ego.pose.position());
         self.scenario.adversary.command(action, pedestrian, self.episode.spawn.pedestrian.yaw, ego)
+    }
+
+    /// Where a homing pedestrian would walk: straight at the ego, as fast as it can.
+    pub fn homing(&self) -> WalkCommand {
+        let offset = self.world.ego.pose.position() - self.world.pedestrian.pose.position();
+        WalkCommand { heading: libm::atan2(offset.y, offset.x), speed: self.scenario.adversary.speed.1 }
     }
 
     /// Where an intercepting pedestrian would walk: to the nearest place where it can meet an ego that keeps its

@@ -3,10 +3,12 @@
 mod walker;
 mod trained;
 mod random;
+mod homing;
 mod intercept;
 mod episodes;
 
 pub use episodes::try_walker;
+pub use homing::Homing;
 pub use intercept::Intercept;
 pub use random::Random;
 pub use trained::{Choosing, TrainedWalker, train};

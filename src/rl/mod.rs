@@ -54,6 +54,7 @@ pub use config::PpoConfig;
 pub use env::{Env, Step};
 pub use frame_stack::FrameStack;
 pub use log::{FinishedEpisode, UpdateLog};
+pub use normal::standard_normal;
 pub use moments::RunningMoments;
 pub use ppo::{Trained, train};
 pub use real::Real;
