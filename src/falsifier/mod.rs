@@ -1,6 +1,7 @@
 //! Pedestrians that look for a collision, and trying them: one interface for trained and untrained ones.
 
 mod walker;
+mod optimizer;
 mod trained;
 mod random;
 mod homing;
