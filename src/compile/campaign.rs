@@ -57,6 +57,24 @@ pub fn form() -> Form {
         "Runs the campaign once for every combination of values: `name: [value, …]`, each the name of a `param`.",
         Vec::new(),
     );
+    let search = Signature::new(
+        "search",
+        "Lets falsifiers look for failures, each with the same budget and from the same beginnings.",
+        vec![
+            Param::required("towns", names("town"), "Towns to search in."),
+            Param::required("policies", names("policy"), "Drivers to find failures of."),
+            Param::required("falsifiers", names("falsifier"), "Who searches."),
+            Param::with_default("budget", count(1_000_000_000_000), "1_000_000", "Simulator ticks that each may use."),
+            Param::with_default("runs", count(10_000), "5", "Searches of each, with different seeds and beginnings."),
+            Param::with_default(
+                "episodes",
+                Type::Integer { min: 0, max: 1_000_000 },
+                "200",
+                "Episodes in which a pedestrian that a falsifier ends up with is tried afterwards, outside the budget.",
+            ),
+            spawn(),
+        ],
+    );
     let params = vec![
         Param::required("vehicle", name("vehicle"), "The model of car under test."),
         Param::required("adversary", name("adversary"), "The pedestrian."),
@@ -66,8 +84,11 @@ pub fn form() -> Form {
     ];
     Form {
         name: "campaign",
-        doc: "What is run: which pedestrians are trained, and where they are tried.",
-        plain: Some(Signature { children: vec![matrix, train, evaluate], ..Signature::new("campaign", "", params) }),
+        doc: "What is run: which pedestrians are trained, where they are tried, and which falsifiers are compared.",
+        plain: Some(Signature {
+            children: vec![matrix, train, evaluate, search],
+            ..Signature::new("campaign", "", params)
+        }),
         multiplies: true,
         kinds: Vec::new(),
     }

@@ -1,5 +1,6 @@
+use super::falsifier::FalsifierKind;
 use super::policy::PolicyKind;
-use super::{adversary, campaign, episode, policy, reward, spawn, town, training, vehicle};
+use super::{adversary, campaign, episode, falsifier, policy, reward, spawn, town, training, vehicle};
 use crate::signature::{Form, Vocabulary};
 
 /// Everything the language offers: forms, their kinds, and what formulas may speak about.
@@ -9,12 +10,14 @@ pub struct Catalog {
     /// Variables and events.
     pub vocabulary: Vocabulary,
     pub(super) policies: Vec<PolicyKind>,
+    pub(super) falsifiers: Vec<FalsifierKind>,
 }
 
 impl Catalog {
     /// What this program offers.
     pub fn builtin() -> Self {
         let policies = policy::kinds();
+        let falsifiers = falsifier::kinds();
         let forms = vec![
             town::form(),
             policy::form(&policies),
@@ -24,8 +27,9 @@ impl Catalog {
             reward::form(),
             episode::form(),
             training::form(),
+            falsifier::form(&falsifiers),
             campaign::form(),
         ];
-        Self { forms, vocabulary: crate::env::vocabulary(), policies }
+        Self { forms, vocabulary: crate::env::vocabulary(), policies, falsifiers }
     }
 }

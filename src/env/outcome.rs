@@ -47,4 +47,12 @@ impl Outcome {
     pub fn is_collision(&self) -> bool {
         matches!(self.ending, Ending::Collision { .. })
     }
+
+    /// Speed of the ego at the collision (m/s); none without one.
+    pub fn impact_speed(&self) -> Option<f64> {
+        match self.ending {
+            Ending::Collision { impact_speed, .. } => Some(impact_speed),
+            _ => None,
+        }
+    }
 }

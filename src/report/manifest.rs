@@ -23,6 +23,8 @@ pub struct Manifest {
     pub vector_instructions: String,
     /// Simulator ticks of the evaluations.
     pub evaluation_ticks: u64,
+    /// Simulator ticks of the searches, without those of pedestrians tried afterwards.
+    pub search_ticks: u64,
     /// Wall time of the whole campaign (s).
     pub wall_time_s: f64,
     /// The scenario files and the maps they name, in the order they were read.

@@ -24,6 +24,19 @@ pub fn summary(name: &str, docs: &[String], cells: &[Cell], manifest: &Manifest)
     if !manifest.complete {
         page.push_str("**Incomplete: it was stopped, a training failed, or a reward was no number. The manifest says which.**\n\n");
     }
+    if !cells.is_empty() {
+        episodes(&mut page, cells);
+    }
+    let _ = write!(
+        page,
+        "Seed {}, falsify {}.\n\n## What the simulator leaves out\n\n{LEFT_OUT}\n",
+        manifest.seed, manifest.version
+    );
+    page
+}
+
+/// The table of cells, and how it is to be read.
+fn episodes(page: &mut String, cells: &[Cell]) {
     page.push_str(
         "| pedestrian | reward | trained in, against | town | policy | runs × episodes | collision rate | 95 % of episodes \
          | front of collisions | moving | reward | length | impact speed |\n",
@@ -53,17 +66,13 @@ pub fn summary(name: &str, docs: &[String], cells: &[Cell], manifest: &Manifest)
             spread(cell.impact_speed),
         );
     }
-    let _ = write!(
-        page,
+    page.push_str(
         "\n\"±\" is the standard deviation over runs, each a training of its own (`random`: other draws). \
          The interval is Wilson's over the episodes of all runs, which share their beginnings; it says nothing about further \
          trainings. Front: share \
          of collisions within the front sector. Moving: share of episodes that end in a collision with a moving car. All \
-         pedestrians of a town and policy meet the same beginnings (in one `evaluate` block).\n\n\
-         Seed {}, falsify {}.\n\n## What the simulator leaves out\n\n{LEFT_OUT}\n",
-        manifest.seed, manifest.version
+         pedestrians of a town and policy meet the same beginnings (in one `evaluate` block).\n\n",
     );
-    page
 }
 
 /// The town of a cell, with whatever else differs between the cells: vehicle, adversary, `evaluate` block.
@@ -117,6 +126,9 @@ pub fn table(name: &str, cells: &[Cell]) -> String {
     let widths: Vec<usize> =
         (0..head.len()).map(|i| rows.iter().map(|row| row[i].chars().count()).max().unwrap_or(0)).collect();
     let mut text = format!("campaign {name}\n");
+    if cells.is_empty() {
+        return text;
+    }
     for row in &rows {
         let line: Vec<String> = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:<width$}")).collect();
         let _ = writeln!(text, "  {}", line.join("  ").trim_end());
