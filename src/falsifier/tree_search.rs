@@ -78,7 +78,7 @@ impl TreeSearch {
             Param::with_default(
                 "exploration",
                 ratio(0.0, 100.0),
-                "0.7",
+                "0.15",
                 "Weight of the confidence bound, in spans between the least and the greatest return.",
             ),
             after_failure(),

@@ -84,7 +84,8 @@ fn average(values: impl Iterator<Item = Option<f64>>) -> Average {
         return (None, None);
     }
     let (mean, interval) = mean_interval(&values);
-    (Some(mean), interval)
+    // Nothing that is averaged here can be below zero.
+    (Some(mean), interval.map(|(low, high)| (low.max(0.0), high)))
 }
 
 /// Gathers runs to cells, in the order of first appearance.

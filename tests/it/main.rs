@@ -26,5 +26,6 @@ mod routes_reference;
 mod sb3_curves;
 mod scenarios;
 mod spawns;
+mod searches;
 mod suite;
 mod tidy;
