@@ -100,7 +100,10 @@ fn carry_out(campaign: &Campaign, options: &RunOptions, files: &[FileRecord]) ->
     let failed = finished.trainings.iter().any(|training| training.result.is_err())
         || finished.searches.iter().any(|search| search.error.is_some());
     let manifest = manifest(campaign, options, files, &finished, &times, wall_time_s);
-    if finished.rows.is_empty() && finished.searches.is_empty() && finished.trainings.iter().all(|training| training.result.is_err()) {
+    if finished.rows.is_empty()
+        && finished.searches.is_empty()
+        && finished.trainings.iter().all(|training| training.result.is_err())
+    {
         front::fail("nothing was finished, so nothing was written");
         return Ok(if finished.interrupted { ExitCode::Interrupted } else { ExitCode::RunFailed });
     }

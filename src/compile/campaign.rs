@@ -65,7 +65,7 @@ pub fn form() -> Form {
             Param::required("policies", names("policy"), "Drivers to find failures of."),
             Param::required("falsifiers", names("falsifier"), "Who searches."),
             Param::with_default("budget", count(1_000_000_000_000), "1_000_000", "Simulator ticks that each may use."),
-            Param::with_default("runs", count(10_000), "5", "Searches of each, with different seeds and beginnings."),
+            Param::with_default("runs", count(10_000), "10", "Searches of each, with different seeds and beginnings."),
             Param::with_default(
                 "episodes",
                 Type::Integer { min: 0, max: 1_000_000 },

@@ -5,8 +5,8 @@ use crate::signature::{Param, Signature, Type};
 
 /// A pedestrian that learns by PPO, as a falsifier: the failures are those of its training.
 ///
-/// The budget takes the place of the training's number of steps; schedules run down over the decisions that fit into it. The
-/// update in which the budget runs out is not made.
+/// The budget takes the place of the training's number of steps; schedules run down over the decisions that fit into it.
+/// Several environments have equal shares of it. The update in which the first share runs out is not made.
 #[derive(Debug, Clone)]
 pub struct Learning {
     config: PpoConfig,

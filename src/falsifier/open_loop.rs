@@ -11,9 +11,15 @@ use crate::units::Dimension;
 /// Which minimiser looks for the plan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Method {
-    CrossEntropy { population: usize, elite: usize, smoothing: f64 },
+    CrossEntropy {
+        population: usize,
+        elite: usize,
+        smoothing: f64,
+    },
     /// None for the population that is usual for the dimensions.
-    CmaEs { population: Option<usize> },
+    CmaEs {
+        population: Option<usize>,
+    },
 }
 
 /// What makes one episode better than another.
@@ -110,10 +116,7 @@ impl OpenLoop {
     pub fn cross_entropy(arguments: &Arguments) -> Self {
         let count = |key: &str| arguments.integer(key) as usize;
         let smoothing = arguments.number("smoothing");
-        Self::new(
-            Method::CrossEntropy { population: count("population"), elite: count("elite"), smoothing },
-            arguments,
-        )
+        Self::new(Method::CrossEntropy { population: count("population"), elite: count("elite"), smoothing }, arguments)
     }
 
     /// Makes one that uses CMA-ES, from checked arguments.

@@ -73,7 +73,12 @@ impl TreeSearch {
                 "200",
                 "Most simulations from one beginning.",
             ),
-            Param::with_default("widening", ratio(0.01, 100.0), "1", "The k of the k N^α actions of a node with N visits."),
+            Param::with_default(
+                "widening",
+                ratio(0.01, 100.0),
+                "1",
+                "The k of the k N^α actions of a node with N visits.",
+            ),
             Param::with_default("widening_power", ratio(0.0, 1.0), "0.5", "The α of them."),
             Param::with_default(
                 "exploration",

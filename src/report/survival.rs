@@ -14,7 +14,7 @@ pub struct MedianTime {
 ///
 /// # Source
 /// Kaplan and Meier, JASA 53, 1958; interval of Brookmeyer and Crowley, Biometrics 38, 1982, over the band of Greenwood's
-/// variance on the log-log scale, as in lifelines and SAS.
+/// variance on the log-log scale, as in lifelines. Where nobody is left the band has no upper end, as in R.
 pub fn median_time(times: &[(f64, bool)]) -> MedianTime {
     const Z: f64 = 1.959_963_984_540_054;
     let mut sorted = times.to_vec();
@@ -47,7 +47,7 @@ pub fn median_time(times: &[(f64, bool)]) -> MedianTime {
                 found.high = found.high.or(Some(time));
             }
         } else {
-            // The band ends where nobody is left; the low end cannot lie later.
+            // Its low end is 0 there.
             found.low = found.low.or(Some(time));
         }
     }
@@ -73,13 +73,16 @@ mod tests {
                 .map(|(time, found)| (time.as_f64().unwrap(), found.as_i64() == Some(1)))
                 .collect();
             let ends = list("interval");
-            let wanted =
-                MedianTime { median: case["median"].as_f64(), low: ends[0].as_f64(), high: ends[1].as_f64() };
+            let wanted = MedianTime { median: case["median"].as_f64(), low: ends[0].as_f64(), high: ends[1].as_f64() };
             assert_eq!(median_time(&times), wanted, "{name}");
             cases += 1;
         }
         assert_eq!(cases, 4);
         assert_eq!(median_time(&[]), MedianTime::default());
         assert_eq!(median_time(&[(5.0, false), (5.0, false)]), MedianTime::default(), "all censored");
+        // lifelines: 1..6 of seven times; with six its high end is the last, where R and we have none.
+        let first = |n: u32| median_time(&(1..=n).map(|time| (f64::from(time), true)).collect::<Vec<_>>());
+        assert_eq!((first(7).low, first(7).high), (Some(1.0), Some(6.0)));
+        assert_eq!((first(6).low, first(6).high), (Some(1.0), None));
     }
 }

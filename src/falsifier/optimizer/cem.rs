@@ -29,7 +29,8 @@ impl CrossEntropy {
 
 impl Optimizer for CrossEntropy {
     fn ask(&mut self, stream: &mut Stream) -> Vec<Vec<f64>> {
-        let mut draw = || self.mean.iter().zip(&self.sd).map(|(mean, sd)| mean + sd * standard_normal(stream)).collect();
+        let mut draw =
+            || self.mean.iter().zip(&self.sd).map(|(mean, sd)| mean + sd * standard_normal(stream)).collect();
         (0..self.population).map(|_| draw()).collect()
     }
 
