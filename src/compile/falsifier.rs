@@ -46,6 +46,7 @@ pub fn form(kinds: &[FalsifierKind]) -> Form {
         name: "falsifier",
         doc: "A method that looks for collisions with a budget of simulator ticks; a `search` block of a campaign compares several.",
         plain: None,
+        multiplies: false,
         kinds: kinds.iter().map(|kind| (kind.signature)()).collect(),
     }
 }
