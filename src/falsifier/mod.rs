@@ -10,7 +10,7 @@ mod homing;
 mod intercept;
 mod episodes;
 
-mod falsifier;
+mod method;
 mod simulator;
 mod failure;
 mod walking;
@@ -21,10 +21,10 @@ mod learning;
 
 pub use episodes::try_walker;
 pub use failure::Failure;
-pub use falsifier::Falsifier;
 pub use homing::Homing;
 pub use intercept::Intercept;
 pub use learning::Learning;
+pub use method::Falsifier;
 pub use open_loop::OpenLoop;
 pub use random::Random;
 pub use simulator::{Simulator, Spent};

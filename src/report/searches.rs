@@ -118,12 +118,17 @@ fn gather(cell: &[&SearchResult]) -> SearchCell {
         runs: cell.len(),
         censored: figures.iter().filter(|figures| figures.first.is_none()).count(),
         first_failure: median_time(&times),
-        failure_rate: over(&|figures| figures.failure_rate),
+        failure_rate: share(over(&|figures| figures.failure_rate)),
         failures: over(&|figures| Some(figures.failures as f64)),
         failed_beginnings: over(&|figures| Some(figures.failed_beginnings as f64)),
         distinct: over(&|figures| Some(figures.distinct as f64)),
-        tried_rate: over(&|figures| figures.tried_rate),
+        tried_rate: share(over(&|figures| figures.tried_rate)),
     }
+}
+
+/// Cuts the interval of a share at 1.
+fn share((mean, interval): Average) -> Average {
+    (mean, interval.map(|(low, high)| (low, high.min(1.0))))
 }
 
 /// The columns of a table, over rows of any kind.

@@ -36,13 +36,13 @@ impl Optimizer for CrossEntropy {
 
     fn tell(&mut self, points: &[Vec<f64>], costs: &[f64]) {
         let elite = &ranked(costs)[..self.elite.min(costs.len())];
-        for axis in 0..self.mean.len() {
+        for (axis, (middle, spread)) in self.mean.iter_mut().zip(&mut self.sd).enumerate() {
             let values = || elite.iter().map(|place| points[*place][axis]);
             let count = elite.len() as f64;
             let mean = values().sum::<f64>() / count;
             let sd = (values().map(|value| (value - mean) * (value - mean)).sum::<f64>() / count).sqrt();
-            self.mean[axis] += self.smoothing * (mean - self.mean[axis]);
-            self.sd[axis] += self.smoothing * (sd - self.sd[axis]);
+            *middle += self.smoothing * (mean - *middle);
+            *spread += self.smoothing * (sd - *spread);
         }
     }
 }

@@ -8,6 +8,8 @@ const PYCMA: &str = include_str!("../../../tests/reference/cma_es/evaluations.js
 const N: usize = 10;
 const TARGET: f64 = 1e-8;
 
+type Function<'a> = &'a dyn Fn(&[f64]) -> f64;
+
 fn sphere(x: &[f64]) -> f64 {
     x.iter().map(|x| x * x).sum()
 }
@@ -34,12 +36,7 @@ fn ellipsoid(x: &[f64]) -> f64 {
 }
 
 /// Evaluations until a cost below the target; none within the limit.
-fn evaluations(
-    optimizer: &mut dyn Optimizer,
-    cost: &dyn Fn(&[f64]) -> f64,
-    limit: usize,
-    seed: &Seed,
-) -> Option<usize> {
+fn evaluations(optimizer: &mut dyn Optimizer, cost: Function<'_>, limit: usize, seed: &Seed) -> Option<usize> {
     let mut stream = seed.stream();
     let mut spent = 0;
     while spent < limit {
@@ -62,7 +59,7 @@ fn start(seed: &Seed) -> Vec<f64> {
 #[test]
 fn cma_es_needs_as_many_evaluations_as_pycma() {
     let recorded: serde_json::Value = serde_json::from_str(PYCMA).unwrap();
-    let functions: [(&str, &dyn Fn(&[f64]) -> f64); 3] =
+    let functions: [(&str, Function); 3] =
         [("sphere", &sphere), ("rosenbrock", &rosenbrock), ("rotated_ellipsoid", &|x| ellipsoid(&rotated(x)))];
     for (name, cost) in functions {
         let mut counts: Vec<usize> = (0..21)
