@@ -156,6 +156,7 @@ impl Formula {
                     Function::Abs => (0.0, high.max(-low)),
                     Function::Exp => (libm::exp(low), libm::exp(high)),
                     Function::Sqrt => (low.max(0.0).sqrt(), high.max(0.0).sqrt()),
+                    Function::LogLikelihood => (f64::NEG_INFINITY, 0.0),
                 }
             }
         }

@@ -25,7 +25,7 @@ mod road_reference;
 mod routes_reference;
 mod sb3_curves;
 mod scenarios;
-mod spawns;
 mod searches;
+mod spawns;
 mod suite;
 mod tidy;
