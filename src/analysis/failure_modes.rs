@@ -18,6 +18,16 @@ pub enum Impact {
 }
 
 impl Impact {
+    /// Where a pedestrian hit the car, who was within the front sector or not, at this bearing from the car's middle (rad).
+    pub fn new(front: bool, bearing: f64) -> Self {
+        match bearing {
+            _ if front => Self::Front,
+            b if b.abs() >= 120_f64.to_radians() => Self::Rear,
+            b if b > 0.0 => Self::Left,
+            _ => Self::Right,
+        }
+    }
+
     /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
@@ -86,18 +96,9 @@ pub fn failure_modes(rows: &[EpisodeRow]) -> Vec<FailureMode> {
         let distance = start.norm();
         // A bearing as a point on the unit circle: ±180° are neighbours.
         let features = vec![distance, start.x / distance, start.y / distance, row.outcome.duration, impact_speed];
-        cells[index].1.entry((impact(front, bearing), moving)).or_default().push(Failure { row, features });
+        cells[index].1.entry((Impact::new(front, bearing), moving)).or_default().push(Failure { row, features });
     }
     cells.into_iter().flat_map(|(_, classes)| modes(classes)).collect()
-}
-
-fn impact(front: bool, bearing: f64) -> Impact {
-    match bearing {
-        _ if front => Impact::Front,
-        b if b.abs() >= 120_f64.to_radians() => Impact::Rear,
-        b if b > 0.0 => Impact::Left,
-        _ => Impact::Right,
-    }
 }
 
 fn modes(classes: Classes<'_>) -> Vec<FailureMode> {

@@ -23,6 +23,11 @@ pub trait Observer: Sync {
         let _ = (evaluation, plan);
     }
 
+    /// A search has ended. The number is its place in the campaign.
+    fn searched(&self, search: usize, result: &super::SearchResult) {
+        let _ = (search, result);
+    }
+
     /// Whether to stop after the work in hand.
     fn stop(&self) -> bool {
         false

@@ -7,7 +7,7 @@ use crate::judge::Verdict;
 pub struct EpisodeRow {
     /// What the pedestrian was trained in; town and policy are empty for untrained ones.
     pub trained: TrainingKey,
-    /// Who it is: `trained`, `sampled`, `random`, `intercept`.
+    /// Who it is: `trained`, `sampled`, `random`, `homing`, `intercept`.
     pub pedestrian: &'static str,
     /// The town it was tried in.
     pub town: String,

@@ -2,9 +2,10 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
+use super::search::{SearchResult, search};
 use super::{EpisodeRow, Observer};
 use crate::compile::{Campaign, Evaluation, Pedestrian, Training, TrainingKey};
-use crate::falsifier::{Choosing, Intercept, Random, TrainError, TrainedWalker, Walker, train, watch_walker};
+use crate::falsifier::{Choosing, Homing, Intercept, Random, TrainError, TrainedWalker, Walker, train, watch_walker};
 use crate::judge::judge;
 use crate::rl::Trained;
 use crate::seed::Seed;
@@ -25,6 +26,8 @@ pub struct Finished {
     pub trainings: Vec<TrainingResult>,
     /// All episodes, in the plan's order.
     pub rows: Vec<EpisodeRow>,
+    /// The searches, in the plan's order. Those that were never begun are missing.
+    pub searches: Vec<SearchResult>,
     /// Whether the observer stopped it.
     pub interrupted: bool,
 }
@@ -56,9 +59,21 @@ pub fn run(campaign: &Campaign, seed: &Seed, observer: &dyn Observer) -> Finishe
         .with_max_len(1)
         .map(|(index, evaluation)| evaluate(index, evaluation, &trainings, seed, observer))
         .collect();
+    let searches: Vec<Option<SearchResult>> = campaign
+        .searches
+        .par_iter()
+        .enumerate()
+        .with_max_len(1)
+        .map(|(index, planned)| {
+            let result = search(planned, seed, observer)?;
+            observer.searched(index, &result);
+            Some(result)
+        })
+        .collect();
     Finished {
         trainings: trainings.into_iter().flatten().collect(),
         rows: episodes.into_iter().flatten().collect(),
+        searches: searches.into_iter().flatten().collect(),
         interrupted: observer.stop(),
     }
 }
@@ -82,6 +97,7 @@ fn evaluate(
 ) -> Vec<EpisodeRow> {
     let mut walker: Box<dyn Walker> = match evaluation.pedestrian {
         Pedestrian::Random => Box::new(Random::default()),
+        Pedestrian::Homing => Box::new(Homing),
         Pedestrian::Intercept => Box::new(Intercept),
         Pedestrian::Trained(training) | Pedestrian::Sampled(training) => {
             let Some(TrainingResult { result: Ok(trained), .. }) = &trainings[training] else { return Vec::new() };
@@ -123,11 +139,11 @@ fn evaluate(
     noted.into_iter().enumerate().map(row).collect()
 }
 
-fn flow(observer: &dyn Observer) -> ControlFlow<()> {
+pub(super) fn flow(observer: &dyn Observer) -> ControlFlow<()> {
     if observer.stop() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
 }
 
-/// Shrinks a campaign to a trial of its machinery: one run, two updates, five episodes.
+/// Shrinks a campaign to a trial of its machinery: one run, two updates, five episodes, searches as long as ten episodes.
 pub fn smoke(campaign: &mut Campaign) {
     let kept: Vec<usize> =
         (0..campaign.trainings.len()).filter(|index| campaign.trainings[*index].key.run == 0).collect();
@@ -142,5 +158,10 @@ pub fn smoke(campaign: &mut Campaign) {
         if let Pedestrian::Trained(training) | Pedestrian::Sampled(training) = &mut evaluation.pedestrian {
             *training = kept.iter().position(|index| index == training).expect("run 0 is kept");
         }
+    }
+    campaign.searches.retain(|search| search.key.run == 0);
+    for search in &mut campaign.searches {
+        search.budget = search.budget.min(10 * u64::from(search.scenario.episode.ticks));
+        search.tries = search.tries.min(5);
     }
 }

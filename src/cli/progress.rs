@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use super::interrupt;
-use crate::campaign::{Observer, TrainingResult};
+use crate::campaign::{Observer, SearchResult, TrainingResult};
 use crate::compile::{Campaign, Evaluation, Training};
 use crate::rl::UpdateLog;
 
@@ -97,6 +97,15 @@ impl Observer for Progress {
             self.episodes.reset_elapsed();
         }
         self.episodes.inc(1);
+    }
+
+    fn searched(&self, _: usize, result: &SearchResult) {
+        let (key, spent) = (&result.key, &result.spent);
+        let name = format!("searched {} in {} against {}, run {}", key.falsifier, key.town, key.policy, key.run);
+        match &result.error {
+            Some(error) => self.line(&format!("{name}: {error}")),
+            None => self.line(&format!("{name}: {} failures in {} episodes", spent.failures.len(), spent.episodes)),
+        }
     }
 
     fn stop(&self) -> bool {

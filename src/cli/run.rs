@@ -78,6 +78,13 @@ fn list(campaign: &Campaign) {
             evaluation.town, evaluation.policy
         ));
     }
+    for search in &campaign.searches {
+        let key = &search.key;
+        front::say(&format!(
+            "  search {} in {} against {}, run {}: {} ticks",
+            key.falsifier, key.town, key.policy, key.run, search.budget
+        ));
+    }
 }
 
 /// Runs a campaign and writes its report; the error is the message to print.
@@ -90,9 +97,13 @@ fn carry_out(campaign: &Campaign, options: &RunOptions, files: &[FileRecord]) ->
     let finished = campaign::run(campaign, &Seed::root(options.seed), &progress);
     let times: Vec<f64> = progress.finish().iter().map(std::time::Duration::as_secs_f64).collect();
     let wall_time_s = began.elapsed().as_secs_f64();
-    let failed = finished.trainings.iter().any(|training| training.result.is_err());
+    let failed = finished.trainings.iter().any(|training| training.result.is_err())
+        || finished.searches.iter().any(|search| search.error.is_some());
     let manifest = manifest(campaign, options, files, &finished, &times, wall_time_s);
-    if finished.rows.is_empty() && finished.trainings.iter().all(|training| training.result.is_err()) {
+    if finished.rows.is_empty()
+        && finished.searches.is_empty()
+        && finished.trainings.iter().all(|training| training.result.is_err())
+    {
         front::fail("nothing was finished, so nothing was written");
         return Ok(if finished.interrupted { ExitCode::Interrupted } else { ExitCode::RunFailed });
     }
@@ -172,11 +183,14 @@ fn manifest(
         smoke: options.smoke,
         complete: all_trained
             && finished.rows.len() == planned
+            && finished.searches.len() == campaign.searches.len()
+            && finished.searches.iter().all(|search| search.error.is_none() && !search.spent.stopped)
             && finished.rows.iter().all(|row| row.outcome.reward.is_finite())
             && every_driver_drove(finished),
         stopped: finished.interrupted,
         threads: rayon::current_num_threads(),
         evaluation_ticks: finished.rows.iter().map(|row| u64::from(row.outcome.ticks)).sum(),
+        search_ticks: finished.searches.iter().map(|search| search.spent.ticks).sum(),
         errors: errors(finished),
         wall_time_s,
         files: files.to_vec(),
@@ -259,7 +273,15 @@ fn write(
         folder.file(&pedestrian_file(key), &trained.actor_critic.to_safetensors(&metadata))?;
     }
     let cells = metrics.cells().map_err(failed("cells"))?;
-    folder.file("summary.md", report::summary(&campaign.name, &campaign.docs, &cells, manifest).as_bytes())?;
+    let mut page = report::summary(&campaign.name, &campaign.docs, &cells, manifest);
+    if !finished.searches.is_empty() {
+        let cells = report::search_cells(&finished.searches);
+        folder.table("searches", &report::searches(&finished.searches))?;
+        folder.table("search_cells", &report::search_cell_table(&cells))?;
+        folder.table("search_failures", &report::search_failures(&finished.searches))?;
+        page.push_str(&report::search_summary(&cells));
+    }
+    folder.file("summary.md", page.as_bytes())?;
     folder.file("manifest.toml", manifest.to_toml().as_bytes())
 }
 
@@ -269,5 +291,8 @@ fn print_cells(campaign: &Campaign, finished: &Finished) -> Result<(), WriteErro
     let cells =
         report::metrics(&report::episodes(&finished.rows)).and_then(|metrics| metrics.cells()).map_err(failed)?;
     front::say(report::table(&campaign.name, &cells).trim_end());
+    if !finished.searches.is_empty() {
+        front::say(report::search_table(&report::search_cells(&finished.searches)).trim_end());
+    }
     Ok(())
 }

@@ -1,7 +1,7 @@
 use crate::signature::{Form, Param, Signature, Type};
 
 /// Who can be tried.
-const PEDESTRIANS: &[&str] = &["trained", "sampled", "random", "intercept"];
+const PEDESTRIANS: &[&str] = &["trained", "sampled", "random", "homing", "intercept"];
 
 /// The form `campaign`.
 pub fn form() -> Form {
@@ -37,7 +37,7 @@ pub fn form() -> Form {
                 "pedestrians",
                 Type::List(Box::new(Type::Choice(PEDESTRIANS))),
                 "[trained, random]",
-                "Who tries: the trained ones doing what they think best (`trained`) or drawing from their policy (`sampled`), one that chooses at random, one that walks to where it would meet the ego.",
+                "Who tries: the trained ones doing what they think best (`trained`) or drawing from their policy (`sampled`), one that chooses at random, one that walks straight at the ego (`homing`), one that walks to where it would meet the ego.",
             ),
             Param::optional(
                 "vehicles",
@@ -57,6 +57,24 @@ pub fn form() -> Form {
         "Runs the campaign once for every combination of values: `name: [value, …]`, each the name of a `param`.",
         Vec::new(),
     );
+    let search = Signature::new(
+        "search",
+        "Lets falsifiers look for failures, each with the same budget and from the same beginnings.",
+        vec![
+            Param::required("towns", names("town"), "Towns to search in."),
+            Param::required("policies", names("policy"), "Drivers to find failures of."),
+            Param::required("falsifiers", names("falsifier"), "Who searches."),
+            Param::with_default("budget", count(1_000_000_000_000), "1_000_000", "Simulator ticks that each may use."),
+            Param::with_default("runs", count(10_000), "10", "Searches of each, with different seeds and beginnings."),
+            Param::with_default(
+                "episodes",
+                Type::Integer { min: 0, max: 1_000_000 },
+                "200",
+                "Episodes in which a pedestrian that a falsifier ends up with is tried afterwards, outside the budget.",
+            ),
+            spawn(),
+        ],
+    );
     let params = vec![
         Param::required("vehicle", name("vehicle"), "The model of car under test."),
         Param::required("adversary", name("adversary"), "The pedestrian."),
@@ -66,8 +84,11 @@ pub fn form() -> Form {
     ];
     Form {
         name: "campaign",
-        doc: "What is run: which pedestrians are trained, and where they are tried.",
-        plain: Some(Signature { children: vec![matrix, train, evaluate], ..Signature::new("campaign", "", params) }),
+        doc: "What is run: which pedestrians are trained, where they are tried, and which falsifiers are compared.",
+        plain: Some(Signature {
+            children: vec![matrix, train, evaluate, search],
+            ..Signature::new("campaign", "", params)
+        }),
         multiplies: true,
         kinds: Vec::new(),
     }

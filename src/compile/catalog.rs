@@ -1,8 +1,9 @@
 use std::sync::Arc;
 
+use super::falsifier::FalsifierKind;
 use super::outside::{self, OutsideKind};
 use super::policy::PolicyKind;
-use super::{adversary, campaign, episode, policy, reward, sensors, spawn, town, training, vehicle};
+use super::{adversary, campaign, episode, falsifier, policy, reward, sensors, spawn, town, training, vehicle};
 use crate::av::external::Opener;
 use crate::signature::{Form, Vocabulary};
 
@@ -15,12 +16,13 @@ pub struct Catalog {
     pub(super) policies: Vec<PolicyKind>,
     pub(super) outside: Vec<OutsideKind>,
     pub(super) opener: Option<Arc<dyn Opener>>,
+    pub(super) falsifiers: Vec<FalsifierKind>,
 }
 
 impl Catalog {
     /// What this program offers; scenarios may not start programs.
     pub fn builtin() -> Self {
-        let (policies, outside) = (policy::kinds(), outside::kinds());
+        let (policies, outside, falsifiers) = (policy::kinds(), outside::kinds(), falsifier::kinds());
         let forms = vec![
             town::form(),
             policy::form(&policies, &outside),
@@ -31,9 +33,10 @@ impl Catalog {
             reward::form(),
             episode::form(),
             training::form(),
+            falsifier::form(&falsifiers),
             campaign::form(),
         ];
-        Self { forms, vocabulary: crate::env::vocabulary(), policies, outside, opener: None }
+        Self { forms, vocabulary: crate::env::vocabulary(), policies, outside, opener: None, falsifiers }
     }
 
     /// The same, and scenarios may start programs in this way.

@@ -4,11 +4,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::lower::{BuiltTown, Lowering};
-use super::plan::{Campaign, Evaluation, NamedTown, Pedestrian, Training, TrainingKey};
-use super::{adversary, episode, reward, training, vehicle};
+use super::plan::{Campaign, Evaluation, NamedTown, Pedestrian, Search, SearchKey, Training, TrainingKey};
+use super::{adversary, episode, falsifier, reward, training, vehicle};
 use crate::env::{Adversary, EpisodeRule, PolicyMaker, RewardRule, Scenario, SpawnRule};
+use crate::falsifier::Falsifier;
 use crate::lang::codes;
 use crate::lang::hir::{Block, Declaration};
+use crate::rl::PpoConfig;
 use crate::seed::Seed;
 use crate::signature::{DeclarationId, Value};
 use crate::sim::VehicleBlueprint;
@@ -21,6 +23,14 @@ const MOST_DECISIONS: usize = 1 << 22;
 struct Axis<T> {
     name: String,
     value: T,
+}
+
+/// A falsifier of a `search` block.
+struct Rival {
+    name: String,
+    method: &'static str,
+    reward: Axis<RewardRule>,
+    falsifier: Arc<dyn Falsifier>,
 }
 
 /// One point of the grid without its reward.
@@ -63,9 +73,11 @@ impl Lowering<'_> {
             towns: Vec::new(),
             trainings: Vec::new(),
             evaluations: Vec::new(),
+            searches: Vec::new(),
         };
         let mut rewards: BTreeMap<String, RewardRule> = BTreeMap::new();
-        let (config, environments) = self.training(referred("training"));
+        let usual = self.training(referred("training"));
+        let (config, environments) = usual.clone();
         for train in block.nested("train") {
             let Some(spawn) = self.spawn(block, train) else { continue };
             let (towns, policies) = (self.towns(train), self.policies(train));
@@ -95,7 +107,8 @@ impl Lowering<'_> {
             }
         }
         self.forbid_repeated_trainings(block, &campaign);
-        if block.nested("train").next().is_none() {
+        let searches = block.nested("search").next().is_some() && block.nested("evaluate").next().is_none();
+        if block.nested("train").next().is_none() && !searches {
             let message = "this campaign has no `train` block, so there is nobody to try".to_string();
             self.said.push(codes::contradiction(block.head, message));
         }
@@ -139,7 +152,64 @@ impl Lowering<'_> {
                 }
             }
         }
+        for (number, search) in block.nested("search").enumerate() {
+            let Some(spawn) = self.spawn(block, search) else { continue };
+            let (towns, policies) = (self.towns(search), self.policies(search));
+            self.probe(block, search, &towns, &spawn, &[(&car.value, &walker.value)]);
+            let falsifiers = self.falsifiers(search, &usual);
+            for town in &towns {
+                note_town(&mut campaign.towns, town);
+                for policy in &policies {
+                    let point = Point {
+                        town: &town.value,
+                        policy: &policy.value,
+                        vehicle: &car.value,
+                        adversary: &walker.value,
+                        spawn: &spawn,
+                        episode: &rule,
+                    };
+                    for rival in &falsifiers {
+                        let scenario = point.scenario(&rival.reward.value);
+                        campaign.searches.extend((0..search.arguments.integer("runs") as u32).map(|run| Search {
+                            key: SearchKey {
+                                falsifier: rival.name.clone(),
+                                method: rival.method,
+                                reward: rival.reward.name.clone(),
+                                town: town.name.clone(),
+                                policy: policy.name.clone(),
+                                block: number as u32,
+                                run,
+                            },
+                            scenario: scenario.clone(),
+                            falsifier: rival.falsifier.clone(),
+                            budget: search.arguments.integer("budget") as u64,
+                            tries: search.arguments.integer("episodes") as u32,
+                        }));
+                    }
+                }
+            }
+        }
         campaign
+    }
+
+    fn falsifiers(&mut self, block: &Block, usual: &(PpoConfig, usize)) -> Vec<Rival> {
+        let mut rivals = Vec::new();
+        for id in block.arguments.references("falsifiers") {
+            let declaration = self.program.get(id);
+            let arguments = &declaration.block.arguments;
+            let training = match falsifier::named(arguments, "training") {
+                Some(id) => self.training(id),
+                None => usual.clone(),
+            };
+            let none = Axis { name: String::new(), value: RewardRule::default() };
+            rivals.push(Rival {
+                name: declaration.name.clone(),
+                method: declaration.kind,
+                reward: falsifier::named(arguments, "reward").map_or(none, |id| self.reward(id)),
+                falsifier: falsifier::lower(&self.catalog.falsifiers, declaration, &training, self.said),
+            });
+        }
+        rivals
     }
 
     fn vehicle(&self, id: DeclarationId) -> Axis<VehicleBlueprint> {
@@ -153,7 +223,7 @@ impl Lowering<'_> {
         Axis { name: declaration.name.clone(), value: adversary::lower(&declaration.block.arguments) }
     }
 
-    fn training(&mut self, id: DeclarationId) -> (crate::rl::PpoConfig, usize) {
+    fn training(&mut self, id: DeclarationId) -> (PpoConfig, usize) {
         let block = &self.program.get(id).block;
         let (config, environments) = training::lower(&block.arguments);
         if config.rollout_steps.saturating_mul(environments) > MOST_DECISIONS {
@@ -182,11 +252,12 @@ impl Lowering<'_> {
     }
 
     fn rewards(&self, block: &Block) -> Vec<Axis<RewardRule>> {
-        let each = |id: DeclarationId| {
-            let declaration = self.program.get(id);
-            Axis { name: declaration.name.clone(), value: reward::lower(&declaration.block.clauses) }
-        };
-        block.arguments.references("rewards").into_iter().map(each).collect()
+        block.arguments.references("rewards").into_iter().map(|id| self.reward(id)).collect()
+    }
+
+    fn reward(&self, id: DeclarationId) -> Axis<RewardRule> {
+        let declaration = self.program.get(id);
+        Axis { name: declaration.name.clone(), value: reward::lower(&declaration.block.clauses) }
     }
 
     fn spawn(&mut self, campaign: &Block, block: &Block) -> Option<SpawnRule> {
@@ -245,7 +316,7 @@ fn note_town(towns: &mut Vec<NamedTown>, town: &Axis<BuiltTown>) {
 }
 
 /// Who is tried: every trained pedestrian, and for every run of a reward a random one, which draws anew in each; the
-/// intercepting one draws nothing, so it is tried once for each reward.
+/// homing and the intercepting one draw nothing, so they are tried once for each reward.
 fn pedestrians(words: &[Value], trainings: &[Training]) -> Vec<(Pedestrian, TrainingKey)> {
     let mut all = Vec::new();
     for word in words {
@@ -254,16 +325,17 @@ fn pedestrians(words: &[Value], trainings: &[Training]) -> Vec<(Pedestrian, Trai
         for (index, training) in trainings.iter().enumerate() {
             let pedestrian = match *word {
                 "random" => Pedestrian::Random,
+                "homing" => Pedestrian::Homing,
                 "intercept" => Pedestrian::Intercept,
                 "sampled" => Pedestrian::Sampled(index),
                 _ => Pedestrian::Trained(index),
             };
             let mut key = training.key.clone();
-            if matches!(pedestrian, Pedestrian::Random | Pedestrian::Intercept) {
+            if matches!(pedestrian, Pedestrian::Random | Pedestrian::Homing | Pedestrian::Intercept) {
                 key.town = String::new();
                 key.policy = String::new();
             }
-            if pedestrian == Pedestrian::Intercept {
+            if matches!(pedestrian, Pedestrian::Homing | Pedestrian::Intercept) {
                 key.run = 0;
             }
             if seen.insert((pedestrian, key.clone())) {

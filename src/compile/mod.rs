@@ -18,6 +18,7 @@ mod sector;
 mod reward;
 mod episode;
 mod training;
+mod falsifier;
 mod campaign;
 mod plan;
 mod lower;
@@ -25,4 +26,4 @@ mod grid;
 
 pub use catalog::Catalog;
 pub use lower::{Compiled, Overrides, compile, compile_with};
-pub use plan::{Campaign, Evaluation, NamedTown, Pedestrian, Plan, Training, TrainingKey};
+pub use plan::{Campaign, Evaluation, NamedTown, Pedestrian, Plan, Search, SearchKey, Training, TrainingKey};

@@ -1,6 +1,7 @@
 use std::sync::Arc;
 
 use crate::env::Scenario;
+use crate::falsifier::Falsifier;
 use crate::rl::PpoConfig;
 use crate::road::Town;
 
@@ -51,6 +52,8 @@ pub struct Campaign {
     pub trainings: Vec<Training>,
     /// The evaluations, in order.
     pub evaluations: Vec<Evaluation>,
+    /// The searches, in order of block, town, policy, falsifier, run.
+    pub searches: Vec<Search>,
 }
 
 /// A town under the name that the files give it.
@@ -97,6 +100,8 @@ pub enum Pedestrian {
     Sampled(usize),
     /// One that draws every command uniformly from all that it could do.
     Random,
+    /// One that walks straight at the ego.
+    Homing,
     /// One that walks to where it would meet an ego that keeps its velocity.
     Intercept,
 }
@@ -108,6 +113,7 @@ impl Pedestrian {
             Self::Trained(_) => "trained",
             Self::Sampled(_) => "sampled",
             Self::Random => "random",
+            Self::Homing => "homing",
             Self::Intercept => "intercept",
         }
     }
@@ -134,4 +140,38 @@ pub struct Evaluation {
     pub scenario: Arc<Scenario>,
     /// How many episodes.
     pub episodes: u32,
+}
+
+/// What distinguishes a search from the others of its campaign.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct SearchKey {
+    /// Name of the falsifier.
+    pub falsifier: String,
+    /// Its kind.
+    pub method: &'static str,
+    /// Name of the reward that it maximises; empty for those that know none.
+    pub reward: String,
+    /// Name of the town.
+    pub town: String,
+    /// Name of the driving policy.
+    pub policy: String,
+    /// Number of the `search` block in its campaign, from 0.
+    pub block: u32,
+    /// Number of the run, from 0.
+    pub run: u32,
+}
+
+/// One falsifier that looks for failures of one policy in one town.
+#[derive(Debug, Clone)]
+pub struct Search {
+    /// What it is.
+    pub key: SearchKey,
+    /// What is searched.
+    pub scenario: Arc<Scenario>,
+    /// By whom.
+    pub falsifier: Arc<dyn Falsifier>,
+    /// How many simulator ticks it may use.
+    pub budget: u64,
+    /// In how many fresh episodes the pedestrian that it ends up with is tried, if it has one.
+    pub tries: u32,
 }

@@ -57,4 +57,12 @@ impl Outcome {
             _ => None,
         }
     }
+
+    /// Speed of the ego at the collision (m/s); none without one.
+    pub fn impact_speed(&self) -> Option<f64> {
+        match self.ending {
+            Ending::Collision { impact_speed, .. } => Some(impact_speed),
+            _ => None,
+        }
+    }
 }

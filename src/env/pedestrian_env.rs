@@ -35,6 +35,8 @@ struct Episode {
     /// Ticks for which the command has been held.
     held: u32,
     contact: Option<Contact>,
+    /// How far the command turned away from the one before (rad).
+    turn: f64,
     reward: f64,
     least_gap: f64,
     mode: DrivingMode,
@@ -65,6 +67,7 @@ impl PedestrianEnv {
             command: WalkCommand::default(),
             held: 0,
             contact: None,
+            turn: 0.0,
             reward: 0.0,
             least_gap: f64::INFINITY,
             mode: DrivingMode::Cruise,
@@ -115,6 +118,7 @@ impl PedestrianEnv {
             command: WalkCommand { heading: spawn.pedestrian.yaw, speed: 0.0 },
             held: 0,
             contact: None,
+            turn: 0.0,
             reward: 0.0,
             least_gap: self.world.gap(),
             mode: DrivingMode::Cruise,
@@ -153,6 +157,7 @@ impl PedestrianEnv {
 
     /// Takes a command, to be carried out by [`PedestrianEnv::tick`].
     pub fn set_out(&mut self, command: WalkCommand) {
+        self.episode.turn = wrap_angle(command.heading - self.episode.command.heading);
         self.episode.command = command;
         self.episode.held = 0;
     }
@@ -270,6 +275,9 @@ impl PedestrianEnv {
                 let seen = pedestrian.pose.to_local(ego.pose.position());
                 libm::atan2(seen.y, seen.x)
             },
+            turn: self.episode.turn,
+            pace: self.episode.command.speed,
+            miss_distance: if contact.is_some() { 0.0 } else { self.episode.least_gap },
         }
     }
 
@@ -304,6 +312,12 @@ impl PedestrianEnv {
     pub fn command(&self, action: [f64; 2]) -> WalkCommand {
         let (pedestrian, ego) = (&self.world.pedestrian.pose, self.world.ego.pose.position());
         self.scenario.adversary.command(action, pedestrian, self.episode.spawn.pedestrian.yaw, ego)
+    }
+
+    /// Where a homing pedestrian would walk: straight at the ego, as fast as it can.
+    pub fn homing(&self) -> WalkCommand {
+        let offset = self.world.ego.pose.position() - self.world.pedestrian.pose.position();
+        WalkCommand { heading: libm::atan2(offset.y, offset.x), speed: self.scenario.adversary.speed.1 }
     }
 
     /// Where an intercepting pedestrian would walk: to the nearest place where it can meet an ego that keeps its

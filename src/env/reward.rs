@@ -25,12 +25,30 @@ pub struct Situation {
     pub elapsed: f64,
     /// Angle from where the pedestrian faces to the ego's centre, positive to the left (rad).
     pub facing: f64,
+    /// How far the last command turned away from the one before, positive to the left (rad).
+    pub turn: f64,
+    /// Speed that the last command asked for (m/s).
+    pub pace: f64,
+    /// Least distance so far from the pedestrian's disc to the ego's box (m); 0 at a hit.
+    pub miss_distance: f64,
 }
 
-const ALWAYS: &[&str] = &["bearing", "distance", "ahead", "aside", "ego_speed", "walking_speed", "elapsed", "facing"];
-const AT_HIT: &[&str] =
-    &["v_c", "bearing", "distance", "ahead", "aside", "ego_speed", "walking_speed", "elapsed", "facing"];
-
+const AT_HIT: &[&str] = &[
+    "v_c",
+    "bearing",
+    "distance",
+    "ahead",
+    "aside",
+    "ego_speed",
+    "walking_speed",
+    "elapsed",
+    "facing",
+    "turn",
+    "pace",
+    "miss_distance",
+];
+/// All of them but `v_c`.
+const ALWAYS: &[&str] = AT_HIT.split_at(1).1;
 const AT_BEGIN: &[&str] = &["bearing", "distance", "ahead", "aside", "ego_speed", "facing"];
 
 /// The variables and events that formulas may name.
@@ -58,6 +76,18 @@ pub fn vocabulary() -> Vocabulary {
                 "facing",
                 Dimension::ANGLE,
                 "Angle from where the pedestrian faces to the ego's centre, positive to the left.",
+            ),
+            variable(
+                "turn",
+                Dimension::ANGLE,
+                "How far the pedestrian's last command turned away from the one before, positive to the left; the first \
+                 turns away from where it looked.",
+            ),
+            variable("pace", Dimension::SPEED, "Speed that the pedestrian's last command asked for."),
+            variable(
+                "miss_distance",
+                Dimension::LENGTH,
+                "Least distance so far between the pedestrian and the ego's body; 0 at a hit.",
             ),
         ],
         events: vec![
@@ -121,6 +151,9 @@ impl Situation {
             self.walking_speed,
             self.elapsed,
             self.facing,
+            self.turn,
+            self.pace,
+            self.miss_distance,
         ];
         fields[id.0]
     }
@@ -169,10 +202,12 @@ mod tests {
             walking_speed: 6.0,
             elapsed: 7.0,
             facing: 8.0,
+            turn: 9.0,
+            pace: 10.0,
+            miss_distance: 11.0,
         };
-        let names = ["v_c", "bearing", "distance", "ahead", "aside", "ego_speed", "walking_speed", "elapsed", "facing"];
         for (index, variable) in vocabulary().variables.iter().enumerate() {
-            assert_eq!(variable.name, names[index]);
+            assert_eq!(variable.name, AT_HIT[index]);
             assert_eq!(situation.value(VariableId(index)), index as f64);
         }
     }

@@ -29,6 +29,7 @@ const FUNCTIONS: &[(&str, Function)] = &[
     ("abs", Function::Abs),
     ("exp", Function::Exp),
     ("sqrt", Function::Sqrt),
+    ("log_likelihood", Function::LogLikelihood),
 ];
 
 /// Whether formulas have a function of this name.
@@ -182,9 +183,12 @@ impl Checker<'_> {
         let Some((_, function)) = FUNCTIONS.iter().find(|(known, _)| *known == name.text) else {
             return self.say(codes::unknown_function(name.span, &name.text, &known));
         };
-        let many = matches!(function, Function::Min | Function::Max);
-        if arguments.is_empty() || (!many && arguments.len() != 1) {
-            let expected = if many { "one argument or more" } else { "one argument" };
+        let (fits, expected) = match function {
+            Function::Min | Function::Max => (!arguments.is_empty(), "one argument or more"),
+            Function::LogLikelihood => (arguments.len() == 3, "a value, a mean and a standard deviation"),
+            _ => (arguments.len() == 1, "one argument"),
+        };
+        if !fits {
             return self.say(codes::wrong_arity(span, &name.text, expected, arguments.len()));
         }
         let checked: Vec<(Formula, Dimension)> = checked.into_iter().collect::<Option<_>>()?;
@@ -196,6 +200,7 @@ impl Checker<'_> {
         if matches!(function, Function::Exp | Function::Sqrt) && dimension != Dimension::RATIO {
             return self.say(codes::wrong_unit(arguments[0].span, Dimension::RATIO, dimension));
         }
+        let dimension = if *function == Function::LogLikelihood { Dimension::RATIO } else { dimension };
         let arguments = checked.into_iter().map(|(formula, _)| formula).collect();
         Some((Formula::Call(*function, arguments), Sort::Quantity(dimension)))
     }

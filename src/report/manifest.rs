@@ -25,6 +25,8 @@ pub struct Manifest {
     pub evaluation_ticks: u64,
     /// Episodes in which the driver failed as a program.
     pub errors: usize,
+    /// Simulator ticks of the searches, without those of pedestrians tried afterwards.
+    pub search_ticks: u64,
     /// Wall time of the whole campaign (s).
     pub wall_time_s: f64,
     /// The scenario files and what they name, in the order they were read.

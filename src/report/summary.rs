@@ -24,6 +24,19 @@ pub fn summary(name: &str, docs: &[String], cells: &[Cell], manifest: &Manifest)
     if !manifest.complete {
         page.push_str("**Incomplete: it was stopped, a training failed, or a reward was no number. The manifest says which.**\n\n");
     }
+    if !cells.is_empty() {
+        episodes(&mut page, cells);
+    }
+    let _ = write!(
+        page,
+        "Seed {}, falsify {}.\n\n## What the simulator leaves out\n\n{LEFT_OUT}\n",
+        manifest.seed, manifest.version
+    );
+    page
+}
+
+/// The table of cells, and how it is to be read.
+fn episodes(page: &mut String, cells: &[Cell]) {
     page.push_str(
         "| pedestrian | reward | trained in, against | town | policy | runs × episodes | collision rate | 95 % of episodes \
          | front of collisions | moving | reward | length | impact speed |\n",
@@ -50,19 +63,16 @@ pub fn summary(name: &str, docs: &[String], cells: &[Cell], manifest: &Manifest)
             spread(cell.impact_speed),
         );
     }
-    errors(&mut page, cells);
-    page.push_str(&avoidable(cells));
-    let _ = write!(
-        page,
+    page.push_str(
         "\n\"±\" is the standard deviation over runs, each a training of its own (`random`: other draws). \
          The interval is Wilson's over the episodes of all runs, which share their beginnings; it says nothing about further \
          trainings. Front: share \
          of collisions within the front sector. Moving: share of episodes that end in a collision with a moving car. All \
-         pedestrians of a town and policy meet the same beginnings (in one `evaluate` block).\n\n\
-         Seed {}, falsify {}.\n\n## What the simulator leaves out\n\n{LEFT_OUT}\n",
-        manifest.seed, manifest.version
+         pedestrians of a town and policy meet the same beginnings (in one `evaluate` block).\n",
     );
-    page
+    errors(page, cells);
+    page.push_str(&avoidable(cells));
+    page.push('\n');
 }
 
 /// Says in how many episodes a driver failed as a program, if any.
@@ -203,6 +213,9 @@ pub fn table(name: &str, cells: &[Cell]) -> String {
     let widths: Vec<usize> =
         (0..head.len()).map(|i| rows.iter().map(|row| row[i].chars().count()).max().unwrap_or(0)).collect();
     let mut text = format!("campaign {name}\n");
+    if cells.is_empty() {
+        return text;
+    }
     for row in &rows {
         let line: Vec<String> = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:<width$}")).collect();
         let _ = writeln!(text, "  {}", line.join("  ").trim_end());

@@ -55,6 +55,7 @@ pub use env::{Env, Step};
 pub use frame_stack::FrameStack;
 pub use log::{FinishedEpisode, UpdateLog};
 pub use moments::RunningMoments;
+pub use normal::standard_normal;
 pub use ppo::{Trained, train};
 pub use real::Real;
 pub use recorded::{RecordedRollout, RecordedUpdate, update_on_recorded};

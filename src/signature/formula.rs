@@ -40,6 +40,9 @@ pub enum Function {
     Exp,
     /// The square root of one plain number; 0 below zero.
     Sqrt,
+    /// The logarithm of the normal density at the first, with the second as mean and the third as standard deviation,
+    /// relative to its greatest value: −((x − mean) / sd)² / 2.
+    LogLikelihood,
 }
 
 /// A checked formula: dimensions agree, names are resolved, every constant is in SI.
@@ -92,6 +95,11 @@ impl Formula {
                     Function::Abs => first.abs(),
                     Function::Exp => libm::exp(first),
                     Function::Sqrt => first.max(0.0).sqrt(),
+                    Function::LogLikelihood => {
+                        let mut next = || values.next().expect("checked: the function has three arguments");
+                        let z = (first - next()) / next();
+                        -0.5 * z * z
+                    }
                 }
             }
         }
@@ -148,6 +156,7 @@ impl Formula {
                     Function::Abs => (0.0, high.max(-low)),
                     Function::Exp => (libm::exp(low), libm::exp(high)),
                     Function::Sqrt => (low.max(0.0).sqrt(), high.max(0.0).sqrt()),
+                    Function::LogLikelihood => (f64::NEG_INFINITY, 0.0),
                 }
             }
         }
@@ -175,6 +184,14 @@ mod tests {
         let r2 = Formula::Call(Function::Max, vec![Formula::Constant(3.0), product]);
         assert_eq!(r2.evaluate(&|_| 1.0), 3.0);
         assert_eq!(r2.evaluate(&|_| 10.0), 15.0);
+    }
+
+    #[test]
+    fn a_likelihood_is_that_of_the_normal_relative_to_its_peak() {
+        let arguments = [5.0, 2.0, 1.5].map(Formula::Constant).to_vec();
+        let density = |x: f64| libm::exp(-0.5 * ((x - 2.0) / 1.5) * ((x - 2.0) / 1.5));
+        let found = Formula::Call(Function::LogLikelihood, arguments).evaluate(&|_| 0.0);
+        assert!((found - libm::log(density(5.0) / density(2.0))).abs() < 1e-12);
     }
 
     #[test]

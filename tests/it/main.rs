@@ -32,6 +32,7 @@ mod routes_reference;
 mod sb3_curves;
 mod scenarios;
 mod senses;
+mod searches;
 mod spawns;
 mod suite;
 mod tidy;

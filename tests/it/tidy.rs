@@ -26,17 +26,22 @@ fn the_language_reference_is_up_to_date() {
 #[test]
 fn the_column_dictionary_names_every_column() {
     let out = tempfile::tempdir().unwrap();
-    let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/first_look.scn");
+    let scenarios = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");
     let output = Command::new(env!("CARGO_BIN_EXE_falsify"))
         .args(["run", "--smoke", "--out"])
         .arg(out.path())
-        .arg(scenario)
+        .args([scenarios.join("first_look.scn"), scenarios.join("studies/rivals.scn")])
         .output()
         .unwrap();
     assert!(output.status.success(), "{output:?}");
     let dictionary = read("reports/README.md");
-    for table in ["episodes", "runs", "cells", "learning_curve", "failure_modes"] {
-        let text = std::fs::read_to_string(out.path().join("first_look-smoke").join(format!("{table}.csv"))).unwrap();
+    let tables = [
+        ("first_look", ["episodes", "runs", "cells", "learning_curve", "failure_modes"].as_slice()),
+        ("rivals", &["searches", "search_cells", "search_failures"]),
+    ];
+    for (campaign, table) in tables.into_iter().flat_map(|(name, tables)| tables.iter().map(move |table| (name, table)))
+    {
+        let text = std::fs::read_to_string(out.path().join(format!("{campaign}-smoke/{table}.csv"))).unwrap();
         for column in text.lines().next().unwrap().split(',') {
             let generic = column.trim_end_matches("_mean").trim_end_matches("_sd");
             let named = [column, generic].iter().any(|name| dictionary.contains(&format!("`{name}`")));

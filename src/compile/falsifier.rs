@@ -1,0 +1,86 @@
+use std::sync::Arc;
+
+use crate::diagnostic::Diagnostic;
+use crate::falsifier::{Falsifier, Homing, Intercept, Learning, OpenLoop, Random, TreeSearch, Walking};
+use crate::lang::codes;
+use crate::lang::hir::Declaration;
+use crate::rl::PpoConfig;
+use crate::signature::{Arguments, DeclarationId, Form, Signature, Value};
+
+/// A kind of falsifier: what it takes, and how it is made.
+pub struct FalsifierKind {
+    /// What it takes.
+    pub signature: fn() -> Signature,
+    /// Makes one from checked arguments, and from how pedestrians are trained.
+    pub make: fn(&Arguments, &(PpoConfig, usize)) -> Arc<dyn Falsifier>,
+}
+
+/// All kinds of falsifiers; a new one is a line here.
+pub fn kinds() -> Vec<FalsifierKind> {
+    vec![
+        FalsifierKind {
+            signature: Walking::<Random>::signature,
+            make: |_, _| Arc::new(Walking::new(Random::default())),
+        },
+        FalsifierKind { signature: Walking::<Homing>::signature, make: |_, _| Arc::new(Walking::new(Homing)) },
+        FalsifierKind { signature: Walking::<Intercept>::signature, make: |_, _| Arc::new(Walking::new(Intercept)) },
+        FalsifierKind {
+            signature: OpenLoop::cross_entropy_signature,
+            make: |arguments, _| Arc::new(OpenLoop::cross_entropy(arguments)),
+        },
+        FalsifierKind {
+            signature: OpenLoop::cma_es_signature,
+            make: |arguments, _| Arc::new(OpenLoop::cma_es(arguments)),
+        },
+        FalsifierKind { signature: TreeSearch::signature, make: |arguments, _| Arc::new(TreeSearch::new(arguments)) },
+        FalsifierKind {
+            signature: Learning::signature,
+            make: |_, (config, environments)| Arc::new(Learning::new(config.clone(), *environments)),
+        },
+    ]
+}
+
+/// The form `falsifier`.
+pub fn form(kinds: &[FalsifierKind]) -> Form {
+    Form {
+        name: "falsifier",
+        doc: "A method that looks for collisions with a budget of simulator ticks; a `search` block of a campaign compares several.",
+        plain: None,
+        multiplies: false,
+        kinds: kinds.iter().map(|kind| (kind.signature)()).collect(),
+    }
+}
+
+/// The falsifier.
+pub fn lower(
+    kinds: &[FalsifierKind],
+    declaration: &Declaration,
+    training: &(PpoConfig, usize),
+    said: &mut Vec<Diagnostic>,
+) -> Arc<dyn Falsifier> {
+    let found = kinds.iter().find(|candidate| (candidate.signature)().name == declaration.kind);
+    let arguments = &declaration.block.arguments;
+    let number = |key: &str| match optional(arguments, key) {
+        Some(Value::Integer(number)) => Some(*number),
+        _ => None,
+    };
+    if let (Some(elite), Some(population)) = (number("elite"), number("population"))
+        && elite > population
+    {
+        let message = format!("an elite of {elite} is more than the population of {population}");
+        said.push(codes::contradiction(declaration.block.place("elite"), message));
+    }
+    (found.expect("checked: the kind is in the catalogue").make)(arguments, training)
+}
+
+/// The declaration that an optional key names; none when this kind has no such key.
+pub fn named(arguments: &Arguments, key: &str) -> Option<DeclarationId> {
+    match optional(arguments, key) {
+        Some(Value::Reference(id)) => Some(*id),
+        _ => None,
+    }
+}
+
+fn optional<'a>(arguments: &'a Arguments, key: &str) -> Option<&'a Value> {
+    arguments.iter().find(|(name, _)| *name == key).map(|(_, value)| value)
+}

@@ -1,0 +1,98 @@
+use super::{Choosing, Falsifier, Simulator, TrainedWalker, Walker};
+use crate::rl::{Env, PpoConfig, Step, TrainError, Trainer};
+use crate::seed::Seed;
+use crate::signature::{Param, Signature, Type};
+
+/// A pedestrian that learns by PPO, as a falsifier: the failures are those of its training.
+///
+/// The budget takes the place of the training's number of steps; schedules run down over the decisions that fit into it.
+/// Several environments have equal shares of it. The update in which the first share runs out is not made.
+#[derive(Debug, Clone)]
+pub struct Learning {
+    config: PpoConfig,
+    environments: usize,
+}
+
+impl Learning {
+    /// What it takes in a scenario.
+    pub fn signature() -> Signature {
+        let params = vec![
+            Param::required("reward", Type::Reference("reward"), "What it is trained for."),
+            Param::optional(
+                "training",
+                Type::Reference("training"),
+                "How it is trained, instead of the campaign's `training`; the budget takes the place of `steps`.",
+            ),
+        ];
+        Signature::new("ppo", "Trains a pedestrian by proximal policy optimisation.", params)
+    }
+
+    /// Makes one with settings and a number of environments.
+    pub fn new(config: PpoConfig, environments: usize) -> Self {
+        Self { config, environments }
+    }
+}
+
+/// A share of the simulator as the learner sees it. When the budget is spent it stands still and ends every episode at
+/// once; what is learnt from that is thrown away.
+struct Ground<'a> {
+    share: Simulator<'a>,
+    next: u64,
+    stride: u64,
+}
+
+impl Env for Ground<'_> {
+    fn obs_dim(&self) -> usize {
+        4
+    }
+
+    fn action_bounds(&self) -> Vec<(f64, f64)> {
+        self.share.env().action_bounds()
+    }
+
+    fn reset(&mut self, state: &mut [f64]) {
+        self.share.begin(self.next);
+        self.next += self.stride;
+        state.copy_from_slice(&self.share.env().state());
+    }
+
+    fn step(&mut self, action: &[f64], state: &mut [f64]) -> Step {
+        let command = self.share.env().command([action[0], action[1]]);
+        let step = self.share.walk(command);
+        state.copy_from_slice(&self.share.env().state());
+        step.unwrap_or(Step { reward: 0.0, terminated: true, truncated: false })
+    }
+}
+
+impl Falsifier for Learning {
+    fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn Walker>>, TrainError> {
+        let hold = u64::from(simulator.env().scenario().episode.hold);
+        let stride = self.environments as u64;
+        let shares = simulator.shares(stride);
+        let mut grounds: Vec<Ground<'_>> =
+            (0..).zip(shares).map(|(next, share)| Ground { share, next, stride }).collect();
+        let config = PpoConfig { total_steps: (simulator.left() / hold).max(1), ..self.config.clone() };
+        let trained = train(&mut grounds, &config, hold, seed);
+        simulator.take_over(grounds.into_iter().map(|ground| ground.share).collect());
+        Ok(Some(Box::new(TrainedWalker::new(trained?, Choosing::Mean))))
+    }
+}
+
+/// Trains until one of the grounds is spent.
+fn train(
+    grounds: &mut [Ground<'_>],
+    config: &PpoConfig,
+    hold: u64,
+    seed: &Seed,
+) -> Result<crate::rl::ActorCritic, TrainError> {
+    let most = config.rollout_steps as u64 * hold;
+    let mut trainer = Trainer::new(grounds, config, seed)?;
+    loop {
+        let enough = grounds.iter().all(|ground| ground.share.left() >= most);
+        let before = (!enough).then(|| trainer.actor_critic().clone());
+        trainer.update(grounds)?;
+        if grounds.iter().any(|ground| ground.share.is_spent()) {
+            return Ok(before.unwrap_or_else(|| trainer.into_actor_critic()));
+        }
+    }
+}

@@ -1,0 +1,180 @@
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use super::Failure;
+use crate::env::{Outcome, PedestrianEnv, Scenario};
+use crate::rl::Step;
+use crate::seed::Seed;
+use crate::sim::WalkCommand;
+
+/// The simulator as a falsifier sees it: it counts its ticks against a budget and writes down every failure.
+///
+/// A command is carried out only when the budget holds all the ticks that it may take, so the budget is never exceeded. An
+/// episode that is given up, or that the budget cuts off, costs its ticks and counts for nothing else.
+pub struct Simulator<'a> {
+    scenario: Arc<Scenario>,
+    seed: Seed,
+    env: PedestrianEnv,
+    budget: u64,
+    used: u64,
+    beginning: u64,
+    commands: Vec<WalkCommand>,
+    episodes: u64,
+    beginnings: BTreeSet<u64>,
+    failures: Vec<Failure>,
+    spent: bool,
+    stop: &'a (dyn Fn() -> bool + Sync),
+    stopped: bool,
+    /// Ticks after every decision; kept by shares only.
+    clock: Option<Vec<u64>>,
+}
+
+/// What a falsifier did with its budget.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spent {
+    /// Ticks that were simulated.
+    pub ticks: u64,
+    /// Episodes that came to an end.
+    pub episodes: u64,
+    /// Beginnings of these episodes, each counted once.
+    pub beginnings: u64,
+    /// The failures, in the order in which they were found.
+    pub failures: Vec<Failure>,
+    /// Whether it was stopped from outside.
+    pub stopped: bool,
+}
+
+impl<'a> Simulator<'a> {
+    /// Gets ready with a budget in ticks. Beginning *k* depends on the seed and on *k* alone; `stop` is asked before every
+    /// episode.
+    pub fn new(scenario: Arc<Scenario>, seed: Seed, budget: u64, stop: &'a (dyn Fn() -> bool + Sync)) -> Self {
+        Self {
+            env: PedestrianEnv::new(scenario.clone(), seed),
+            scenario,
+            seed,
+            budget,
+            used: 0,
+            beginning: 0,
+            commands: Vec::new(),
+            episodes: 0,
+            beginnings: BTreeSet::new(),
+            failures: Vec::new(),
+            spent: false,
+            stop,
+            stopped: false,
+            clock: None,
+        }
+    }
+
+    /// The episode as it stands.
+    pub fn env(&self) -> &PedestrianEnv {
+        &self.env
+    }
+
+    /// Whether nothing can be simulated any more.
+    pub fn is_spent(&self) -> bool {
+        self.spent
+    }
+
+    /// Ticks that are left.
+    pub fn left(&self) -> u64 {
+        self.budget - self.used
+    }
+
+    /// Begins an episode from this beginning; says whether there is anything left to simulate it with.
+    pub fn begin(&mut self, beginning: u64) -> bool {
+        self.stopped |= (self.stop)();
+        self.spent |= self.stopped;
+        if !self.spent {
+            self.beginning = beginning;
+            self.commands.clear();
+            self.env.begin(beginning);
+        }
+        !self.spent
+    }
+
+    /// Carries a command out; none when the budget is spent. The episode is over when the step says so.
+    pub fn walk(&mut self, command: WalkCommand) -> Option<Step> {
+        let rule = &self.env.scenario().episode;
+        let before = self.env.world().ticks;
+        let most = rule.hold.min(rule.ticks - before);
+        if self.spent || self.left() < most.into() {
+            self.spent = true;
+            return None;
+        }
+        let step = self.env.walk(command);
+        self.used += u64::from(self.env.world().ticks - before);
+        self.commands.push(command);
+        if let Some(clock) = &mut self.clock {
+            clock.push(self.used);
+        }
+        if let Some(outcome) = self.env.outcome().copied() {
+            self.note(outcome);
+        }
+        Some(step)
+    }
+
+    /// Walks to the end of the episode; none when the budget is spent before.
+    pub fn finish(&mut self, mut choose: impl FnMut(&PedestrianEnv) -> WalkCommand) -> Option<Outcome> {
+        loop {
+            self.walk(choose(&self.env))?;
+            if let Some(outcome) = self.env.outcome() {
+                return Some(*outcome);
+            }
+        }
+    }
+
+    fn note(&mut self, outcome: Outcome) {
+        self.episodes += 1;
+        self.beginnings.insert(self.beginning);
+        if outcome.is_collision() {
+            let commands = self.commands.clone();
+            self.failures.push(Failure { beginning: self.beginning, ticks: self.used, commands, outcome });
+        }
+    }
+
+    /// Splits what is left of the budget into equal shares that may be used side by side, one decision at a time.
+    pub(super) fn shares(&self, count: u64) -> Vec<Self> {
+        let share = |_| {
+            let mut share = Self::new(self.scenario.clone(), self.seed, self.left() / count, self.stop);
+            share.clock = Some(Vec::new());
+            share
+        };
+        (0..count).map(share).collect()
+    }
+
+    /// Takes over what the shares found. They ran in step, so a failure counts with the ticks that all of them had used
+    /// after that decision.
+    pub(super) fn take_over(&mut self, shares: Vec<Self>) {
+        let before = self.used;
+        let clocks: Vec<Vec<u64>> = shares.iter().map(|share| share.clock.clone().unwrap_or_default()).collect();
+        let at = |clock: &Vec<u64>, decision: usize| match clock.get(decision) {
+            Some(ticks) => *ticks,
+            None => clock.last().copied().unwrap_or(0),
+        };
+        for (share, clock) in shares.into_iter().zip(&clocks) {
+            self.used += share.used;
+            self.episodes += share.episodes;
+            self.beginnings.extend(share.beginnings);
+            self.stopped |= share.stopped;
+            self.spent |= share.spent;
+            self.failures.extend(share.failures.into_iter().map(|failure| {
+                let decision = clock.partition_point(|ticks| *ticks < failure.ticks);
+                let ticks = before + clocks.iter().map(|clock| at(clock, decision)).sum::<u64>();
+                Failure { ticks, ..failure }
+            }));
+        }
+        self.failures.sort_by_key(|failure| (failure.ticks, failure.beginning));
+    }
+
+    /// What was done with the budget.
+    pub fn into_spent(self) -> Spent {
+        Spent {
+            ticks: self.used,
+            episodes: self.episodes,
+            beginnings: self.beginnings.len() as u64,
+            failures: self.failures,
+            stopped: self.stopped,
+        }
+    }
+}

@@ -1,0 +1,52 @@
+use super::{Falsifier, Homing, Intercept, Random, Simulator, Walker};
+use crate::rl::TrainError;
+use crate::seed::Seed;
+use crate::signature::Signature;
+
+/// A pedestrian that does not learn, as a falsifier: it walks once from every beginning.
+#[derive(Debug, Clone, Copy)]
+pub struct Walking<W> {
+    walker: W,
+}
+
+impl Walking<Random> {
+    /// What it takes in a scenario.
+    pub fn signature() -> Signature {
+        Signature::new("random", "Draws every command uniformly: the floor that every search must beat.", Vec::new())
+    }
+}
+
+impl Walking<Homing> {
+    /// What it takes in a scenario.
+    pub fn signature() -> Signature {
+        Signature::new("homing", "Walks straight at the ego, as fast as it can.", Vec::new())
+    }
+}
+
+impl Walking<Intercept> {
+    /// What it takes in a scenario.
+    pub fn signature() -> Signature {
+        Signature::new("intercept", "Walks to where it would meet an ego that keeps its velocity.", Vec::new())
+    }
+}
+
+impl<W> Walking<W> {
+    /// Makes a falsifier of a pedestrian.
+    pub fn new(walker: W) -> Self {
+        Self { walker }
+    }
+}
+
+impl<W: Walker + Clone + std::fmt::Debug + Send + Sync + 'static> Falsifier for Walking<W> {
+    fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn Walker>>, TrainError> {
+        let mut walker = self.walker.clone();
+        for beginning in 0.. {
+            if !simulator.begin(beginning) {
+                break;
+            }
+            walker.begin(seed.index(beginning).stream());
+            simulator.finish(|env| walker.choose(env));
+        }
+        Ok(Some(Box::new(walker)))
+    }
+}

@@ -1,0 +1,167 @@
+//! Falsifiers at equal budget: what they find, what it costs, and that both are counted right.
+
+use std::path::Path;
+
+use falsify::campaign::{self, SearchResult, Silent};
+use falsify::compile::{Campaign, Catalog, compile};
+use falsify::seed::Seed;
+
+const PIECES: &str = r#"
+edition 1
+import "lib/paper.scn"
+import "lib/rewards.scn"
+import "lib/drivers.scn"
+town straight { street quay { through: [(0 m, 0 m), (400 m, 0 m)] } }
+episode ten_seconds { ticks: 200 }
+spawn in_the_way { ego_poses: [(20 m, -1.75 m, 0 deg)]  bearing: -2 deg .. 2 deg  distance: 7 m .. 12 m }
+spawn far_aside { ego_poses: [(20 m, -1.75 m, 0 deg)]  bearing: 20 deg .. 22 deg  distance: 28 m .. 29 m }
+adversary slow { speed: 0 m/s .. 2 m/s  observation_frame: line_of_sight  action_frame: line_of_sight  ramp: 0 s  turning: 20 Hz }
+training two = ppo(environments: 2, steps_per_update: 32)
+falsifier chance = random()
+falsifier home = homing()
+falsifier meet = intercept()
+falsifier cross = cem(tries: 1000)
+falsifier strategy = cma_es(tries: 1000)
+falsifier tree = mcts(reward: ast, tries: 1000)
+falsifier learner = ppo(reward: r1)
+falsifier pair = ppo(reward: r1, training: two)
+"#;
+
+fn campaign(text: &str) -> Campaign {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/searches.scn");
+    let text = format!("{PIECES}\n{text}");
+    let read = |path: &Path| if path == root { Ok(text.clone()) } else { std::fs::read_to_string(path) };
+    let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Default::default()).unwrap();
+    compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics)).campaigns.remove(0)
+}
+
+fn obvious(falsifiers: &str, budget: u64, runs: u32) -> Campaign {
+    campaign(&format!(
+        "campaign obvious {{ vehicle: model3 adversary: suicidal spawn: in_the_way episode: ten_seconds training: ppo_paper
+         search {{ towns: [straight] policies: [blind] falsifiers: [{falsifiers}] budget: {budget} runs: {runs} episodes: 20 }} }}"
+    ))
+}
+
+fn run(campaign: &Campaign) -> Vec<SearchResult> {
+    campaign::run(campaign, &Seed::root(5), &Silent).searches
+}
+
+#[test]
+fn every_falsifier_finds_the_obvious_failure_within_its_budget() {
+    let (budget, hold) = (20_001, 20);
+    let plan = obvious("chance, home, meet, cross, strategy, tree, learner, pair", budget, 1);
+    for (search, result) in plan.searches.iter().zip(run(&plan)) {
+        let (name, spent) = (&search.key.falsifier, &result.spent);
+        assert!(spent.ticks <= budget, "{name}: {} ticks", spent.ticks);
+        // Two environments have half of the budget each, and the first to use it up ends the training.
+        let idle = if name == "pair" { budget / 2 } else { hold - 1 };
+        assert!(spent.ticks + idle >= budget, "{name}: {} ticks", spent.ticks);
+        assert!(!spent.failures.is_empty(), "{name} found nothing");
+        assert!(spent.failures.is_sorted_by_key(|failure| failure.ticks), "{name}");
+        assert!(spent.failures.last().unwrap().ticks <= spent.ticks, "{name}");
+        assert!(spent.failures.len() as u64 <= spent.episodes && spent.beginnings <= spent.episodes, "{name}");
+        let walks = ["chance", "home", "meet", "learner", "pair"].contains(&name.as_str());
+        assert_eq!(result.tried.len(), if walks { 20 } else { 0 }, "{name}");
+        for failure in &spent.failures {
+            let again = failure.replay(&search.scenario, search.beginnings(&Seed::root(5)));
+            assert_eq!(again, Some(failure.outcome), "{name}: a failure does not repeat");
+        }
+    }
+}
+
+#[test]
+fn ticks_are_those_of_all_episodes_up_to_the_failure() {
+    let results = run(&obvious("home, cross, pair", 20_001, 1));
+    // Every homing episode fails here, so the failures are all there is to count.
+    let home = &results[0].spent;
+    assert_eq!(home.failures.len() as u64, home.episodes);
+    let mut used = 0;
+    for failure in &home.failures {
+        used += u64::from(failure.outcome.ticks);
+        assert_eq!(failure.ticks, used);
+    }
+    for result in &results {
+        let failed: u64 = result.spent.failures.iter().map(|failure| u64::from(failure.outcome.ticks)).sum();
+        assert!(failed <= result.spent.ticks);
+    }
+    // A method that leaves a beginning with its failure never fails there twice.
+    let mut beginnings: Vec<u64> = results[1].spent.failures.iter().map(|failure| failure.beginning).collect();
+    beginnings.dedup();
+    assert_eq!(beginnings.len(), results[1].spent.failures.len());
+}
+
+#[test]
+fn a_budget_too_small_for_a_command_buys_nothing_and_odd_ones_are_never_exceeded() {
+    for budget in [1, 19, 20, 39, 1234] {
+        for result in run(&obvious("chance, home, cross, tree, learner, pair", budget, 1)) {
+            assert!(result.spent.ticks <= budget, "{}: {budget}", result.key.falsifier);
+            if budget < 20 {
+                assert_eq!((result.spent.ticks, result.spent.episodes), (0, 0), "{}", result.key.falsifier);
+            }
+        }
+    }
+}
+
+#[test]
+fn searches_are_the_same_on_any_number_of_threads_and_differ_between_runs() {
+    let plan = obvious("chance, cross, strategy, tree, learner, pair", 6_000, 2);
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| run(&plan))
+    };
+    let (one, four) = (on(1), on(4));
+    assert_eq!(one.len(), 12);
+    for (a, b) in one.iter().zip(&four) {
+        assert_eq!((&a.key, &a.spent, &a.tried), (&b.key, &b.spent, &b.tried));
+    }
+    assert_ne!(one[0].spent.failures, one[1].spent.failures);
+}
+
+#[test]
+fn beginnings_are_shared_and_a_second_falsifier_changes_nothing_for_the_first() {
+    let (alone, both) = (run(&obvious("cross", 3_000, 1)), run(&obvious("home, cross", 3_000, 1)));
+    assert_eq!(alone[0].spent, both[1].spent);
+    let (home, cross) = (&both[0].spent.failures, &both[1].spent.failures);
+    let met = cross.iter().filter_map(|a| home.iter().find(|b| b.beginning == a.beginning).map(|b| (a, b)));
+    let pairs: Vec<_> = met.collect();
+    assert!(!pairs.is_empty());
+    assert!(pairs.iter().all(|(a, b)| a.outcome.spawn == b.outcome.spawn));
+}
+
+#[test]
+fn searches_with_a_goal_find_what_walking_at_random_does_not() {
+    let plan = campaign(
+        "campaign rare { vehicle: model3 adversary: slow spawn: far_aside episode: ten_seconds training: ppo_paper
+         search { towns: [straight] policies: [careful] falsifiers: [chance, home, meet, cross, strategy, tree]
+                  budget: 150_000 runs: 4 episodes: 0 } }",
+    );
+    let results = run(&plan);
+    let found = |name: &str| {
+        let of_name = results.iter().filter(|result| result.key.falsifier == name);
+        of_name.filter(|result| !result.spent.failures.is_empty()).count()
+    };
+    for name in ["chance", "home", "meet"] {
+        assert_eq!(found(name), 0, "{name} was not expected to find anything");
+    }
+    for name in ["cross", "strategy", "tree"] {
+        assert!(found(name) >= 3, "{name} found something in {} of 4 runs", found(name));
+    }
+}
+
+#[test]
+fn the_cells_count_censored_runs() {
+    use falsify::report::{search_cells, searches};
+    let plan = obvious("home", 2_000, 4);
+    let mut results = run(&plan);
+    for result in &mut results[2..] {
+        result.spent.failures.clear();
+    }
+    let cell = &search_cells(&results)[0];
+    assert_eq!((cell.runs, cell.censored), (4, 2));
+    // Half of the runs found something: the median is the later of the two.
+    let later = results[..2].iter().map(|result| result.spent.failures[0].ticks).max().unwrap();
+    assert_eq!(cell.first_failure.median, Some(later as f64));
+    assert_eq!(cell.first_failure.high, None);
+    let table = searches(&results);
+    assert_eq!(table.height(), 4);
+}
