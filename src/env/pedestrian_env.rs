@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use super::running::RunningEpisode;
 use super::{Ending, Observation, Outcome, RewardRule, Scenario, Situation, Spawn};
 use crate::av::{DrivingMode, DrivingPolicy, Sensors};
 use crate::geometry::{Pose, wrap_angle};
@@ -20,7 +21,12 @@ pub struct PedestrianEnv {
     seed: Seed,
     next_episode: u64,
     episode: Episode,
+    /// The commands of the running episode so far. With the episode's number they are all that its state hangs on.
+    decisions: Vec<WalkCommand>,
 }
+
+/// Commands of an episode for which there is room from the start; longer episodes make more room once.
+const MOST_ROOM: u32 = 4096;
 
 /// The running episode's record.
 #[derive(Debug, Clone, Copy)]
@@ -57,7 +63,9 @@ impl PedestrianEnv {
             digest: 0,
             outcome: None,
         };
-        Self { scenario, world, policy, sensors: Sensors::default(), seed, next_episode: 0, episode }
+        let rule = &scenario.episode;
+        let decisions = Vec::with_capacity(rule.ticks.div_ceil(rule.hold).min(MOST_ROOM) as usize);
+        Self { scenario, world, policy, sensors: Sensors::default(), seed, next_episode: 0, episode, decisions }
     }
 
     /// The scenario.
@@ -96,6 +104,39 @@ impl PedestrianEnv {
             outcome: None,
         };
         self.next_episode = number + 1;
+        self.decisions.clear();
+    }
+
+    /// Returns the episode in hand: its number and what the pedestrian has decided.
+    fn running(&self) -> RunningEpisode {
+        let digest = self.trace();
+        RunningEpisode { next_episode: self.next_episode, decisions: self.decisions.clone(), digest }
+    }
+
+    /// Walks an episode again up to where it was, and tells whether it led there.
+    ///
+    /// Neither the world nor a driver can be copied; but an episode is determined by its number and the commands, and
+    /// ticks are cheap.
+    fn replay(&mut self, running: &RunningEpisode) -> bool {
+        let Some(number) = running.next_episode.checked_sub(1) else {
+            return self.next_episode == 0 && running.decisions.is_empty();
+        };
+        self.begin(number);
+        let (slowest, fastest) = self.scenario.adversary.speed;
+        for command in &running.decisions {
+            if self.episode.outcome.is_some() || !(slowest..=fastest).contains(&command.speed) {
+                return false;
+            }
+            self.walk(*command);
+        }
+        self.trace() == running.digest
+    }
+
+    /// Hashes how the running episode began and all that has happened since.
+    fn trace(&self) -> u64 {
+        let Spawn { ego, ego_speed, pedestrian } = &self.episode.spawn;
+        let begun = [ego.x, ego.y, ego.yaw, *ego_speed, pedestrian.x, pedestrian.y, pedestrian.yaw];
+        begun.iter().fold(self.episode.digest, |digest, value| mix(digest, value.to_bits()))
     }
 
     /// What the pedestrian sees.
@@ -120,6 +161,7 @@ impl PedestrianEnv {
         let rule = &self.scenario.episode;
         let (limit, hold) = (rule.ticks, rule.hold);
         self.episode.command = command;
+        self.decisions.push(command);
         let mut contact = None;
         for tick in 0..hold {
             let perception = self.sensors.perceive(&self.world);
@@ -287,6 +329,14 @@ impl Env for PedestrianEnv {
         let step = self.walk(self.command([action[0], action[1]]));
         state.copy_from_slice(&self.state());
         step
+    }
+
+    fn save(&self) -> Option<Vec<u8>> {
+        Some(self.running().to_bytes())
+    }
+
+    fn load(&mut self, state: &[u8]) -> bool {
+        RunningEpisode::from_bytes(state).is_some_and(|running| self.replay(&running))
     }
 }
 

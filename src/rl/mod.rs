@@ -36,6 +36,7 @@ mod real;
 mod ppo;
 mod trainer;
 mod train_state;
+mod curve;
 mod train_error;
 mod collector;
 mod lane;
