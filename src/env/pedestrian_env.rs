@@ -41,6 +41,9 @@ struct Episode {
 }
 
 impl PedestrianEnv {
+    /// The number of components of a state.
+    pub const STATE_DIM: usize = 4;
+
     /// Makes an environment whose first episode is number 0 under the seed. The scenario's spawn rule must have been probed.
     pub fn new(scenario: Arc<Scenario>, seed: Seed) -> Self {
         let lights = scenario.episode.traffic_lights.then(LightCycle::default);
@@ -262,7 +265,7 @@ impl PedestrianEnv {
     }
 
     /// The learner's state: what the pedestrian sees, in the adversary's frame and units.
-    pub fn state(&self) -> [f64; 4] {
+    pub fn state(&self) -> [f64; Self::STATE_DIM] {
         let (pedestrian, ego) = (&self.world.pedestrian.pose, self.world.ego.pose.position());
         let initial = self.episode.spawn.pedestrian.yaw;
         self.scenario.adversary.encode(&self.observe(), pedestrian, initial, ego)
@@ -313,7 +316,7 @@ fn mix(digest: u64, word: u64) -> u64 {
 
 impl Env for PedestrianEnv {
     fn obs_dim(&self) -> usize {
-        4
+        Self::STATE_DIM
     }
 
     fn action_bounds(&self) -> Vec<(f64, f64)> {

@@ -28,9 +28,8 @@ impl RunningEpisode {
             return None;
         }
         let number = |word: &[u8; 8]| Some(f64::from_le_bytes(*word)).filter(|number| number.is_finite());
-        let decision = |[heading, speed]: &[[u8; 8]; 2]| {
-            Some(WalkCommand { heading: number(heading)?, speed: number(speed)? })
-        };
+        let decision =
+            |[heading, speed]: &[[u8; 8]; 2]| Some(WalkCommand { heading: number(heading)?, speed: number(speed)? });
         Some(Self {
             next_episode: u64::from_le_bytes(*next_episode),
             decisions: commands.iter().map(decision).collect::<Option<_>>()?,
@@ -45,10 +44,8 @@ mod tests {
 
     #[test]
     fn a_running_episode_returns_bit_for_bit_and_damage_is_noticed() {
-        let decisions = vec![
-            WalkCommand { heading: -0.1, speed: 3.5 },
-            WalkCommand { heading: f64::MIN_POSITIVE, speed: -0.0 },
-        ];
+        let decisions =
+            vec![WalkCommand { heading: -0.1, speed: 3.5 }, WalkCommand { heading: f64::MIN_POSITIVE, speed: -0.0 }];
         let running = RunningEpisode { next_episode: 1 << 60 | 1, decisions, digest: u64::MAX };
         let bytes = running.to_bytes();
         assert_eq!(RunningEpisode::from_bytes(&bytes), Some(running.clone()));

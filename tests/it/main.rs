@@ -25,6 +25,7 @@ mod learning;
 mod ped_world;
 mod recorded_update;
 mod reference;
+mod resuming;
 mod road_reference;
 mod routes_reference;
 mod sb3_curves;
