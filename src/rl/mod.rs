@@ -24,6 +24,7 @@ mod actor_critic;
 mod moments;
 mod archive;
 mod checkpoint;
+mod onnx;
 mod gaussian;
 mod init;
 mod mlp;

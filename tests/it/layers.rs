@@ -34,6 +34,7 @@ const DOORS: &[(&str, &str)] = &[
     ("roxmltree", "road"),
     ("rstar", "road"),
     ("safetensors", "rl"),
+    ("prost", "rl"),
     ("polars", "report"),
     ("polars_io", "report"),
     ("kuva", "report"),
