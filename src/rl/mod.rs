@@ -62,4 +62,4 @@ pub use real::Real;
 pub use recorded::{RecordedRollout, RecordedUpdate, update_on_recorded};
 pub use schedule::Schedule;
 pub use train_error::{Quantity, TrainError};
-pub use trainer::Trainer;
+pub use trainer::{Experience, Trainer};

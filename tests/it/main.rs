@@ -23,6 +23,8 @@ mod drivers;
 mod layers;
 mod learning;
 mod ped_world;
+mod ped_world_reference;
+mod policies_elsewhere;
 mod recorded_update;
 mod reference;
 mod resuming;
