@@ -169,7 +169,7 @@ fn manifest(
             run: key.run,
             decisions: curve.map_or(0, |log| log.steps),
             wall_time_s: times[place],
-            pedestrian: if training.result.is_ok() { pedestrian_file(key) } else { String::new() },
+            pedestrian: if training.result.is_ok() { pedestrian_file(key, "safetensors") } else { String::new() },
             error: training.result.as_ref().err().map_or(String::new(), ToString::to_string),
         }
     });
@@ -227,8 +227,8 @@ fn vector_instructions() -> &'static str {
     std::env::consts::ARCH
 }
 
-fn pedestrian_file(key: &crate::compile::TrainingKey) -> String {
-    format!("pedestrians/{}-{}-{}-{}.safetensors", key.reward, key.town, key.policy, key.run)
+fn pedestrian_file(key: &crate::compile::TrainingKey, format: &str) -> String {
+    format!("pedestrians/{}-{}-{}-{}.{format}", key.reward, key.town, key.policy, key.run)
 }
 
 fn write(
@@ -259,6 +259,8 @@ fn write(
     for training in &finished.trainings {
         let Ok(trained) = &training.result else { continue };
         let key = &training.key;
+        let planned = campaign.trainings.iter().find(|planned| planned.key == *key).expect("it was planned");
+        let bounds = planned.scenario.adversary.action_bounds();
         let metadata: BTreeMap<String, String> = [
             ("falsify", manifest.version.clone()),
             ("campaign", campaign.name.clone()),
@@ -267,10 +269,14 @@ fn write(
             ("reward", key.reward.clone()),
             ("run", key.run.to_string()),
             ("seed", manifest.seed.to_string()),
+            ("states_stacked", planned.config.frame_stack.to_string()),
+            ("action_low", format!("{:?}", bounds.map(|bound| bound.0))),
+            ("action_high", format!("{:?}", bounds.map(|bound| bound.1))),
         ]
         .map(|(name, value)| (name.to_string(), value))
         .into();
-        folder.file(&pedestrian_file(key), &trained.actor_critic.to_safetensors(&metadata))?;
+        folder.file(&pedestrian_file(key, "safetensors"), &trained.actor_critic.to_safetensors(&metadata))?;
+        folder.file(&pedestrian_file(key, "onnx"), &trained.actor_critic.to_onnx(&bounds, &metadata))?;
     }
     let cells = metrics.cells().map_err(failed("cells"))?;
     let mut page = report::summary(&campaign.name, &campaign.docs, &cells, manifest);

@@ -80,6 +80,17 @@ fn params() -> Vec<Param> {
             ratio(f64::MIN_POSITIVE, 1e6),
             "Ends an update early when policies differ by 1.5 times this.",
         ),
+        Param::optional(
+            "value_clip",
+            ratio(f64::MIN_POSITIVE, 1e6),
+            "How far the critic's values may move in an update and still be corrected, in units of the reward.",
+        ),
+        Param::with_default(
+            "frame_stack",
+            count(256),
+            "1",
+            "Last states that the pedestrian sees, the newest included; zeros stand for those before the first.",
+        ),
         Param::with_default(
             "normalize_observations",
             Type::Boolean,
@@ -91,6 +102,23 @@ fn params() -> Vec<Param> {
             Type::Boolean,
             "false",
             "Whether rewards are scaled by the spread of returns so far.",
+        ),
+        Param::with_default(
+            "adam_epsilon",
+            ratio(1e-12, 1.0),
+            "1e-5",
+            "What is added to the denominator of Adam's steps.",
+        ),
+        Param::with_default(
+            "statistics_window",
+            count(1_000_000),
+            "100",
+            "Ended episodes over which the learning curve averages reward and length.",
+        ),
+        Param::optional(
+            "threads",
+            count(4096),
+            "Most threads that the environments of a training are stepped on; all there are unless given. Changes no number.",
         ),
         Param::with_default(
             "portable_bits",
@@ -131,11 +159,15 @@ pub fn lower(arguments: &Arguments) -> (PpoConfig, usize) {
         learning_rate_schedule: schedule("learning_rate_schedule"),
         clip_schedule: schedule("clip_schedule"),
         target_kl: arguments.has("target_kl").then(|| arguments.number("target_kl")),
+        clip_range_vf: arguments.has("value_clip").then(|| arguments.number("value_clip")),
+        frame_stack: count("frame_stack"),
+        adam_eps: arguments.number("adam_epsilon"),
+        stats_window: count("statistics_window"),
+        threads: arguments.has("threads").then(|| count("threads")),
         normalize_obs: arguments.boolean("normalize_observations"),
         normalize_reward: arguments.boolean("normalize_rewards"),
         portable_bits: arguments.boolean("portable_bits"),
         hidden: arguments.list("hidden").iter().map(width).collect(),
-        ..PpoConfig::paper()
     };
     (config, count("environments"))
 }
@@ -147,14 +179,57 @@ mod tests {
     use crate::diagnostic::Sources;
     use crate::lang;
 
-    #[test]
-    fn the_defaults_are_the_papers() {
+    fn lowered(text: &str) -> (PpoConfig, usize) {
         let mut sources = Sources::default();
-        let read = |_: &std::path::Path| Ok("edition 1 training paper = ppo()".to_string());
+        let read = |_: &std::path::Path| Ok(format!("edition 1 training it = {text}"));
         let loaded = lang::load(&["t.scn".into()], &read, &mut sources).unwrap();
         let catalog = Catalog::builtin();
         let (program, said) = lang::check(&loaded, &sources, &catalog.forms, &catalog.vocabulary);
         assert_eq!(said, []);
-        assert_eq!(lower(&program.declarations[0].block.arguments), (PpoConfig::paper(), 1));
+        lower(&program.declarations[0].block.arguments)
+    }
+
+    #[test]
+    fn the_defaults_are_the_papers() {
+        assert_eq!(lowered("ppo()"), (PpoConfig::paper(), 1));
+    }
+
+    #[test]
+    fn every_setting_can_be_written() {
+        let text =
+            "ppo(steps: 1000, steps_per_update: 100, environments: 3, epochs: 4, batch_size: 32, learning_rate: 0.001,
+            gamma: 0.9, gae_lambda: 0.8, clip: 0.1, value_coefficient: 0.25, entropy_coefficient: 0.02,
+            max_gradient_norm: 1, normalize_advantages: false, initial_log_std: -1, learning_rate_schedule: linear,
+            clip_schedule: linear, target_kl: 0.03, value_clip: 0.3, frame_stack: 4, normalize_observations: true,
+            normalize_rewards: true, adam_epsilon: 1e-8, statistics_window: 50, threads: 2, portable_bits: true,
+            hidden: [32, 16])";
+        let config = PpoConfig {
+            total_steps: 1000,
+            rollout_steps: 100,
+            epochs: 4,
+            batch_size: 32,
+            learning_rate: 0.001,
+            learning_rate_schedule: Schedule::Linear,
+            gamma: 0.9,
+            gae_lambda: 0.8,
+            clip_coef: 0.1,
+            clip_schedule: Schedule::Linear,
+            clip_range_vf: Some(0.3),
+            target_kl: Some(0.03),
+            vf_coef: 0.25,
+            ent_coef: 0.02,
+            max_grad_norm: 1.0,
+            adam_eps: 1e-8,
+            norm_adv: false,
+            normalize_obs: true,
+            normalize_reward: true,
+            frame_stack: 4,
+            stats_window: 50,
+            threads: Some(2),
+            portable_bits: true,
+            initial_log_std: -1.0,
+            hidden: vec![32, 16],
+        };
+        assert_eq!(lowered(text), (config, 3));
     }
 }

@@ -18,6 +18,7 @@ mod action;
 mod reward;
 mod outcome;
 mod recording;
+mod running;
 mod pedestrian_env;
 
 pub use action::{Adversary, FirstHeading, Frame, Scaling};

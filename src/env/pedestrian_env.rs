@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use super::running::RunningEpisode;
 use super::{Ending, Observation, Outcome, RewardRule, Scenario, Situation, Spawn};
 use crate::av::{DrivingMode, DrivingPolicy, Fault, Sensors};
 use crate::geometry::{Pose, wrap_angle};
@@ -22,10 +23,14 @@ pub struct PedestrianEnv {
     episode: Episode,
     faults_in_a_row: u32,
     last_fault: Option<Fault>,
+    /// The commands of the running episode so far. With the episode's number they are all that its state hangs on.
+    decisions: Vec<WalkCommand>,
 }
 
 /// Episodes in a row in which a driver may fail before it is given up.
 const MOST_FAULTS: u32 = 10;
+/// Commands of an episode for which there is room from the start; longer episodes make more room once.
+const MOST_ROOM: u32 = 4096;
 
 /// The running episode's record.
 #[derive(Debug, Clone, Copy)]
@@ -45,6 +50,9 @@ struct Episode {
 }
 
 impl PedestrianEnv {
+    /// The number of components of a state.
+    pub const STATE_DIM: usize = 4;
+
     /// Makes an environment whose first episode is number 0 under the seed. The scenario's spawn rule must have been probed.
     pub fn new(scenario: Arc<Scenario>, seed: Seed) -> Self {
         let policy = (scenario.policy)();
@@ -74,6 +82,8 @@ impl PedestrianEnv {
             digest: 0,
             outcome: None,
         };
+        let rule = &scenario.episode;
+        let decisions = Vec::with_capacity(rule.ticks.div_ceil(rule.hold).min(MOST_ROOM) as usize);
         Self {
             scenario,
             world,
@@ -84,6 +94,7 @@ impl PedestrianEnv {
             episode,
             faults_in_a_row: 0,
             last_fault: None,
+            decisions,
         }
     }
 
@@ -126,6 +137,39 @@ impl PedestrianEnv {
             outcome: None,
         };
         self.next_episode = number + 1;
+        self.decisions.clear();
+    }
+
+    /// Returns the episode in hand: its number and what the pedestrian has decided.
+    fn running(&self) -> RunningEpisode {
+        let digest = self.trace();
+        RunningEpisode { next_episode: self.next_episode, decisions: self.decisions.clone(), digest }
+    }
+
+    /// Walks an episode again up to where it was, and tells whether it led there.
+    ///
+    /// Neither the world nor a driver can be copied; but an episode is determined by its number and the commands, and
+    /// ticks are cheap.
+    fn replay(&mut self, running: &RunningEpisode) -> bool {
+        let Some(number) = running.next_episode.checked_sub(1) else {
+            return self.next_episode == 0 && running.decisions.is_empty();
+        };
+        self.begin(number);
+        let (slowest, fastest) = self.scenario.adversary.speed;
+        for command in &running.decisions {
+            if self.episode.outcome.is_some() || !(slowest..=fastest).contains(&command.speed) {
+                return false;
+            }
+            self.walk(*command);
+        }
+        self.trace() == running.digest
+    }
+
+    /// Hashes how the running episode began and all that has happened since.
+    fn trace(&self) -> u64 {
+        let Spawn { ego, ego_speed, pedestrian } = &self.episode.spawn;
+        let begun = [ego.x, ego.y, ego.yaw, *ego_speed, pedestrian.x, pedestrian.y, pedestrian.yaw];
+        begun.iter().fold(self.episode.digest, |digest, value| mix(digest, value.to_bits()))
     }
 
     /// What the pedestrian sees.
@@ -160,6 +204,7 @@ impl PedestrianEnv {
         self.episode.turn = wrap_angle(command.heading - self.episode.command.heading);
         self.episode.command = command;
         self.episode.held = 0;
+        self.decisions.push(command);
     }
 
     /// Lets the driver prepare for the coming tick, so that drivers of many environments can be asked at once.
@@ -302,7 +347,7 @@ impl PedestrianEnv {
     }
 
     /// The learner's state: what the pedestrian sees, in the adversary's frame and units.
-    pub fn state(&self) -> [f64; 4] {
+    pub fn state(&self) -> [f64; Self::STATE_DIM] {
         let (pedestrian, ego) = (&self.world.pedestrian.pose, self.world.ego.pose.position());
         let initial = self.episode.spawn.pedestrian.yaw;
         self.scenario.adversary.encode(&self.observe(), pedestrian, initial, ego)
@@ -359,7 +404,7 @@ fn mix(digest: u64, word: u64) -> u64 {
 
 impl Env for PedestrianEnv {
     fn obs_dim(&self) -> usize {
-        4
+        Self::STATE_DIM
     }
 
     fn action_bounds(&self) -> Vec<(f64, f64)> {
@@ -379,6 +424,14 @@ impl Env for PedestrianEnv {
         };
         state.copy_from_slice(&self.state());
         step
+    }
+
+    fn save(&self) -> Option<Vec<u8>> {
+        Some(self.running().to_bytes())
+    }
+
+    fn load(&mut self, state: &[u8]) -> bool {
+        RunningEpisode::from_bytes(state).is_some_and(|running| self.replay(&running))
     }
 }
 

@@ -92,7 +92,7 @@ fn train(
         let before = (!enough).then(|| trainer.actor_critic().clone());
         trainer.update(grounds)?;
         if grounds.iter().any(|ground| ground.share.is_spent()) {
-            return Ok(before.unwrap_or_else(|| trainer.into_actor_critic()));
+            return Ok(before.unwrap_or_else(|| trainer.finish().actor_critic));
         }
     }
 }

@@ -5,6 +5,7 @@
 
 mod walker;
 mod training;
+mod training_run;
 mod trained;
 mod random;
 mod homing;
@@ -31,6 +32,7 @@ pub use random::Random;
 pub use simulator::{Simulator, Spent};
 pub use trained::{Choosing, TrainedWalker};
 pub use training::{TrainError, train};
+pub use training_run::TrainingRun;
 pub use tree_search::TreeSearch;
 pub use walker::Walker;
 pub use walking::Walking;

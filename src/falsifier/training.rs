@@ -1,9 +1,10 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
+use super::TrainingRun;
 use crate::av::Fault;
-use crate::env::{PedestrianEnv, Scenario};
-use crate::rl::{self, PpoConfig, Trained, Trainer, UpdateLog};
+use crate::env::Scenario;
+use crate::rl::{self, PpoConfig, Trained, UpdateLog};
 use crate::seed::Seed;
 
 /// Why a training ended early.
@@ -35,21 +36,8 @@ pub fn train(
     seed: &Seed,
     observer: &mut dyn FnMut(&UpdateLog) -> ControlFlow<()>,
 ) -> Result<Trained, TrainError> {
-    let episodes = seed.child("episodes");
-    let mut envs: Vec<PedestrianEnv> =
-        (0..environments as u64).map(|env| PedestrianEnv::new(scenario.clone(), episodes.index(env))).collect();
-    let mut trainer = Trainer::new(&mut envs, config, &seed.child("ppo"))?;
-    let mut learning_curve: Vec<UpdateLog> = Vec::new();
-    while !trainer.is_done() {
-        let log = trainer.update(&mut envs)?;
-        if let Some(fault) = envs.iter().find_map(PedestrianEnv::hopeless) {
-            return Err(TrainError::Driver { update: log.update, fault });
-        }
-        let flow = observer(&log);
-        learning_curve.push(log);
-        if flow.is_break() {
-            return Err(rl::TrainError::Stopped { update: trainer.updates() }.into());
-        }
-    }
-    Ok(Trained { actor_critic: trainer.into_actor_critic(), learning_curve })
+    TrainingRun::begin(scenario, environments, config, seed)?.carry_on(&mut |run| {
+        let log = run.learning_curve().last().expect("an update has just ended");
+        observer(log)
+    })
 }

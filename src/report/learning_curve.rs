@@ -39,6 +39,9 @@ pub fn learning_curve(trainings: &[TrainingResult]) -> DataFrame {
         number("policy_loss", &|log| Some(log.policy_loss)),
         number("value_loss", &|log| Some(log.value_loss)),
         number("gradient_norm", &|log| Some(log.grad_norm)),
+        whole("gradient_steps", &|log| log.gradient_steps),
+        number("learning_rate", &|log| Some(log.learning_rate)),
+        number("clip", &|log| Some(log.clip_coef)),
         number("action_sd", &|log| Some(log.std)),
     ];
     DataFrame::new(updates.len(), columns).expect("all columns have a value for every row")

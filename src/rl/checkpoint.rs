@@ -45,6 +45,12 @@ pub enum CheckpointError {
         /// The name of the tensor.
         name: String,
     },
+    /// The training was begun with other settings.
+    #[error("the training was begun with another `{name}`")]
+    Settings {
+        /// The first setting that differs.
+        name: String,
+    },
     /// An environment cannot continue from its saved state.
     #[error("environment {env} does not accept its saved state")]
     Env {

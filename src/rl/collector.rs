@@ -15,9 +15,6 @@ use super::rollout::Rollout;
 use super::train_error::Quantity;
 use crate::seed::Seed;
 
-/// The number of episodes over which reward and length are averaged.
-const RECENT_EPISODES: usize = 100;
-
 /// The environments in mid-episode.
 ///
 /// Every environment has its own noise and, between two exchanges of statistics, runs on its own: on one thread or on
@@ -31,6 +28,10 @@ pub(super) struct Collector {
     gamma: f64,
     lambda: f64,
     path: Path,
+    /// The number of episodes over which reward and length are averaged.
+    window: usize,
+    /// The most threads to take.
+    threads: usize,
 }
 
 impl Collector {
@@ -40,11 +41,13 @@ impl Collector {
         let lane = |(i, env)| Lane::new(env, policy, config.frame_stack, chunk, noise.index(i).stream());
         Self {
             lanes: (0..).zip(envs).map(lane).collect(),
-            recent: VecDeque::with_capacity(RECENT_EPISODES + 1),
+            recent: VecDeque::with_capacity(config.stats_window + 1),
             return_moments: config.normalize_reward.then(|| RunningMoments::new(1)),
             gamma: config.gamma,
             lambda: config.gae_lambda,
             path,
+            window: config.stats_window,
+            threads: config.threads.unwrap_or(usize::MAX),
         }
     }
 
@@ -73,7 +76,7 @@ impl Collector {
         self.lanes.iter_mut().for_each(|lane| lane.prepare(policy));
         if self.return_moments.is_none() && policy.observation_moments().is_none() {
             let policy = &*policy;
-            side_by_side(envs, &mut self.lanes, rollouts, |env, lane, rollout| {
+            side_by_side(self.threads, envs, &mut self.lanes, rollouts, |env, lane, rollout| {
                 for t in 0..steps {
                     if let Err(quantity) = lane.step(env, policy, rollout, t) {
                         lane.failure = Some((t, quantity));
@@ -86,14 +89,14 @@ impl Collector {
             self.failure()?;
         } else {
             for t in 0..steps {
-                side_by_side(envs, &mut self.lanes, rollouts, |env, lane, rollout| {
+                side_by_side(self.threads, envs, &mut self.lanes, rollouts, |env, lane, rollout| {
                     lane.failure = lane.step(env, policy, rollout, t).err().map(|quantity| (t, quantity));
                 });
                 self.failure()?;
                 observe(policy, &self.lanes);
                 self.settle(policy, rollouts, t);
             }
-            side_by_side(envs, &mut self.lanes, rollouts, |_, lane, rollout| {
+            side_by_side(self.threads, envs, &mut self.lanes, rollouts, |_, lane, rollout| {
                 lane.finish(policy, rollout, gamma, lambda, path);
             });
         }
@@ -132,7 +135,7 @@ impl Collector {
         let finished: Vec<FinishedEpisode> = ends.into_iter().map(|(_, _, episode)| episode).collect();
         for episode in &finished {
             self.recent.push_back(*episode);
-            if self.recent.len() > RECENT_EPISODES {
+            if self.recent.len() > self.window {
                 self.recent.pop_front();
             }
         }
@@ -155,17 +158,19 @@ pub(super) fn observe(policy: &mut ActorCritic, lanes: &[Lane]) {
     }
 }
 
-/// Works on all environments, on the threads at hand.
+/// Works on all environments, on at most so many of the threads at hand.
 fn side_by_side<E: Env + Send>(
+    threads: usize,
     envs: &mut [E],
     lanes: &mut [Lane],
     rollouts: &mut [Rollout],
     work: impl Fn(&mut E, &mut Lane, &mut Rollout) + Sync,
 ) {
-    if let ([env], [lane], [rollout]) = (&mut *envs, &mut *lanes, &mut *rollouts) {
-        work(env, lane, rollout);
+    if threads == 1 || envs.len() == 1 {
+        envs.iter_mut().zip(lanes).zip(rollouts).for_each(|((env, lane), rollout)| work(env, lane, rollout));
     } else {
-        let all = envs.par_iter_mut().zip(lanes).zip(rollouts);
+        let share = envs.len().div_ceil(threads);
+        let all = envs.par_iter_mut().zip(lanes).zip(rollouts).with_min_len(share);
         all.for_each(|((env, lane), rollout)| work(env, lane, rollout));
     }
 }

@@ -1,6 +1,7 @@
 //! The settings of a training run.
 
 use serde::Serialize;
+use serde_json::{Map, Value};
 
 use super::schedule::Schedule;
 
@@ -55,6 +56,12 @@ pub struct PpoConfig {
     pub normalize_reward: bool,
     /// The number of last observations that the policy sees, the newest included.
     pub frame_stack: usize,
+    /// The number of ended episodes over which reward and length are averaged in the report of an update.
+    pub stats_window: usize,
+    /// The most threads that the environments are stepped on, out of those at hand; none for all of these.
+    ///
+    /// The bits are the same on any number.
+    pub threads: Option<usize>,
     /// Whether only instructions are used that all processors have, so that a seed gives the same bits everywhere.
     ///
     /// Takes about twice the time.
@@ -89,10 +96,28 @@ impl PpoConfig {
             normalize_obs: false,
             normalize_reward: false,
             frame_stack: 1,
+            stats_window: 100,
+            threads: None,
             portable_bits: false,
             initial_log_std: 0.0,
             hidden: vec![64, 64],
         }
+    }
+
+    /// Writes the settings as a JSON object.
+    pub(super) fn to_json(&self) -> String {
+        serde_json::to_string(self).expect("settings have a form in JSON")
+    }
+
+    /// Returns the first setting, in the order of the alphabet, that differs from those in a JSON object and on which the
+    /// next updates depend.
+    pub(super) fn difference(&self, other: &str) -> Option<String> {
+        let other: Map<String, Value> = serde_json::from_str(other).unwrap_or_default();
+        let own: Map<String, Value> = serde_json::from_str(&self.to_json()).expect("settings are an object");
+        let differs = |(name, value): &(&String, &Value)| {
+            !["total_steps", "threads"].contains(&name.as_str()) && other.get(*name) != Some(value)
+        };
+        own.iter().find(differs).map(|(name, _)| name.clone())
     }
 }
 

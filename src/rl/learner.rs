@@ -99,6 +99,9 @@ impl Learner {
                 if !terms.total(config).is_finite() {
                     return Err(Quantity::Loss);
                 }
+                if !terms.approx_kl.is_finite() {
+                    return Err(Quantity::Divergence);
+                }
                 minibatches += 1.0;
                 in_epoch += 1.0;
                 sums.policy += terms.policy;

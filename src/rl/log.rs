@@ -25,7 +25,7 @@ pub struct UpdateLog {
     pub episodes: usize,
     /// These episodes, in the order in which they ended.
     pub finished: Vec<FinishedEpisode>,
-    /// The mean reward of the last up to 100 episodes that have ended so far.
+    /// The mean reward of the last episodes that have ended so far, up to `stats_window` of them.
     pub mean_reward: Option<f64>,
     /// The mean length of the same episodes, in decisions.
     pub mean_length: Option<f64>,

@@ -7,7 +7,7 @@ const FIRST_GUESS: f64 = 1e-4;
 const EPSILON: f64 = 1e-8;
 
 /// The bound of a normalised number.
-const LIMIT: f64 = 10.0;
+pub(super) const LIMIT: f64 = 10.0;
 
 /// The running mean and variance of every component of a vector.
 ///
@@ -48,6 +48,11 @@ impl RunningMoments {
     /// Returns component `i` of a sample with the mean taken away and divided by the deviation, within ±10.
     pub fn normalised(&self, i: usize, value: f64) -> f64 {
         ((value - self.mean[i]) / (self.variance[i] + EPSILON).sqrt()).clamp(-LIMIT, LIMIT)
+    }
+
+    /// Returns what components are divided by.
+    pub(super) fn deviations(&self) -> impl Iterator<Item = f64> {
+        self.variance.iter().map(|variance| (variance + EPSILON).sqrt())
     }
 
     /// Returns component `i` of a sample divided by the deviation, within ±10.

@@ -43,16 +43,12 @@ pub fn train<E: Env + Send>(
     observer: &mut dyn FnMut(&UpdateLog) -> ControlFlow<()>,
 ) -> Result<Trained, TrainError> {
     let mut trainer = Trainer::new(envs, config, seed)?;
-    let mut learning_curve: Vec<UpdateLog> = Vec::new();
     while !trainer.is_done() {
-        let log = trainer.update(envs)?;
-        let flow = observer(&log);
-        learning_curve.push(log);
-        if flow.is_break() {
+        if observer(trainer.update(envs)?).is_break() {
             return Err(TrainError::Stopped { update: trainer.updates() });
         }
     }
-    Ok(Trained { actor_critic: trainer.into_actor_critic(), learning_curve })
+    Ok(trainer.finish())
 }
 
 #[cfg(test)]

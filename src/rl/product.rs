@@ -265,7 +265,7 @@ mod tests {
     use crate::seed::Seed;
     use nalgebra::DMatrix;
 
-    const SIZES: [usize; 11] = [1, 2, 3, 4, 5, 6, 7, 16, 22, 41, 64];
+    const SIZES: [usize; 15] = [1, 2, 3, 4, 5, 7, 8, 9, 15, 16, 17, 22, 41, 64, 65];
 
     fn for_all_shapes(mut check: impl FnMut(DMatrix<f64>, DMatrix<f64>, Vec<f64>)) {
         let mut stream = Seed::root(3).stream();

@@ -32,6 +32,8 @@ pub enum Quantity {
     Action,
     /// The loss on a minibatch.
     Loss,
+    /// The divergence between old and new policy on a minibatch.
+    Divergence,
     /// The norm of the gradient on a minibatch.
     Gradient,
 }
@@ -43,6 +45,7 @@ impl fmt::Display for Quantity {
             Self::Reward => "reward",
             Self::Action => "action",
             Self::Loss => "loss",
+            Self::Divergence => "divergence",
             Self::Gradient => "gradient",
         })
     }

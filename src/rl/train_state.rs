@@ -10,24 +10,28 @@ use super::archive::{Writer, read, read_vector};
 use super::checkpoint::{CheckpointError, read_moments, write_moments};
 use super::collector::observe;
 use super::config::PpoConfig;
+use super::curve::{read_curve, write_curve};
 use super::env::Env;
 use super::log::FinishedEpisode;
 use super::trainer::{Trainer, dimensions};
 use crate::seed::{Seed, Stream};
 
+/// The entry of the header that holds the settings.
+const SETTINGS: &str = "settings";
+
 impl Trainer {
-    /// Encodes all that the next updates depend on, except the settings.
+    /// Encodes all that the next updates depend on, and the learning curve so far.
     ///
     /// These are the policy and the critic, Adam's moments, the positions in the random streams, the statistics, the
     /// episodes in hand, and what [`Env::save`] returns for each environment. The format is safetensors; policies can be
-    /// read from it, too.
-    pub fn state<E: Env>(&self, envs: &[E]) -> Vec<u8> {
+    /// read from it, too. Its header says in plain text how far the training has come and with which settings, beside
+    /// `metadata`.
+    pub fn state<E: Env>(&self, envs: &[E], metadata: &BTreeMap<String, String>) -> Vec<u8> {
         let mut writer = Writer::default();
         self.learner.policy.write(&mut writer);
         writer.vector("adam.first", &self.learner.adam.first);
         writer.vector("adam.second", &self.learner.adam.second);
         writer.vector("adam.powers", &self.learner.adam.powers);
-        writer.vector("count", &[self.updates, self.steps]);
         writer.vector("minibatches", &position(&self.minibatches));
         let recent = &self.collector.recent;
         writer.add("recent.reward", &[recent.len()], recent.iter().map(|episode| episode.reward));
@@ -46,13 +50,19 @@ impl Trainer {
                 writer.vector(&format!("env.{i}.state"), &state);
             }
         }
-        writer.finish(&BTreeMap::new())
+        write_curve(&mut writer, &self.learning_curve);
+        let mut metadata = metadata.clone();
+        metadata.insert("update".to_owned(), self.updates().to_string());
+        metadata.insert("steps".to_owned(), self.steps.to_string());
+        metadata.insert(SETTINGS.to_owned(), self.config.to_json());
+        writer.finish(&metadata)
     }
 
     /// Continues from [`Trainer::state`] with as many environments, made as they were for [`Trainer::new`].
     ///
-    /// With the same settings and environments that save their state, the updates that follow are those of an
-    /// uninterrupted training, bit for bit. An environment without a saved state begins a new episode.
+    /// With environments that save their state, the updates that follow are those of an uninterrupted training, bit for
+    /// bit. An environment without a saved state begins a new episode. The settings must be those of the state, but for
+    /// `total_steps`, so that a training can be prolonged, and `threads`, on which nothing depends.
     ///
     /// # Errors
     /// Whatever keeps the bytes from being the state of a training with these settings and environments, and a new
@@ -62,6 +72,12 @@ impl Trainer {
     /// As [`Trainer::new`] does.
     pub fn from_state<E: Env>(bytes: &[u8], envs: &mut [E], config: &PpoConfig) -> Result<Self, CheckpointError> {
         let (obs_dim, action_dim) = dimensions(envs, config);
+        let (_, header) = SafeTensors::read_metadata(bytes).map_err(CheckpointError::Format)?;
+        let settings = header.metadata().as_ref().and_then(|metadata| metadata.get(SETTINGS));
+        let settings = settings.ok_or_else(|| CheckpointError::Missing { name: SETTINGS.to_owned() })?;
+        if let Some(name) = config.difference(settings) {
+            return Err(CheckpointError::Settings { name });
+        }
         let tensors = &SafeTensors::deserialize(bytes).map_err(CheckpointError::Format)?;
         let policy = ActorCritic::read(tensors)?;
         let widths: Vec<usize> = policy.actor().layers().iter().map(|layer| layer.outputs).collect();
@@ -82,8 +98,11 @@ impl Trainer {
         this.learner.adam.first = read_vector(tensors, "adam.first", parameters)?;
         this.learner.adam.second = read_vector(tensors, "adam.second", parameters)?;
         this.learner.adam.powers.copy_from_slice(&read_vector(tensors, "adam.powers", 2)?);
-        let count: Vec<u64> = read_vector(tensors, "count", 2)?;
-        (this.updates, this.steps) = (count[0], count[1]);
+        this.learning_curve = read_curve(tensors)?;
+        this.steps = this.updates() * (config.rollout_steps * envs.len()) as u64;
+        if this.learning_curve.last().is_some_and(|log| log.steps != this.steps) {
+            return Err(CheckpointError::Env { env: envs.len() });
+        }
         this.minibatches = read_stream(tensors, "minibatches")?;
         let rewards = read::<f64>(tensors, "recent.reward")?.values;
         let lengths: Vec<u64> = read_vector(tensors, "recent.length", rewards.len())?;

@@ -6,11 +6,12 @@ use super::collector::Collector;
 use super::config::PpoConfig;
 use super::env::Env;
 use super::learner::{Learner, Rates};
-use super::log::UpdateLog;
+use super::log::{FinishedEpisode, UpdateLog};
 use super::minibatch::shuffle;
 use super::moments::RunningMoments;
+use super::ppo::Trained;
 use super::rollout::{Rollout, explained_variance};
-use super::train_error::{Quantity, TrainError};
+use super::train_error::TrainError;
 use crate::seed::{Seed, Stream};
 
 /// A training between two updates.
@@ -19,13 +20,15 @@ use crate::seed::{Seed, Stream};
 ///
 /// # Example
 /// ```
-/// use falsify::rl::{CheckpointError, Env, PpoConfig, TrainError, Trainer};
+/// use std::collections::BTreeMap;
+///
+/// use falsify::rl::{Env, PpoConfig, Trainer};
 /// use falsify::seed::Seed;
 ///
 /// fn in_two_parts<E: Env + Send>(envs: &mut [E], config: &PpoConfig) -> Result<Trainer, Box<dyn std::error::Error>> {
 ///     let mut trainer = Trainer::new(envs, config, &Seed::root(7))?;
 ///     trainer.update(envs)?;
-///     let bytes = trainer.state(envs);
+///     let bytes = trainer.state(envs, &BTreeMap::new());
 ///     let mut trainer = Trainer::from_state(&bytes, envs, config)?;
 ///     trainer.update(envs)?;
 ///     Ok(trainer)
@@ -38,8 +41,9 @@ pub struct Trainer {
     pub(super) collector: Collector,
     /// Draws the order of the samples.
     pub(super) minibatches: Stream,
-    pub(super) updates: u64,
     pub(super) steps: u64,
+    /// One report for each update so far.
+    pub(super) learning_curve: Vec<UpdateLog>,
     rollouts: Vec<Rollout>,
 }
 
@@ -75,8 +79,8 @@ impl Trainer {
             learner: Learner::new(policy, config, samples, path),
             minibatches: seed.child("minibatches").stream(),
             config: config.clone(),
-            updates: 0,
             steps: 0,
+            learning_curve: Vec::new(),
             rollouts: vec![rollout; envs.len()],
         }
     }
@@ -88,38 +92,22 @@ impl Trainer {
     ///
     /// # Errors
     /// [`TrainError::NonFinite`] at the first number that is not finite; the trainer is of no use after that.
-    pub fn update<E: Env + Send>(&mut self, envs: &mut [E]) -> Result<UpdateLog, TrainError> {
+    pub fn update<E: Env + Send>(&mut self, envs: &mut [E]) -> Result<&UpdateLog, TrainError> {
+        self.collect(envs)?.learn()
+    }
+
+    /// Does the first half of [`Trainer::update`]: collects a rollout with the policy as it is.
+    ///
+    /// # Errors
+    /// As [`Trainer::update`].
+    pub fn collect<E: Env + Send>(&mut self, envs: &mut [E]) -> Result<Experience<'_>, TrainError> {
         assert!(envs.len() == self.rollouts.len(), "a training keeps its environments");
-        self.updates += 1;
-        let update = self.updates;
-        let non_finite = |quantity: Quantity| TrainError::NonFinite { update, quantity };
-        let policy = &mut self.learner.policy;
-        let finished = self.collector.collect(envs, policy, &mut self.rollouts).map_err(non_finite)?;
-        self.steps += (self.config.rollout_steps * envs.len()) as u64;
-        let rates = Rates::at(&self.config, self.steps);
-        let minibatches = &mut self.minibatches;
-        let reorder = &mut |order: &mut [usize]| shuffle(order, minibatches);
-        let means = self.learner.learn(&self.rollouts, &self.config, rates, reorder).map_err(non_finite)?;
-        let recent = self.collector.recent_means();
-        Ok(UpdateLog {
-            update,
-            steps: self.steps,
-            episodes: finished.len(),
-            finished,
-            mean_reward: recent.map(|(reward, _)| reward),
-            mean_length: recent.map(|(_, length)| length),
-            approx_kl: means.approx_kl,
-            clip_fraction: means.clip_fraction,
-            explained_variance: explained_variance(&self.rollouts),
-            entropy: means.entropy,
-            policy_loss: means.policy,
-            value_loss: means.value,
-            grad_norm: means.grad_norm,
-            gradient_steps: means.gradient_steps,
-            learning_rate: rates.learning_rate,
-            clip_coef: rates.clip_coef,
-            std: self.learner.mean_std(),
-        })
+        let update = self.updates() + 1;
+        let finished = self.collector.collect(envs, &mut self.learner.policy, &mut self.rollouts);
+        match finished {
+            Ok(finished) => Ok(Experience { trainer: self, finished }),
+            Err(quantity) => Err(TrainError::NonFinite { update, quantity }),
+        }
     }
 
     /// Tells whether as many steps have been taken as the settings ask for.
@@ -129,7 +117,7 @@ impl Trainer {
 
     /// Returns the number of updates so far.
     pub fn updates(&self) -> u64 {
-        self.updates
+        self.learning_curve.len() as u64
     }
 
     /// Returns the number of environment steps so far, over all environments.
@@ -142,9 +130,59 @@ impl Trainer {
         &self.learner.policy
     }
 
+    /// Returns the reports of all updates so far, in order, those before an interruption included.
+    pub fn learning_curve(&self) -> &[UpdateLog] {
+        &self.learning_curve
+    }
+
     /// Ends the training.
-    pub fn into_actor_critic(self) -> ActorCritic {
-        self.learner.policy
+    pub fn finish(self) -> Trained {
+        Trained { actor_critic: self.learner.policy, learning_curve: self.learning_curve }
+    }
+}
+
+/// What a rollout has brought, from which the trainer has yet to learn. Whoever drops it forgets it.
+#[derive(Debug)]
+pub struct Experience<'a> {
+    trainer: &'a mut Trainer,
+    finished: Vec<FinishedEpisode>,
+}
+
+impl<'a> Experience<'a> {
+    /// Does the second half of [`Trainer::update`]: takes the gradient steps.
+    ///
+    /// # Errors
+    /// As [`Trainer::update`].
+    pub fn learn(self) -> Result<&'a UpdateLog, TrainError> {
+        let Self { trainer, finished } = self;
+        let update = trainer.updates() + 1;
+        trainer.steps += (trainer.config.rollout_steps * trainer.rollouts.len()) as u64;
+        let rates = Rates::at(&trainer.config, trainer.steps);
+        let minibatches = &mut trainer.minibatches;
+        let reorder = &mut |order: &mut [usize]| shuffle(order, minibatches);
+        let means = trainer.learner.learn(&trainer.rollouts, &trainer.config, rates, reorder);
+        let means = means.map_err(|quantity| TrainError::NonFinite { update, quantity })?;
+        let recent = trainer.collector.recent_means();
+        let log = UpdateLog {
+            update,
+            steps: trainer.steps,
+            episodes: finished.len(),
+            finished,
+            mean_reward: recent.map(|(reward, _)| reward),
+            mean_length: recent.map(|(_, length)| length),
+            approx_kl: means.approx_kl,
+            clip_fraction: means.clip_fraction,
+            explained_variance: explained_variance(&trainer.rollouts),
+            entropy: means.entropy,
+            policy_loss: means.policy,
+            value_loss: means.value,
+            grad_norm: means.grad_norm,
+            gradient_steps: means.gradient_steps,
+            learning_rate: rates.learning_rate,
+            clip_coef: rates.clip_coef,
+            std: trainer.learner.mean_std(),
+        };
+        Ok(trainer.learning_curve.push_mut(log))
     }
 }
 

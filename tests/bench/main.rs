@@ -11,8 +11,10 @@ use falsify::compile::{Catalog, Plan, compile};
 use falsify::diagnostic::Sources;
 use falsify::env::{PedestrianEnv, Scenario};
 use falsify::falsifier::{Random, train, try_walker};
+use falsify::rl::{ActorCritic, PpoConfig, RecordedRollout, Trainer, update_on_recorded};
 use falsify::road::LaneFilter;
 use falsify::seed::Seed;
+use rand::RngExt;
 
 fn main() {
     // The bench of drivers from outside starts this binary again as one.
@@ -103,6 +105,41 @@ fn training(bencher: Bencher<'_, '_>) {
         train(&training.scenario, 1, &config, &Seed::root(1), &mut |_| ControlFlow::Continue(()))
             .expect("numbers stay finite")
     });
+}
+
+/// The first half of an update: 150 decisions of a sampling pedestrian, simulator, values and advantages included.
+#[divan::bench(sample_count = 50)]
+fn rollout(bencher: Bencher<'_, '_>) {
+    let plan = plan();
+    let training = &plan.campaigns[0].trainings[0];
+    let mut envs = [PedestrianEnv::new(training.scenario.clone(), Seed::root(1))];
+    let mut trainer = Trainer::new(&mut envs, &training.config, &Seed::root(1)).expect("states are finite");
+    bencher.counter(ItemsCount::new(training.config.rollout_steps)).bench_local(|| {
+        trainer.collect(&mut envs).map(drop).expect("rewards are finite");
+    });
+}
+
+/// The second half: ten epochs over 150 decisions; counted in gradient steps.
+#[divan::bench(sample_count = 50)]
+fn update(bencher: Bencher<'_, '_>) {
+    let config = PpoConfig::paper();
+    let decisions = config.rollout_steps;
+    let mut stream = Seed::root(1).stream();
+    let mut draw = |count: usize| (0..count).map(|_| stream.random_range(-1.0..1.0)).collect::<Vec<f64>>();
+    let policy = ActorCritic::new(4, 2, &config.hidden, 0.0, &mut Seed::root(2).stream());
+    let rollout = RecordedRollout {
+        obs: draw(4 * decisions).into_iter().map(|x| x as f32).collect(),
+        actions: draw(2 * decisions),
+        rewards: draw(decisions),
+        episode_starts: (0..decisions).map(|step| step % 30 == 0).collect(),
+        last_obs: draw(4),
+        last_done: false,
+    };
+    let order: Vec<Vec<usize>> = vec![(0..decisions).collect(); config.epochs];
+    let steps = config.epochs * decisions.div_ceil(config.batch_size);
+    bencher
+        .counter(ItemsCount::new(steps))
+        .bench_local(|| update_on_recorded(policy.clone(), &rollout, &order, &config).expect("losses are finite"));
 }
 
 /// From the text of a scenario and its library to a plan, towns built.

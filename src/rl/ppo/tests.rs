@@ -197,7 +197,7 @@ fn schedules_reach_the_optimiser_and_the_loss() {
     trainer.update(&mut envs).unwrap();
     trainer.update(&mut envs).unwrap();
     let before = trainer.actor_critic().clone();
-    let log = trainer.update(&mut envs).unwrap();
+    let log = trainer.update(&mut envs).unwrap().clone();
     assert_eq!((trainer.actor_critic(), log.clip_fraction > 0.0), (&before, true));
     let constant = train(&mut [Identity::new(0)], &config(450), &Seed::root(1), &mut keep_going).unwrap();
     assert!(constant.learning_curve.iter().all(|log| (log.learning_rate, log.clip_coef) == (3e-4, 0.2)));

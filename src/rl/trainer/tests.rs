@@ -1,9 +1,15 @@
+use std::collections::BTreeMap;
+
 use rand::{Rng, SeedableRng};
 
 use super::*;
 use crate::rl::checkpoint::CheckpointError;
 use crate::rl::env::Step;
 use crate::rl::schedule::Schedule;
+
+fn bytes(trainer: &Trainer, envs: &[Walk]) -> Vec<u8> {
+    trainer.state(envs, &BTreeMap::new())
+}
 
 /// A walk that ends at random; its whole state is a stream, a place and whether it can be saved.
 struct Walk {
@@ -88,25 +94,26 @@ fn a_training_continues_as_if_it_had_not_been_interrupted() {
     for config in configs() {
         let mut envs = walks();
         let mut whole = Trainer::new(&mut envs, &config, &Seed::root(1)).unwrap();
-        let logs: Vec<UpdateLog> = (0..6).map(|_| whole.update(&mut envs).unwrap()).collect();
+        let logs: Vec<UpdateLog> = (0..6).map(|_| whole.update(&mut envs).unwrap().clone()).collect();
         assert!(whole.is_done());
-        let end = whole.state(&envs);
+        let end = bytes(&whole, &envs);
         for interruption in [0, 1, 4] {
             let mut envs = walks();
             let mut trainer = Trainer::new(&mut envs, &config, &Seed::root(1)).unwrap();
             for _ in 0..interruption {
                 trainer.update(&mut envs).unwrap();
             }
-            let state = trainer.state(&envs);
-            assert_eq!(state, trainer.state(&envs));
+            let state = bytes(&trainer, &envs);
+            assert_eq!(state, bytes(&trainer, &envs));
             let mut others = [7, 8, 9].map(Walk::new);
             let mut resumed = Trainer::from_state(&state, &mut others, &config).unwrap();
-            assert_eq!(resumed.state(&others), state);
+            assert_eq!(bytes(&resumed, &others), state);
             for log in &logs[interruption..] {
-                assert_eq!(&resumed.update(&mut others).unwrap(), log);
+                assert_eq!(resumed.update(&mut others).unwrap(), log);
             }
             assert_eq!((resumed.updates(), resumed.steps()), (6, 900));
-            assert_eq!(resumed.state(&others), end);
+            assert_eq!(resumed.learning_curve(), logs);
+            assert_eq!(bytes(&resumed, &others), end);
         }
     }
 }
@@ -118,7 +125,7 @@ fn an_environment_that_cannot_be_saved_begins_anew() {
         envs[1].saves = false;
         let mut trainer = Trainer::new(&mut envs, &config, &Seed::root(1)).unwrap();
         trainer.update(&mut envs).unwrap();
-        let state = trainer.state(&envs);
+        let state = bytes(&trainer, &envs);
         let mut others = walks();
         let mut resumed = Trainer::from_state(&state, &mut others, &config).unwrap();
         let starts: Vec<bool> = resumed.collector.lanes.iter().map(|lane| lane.start).collect();
@@ -140,7 +147,7 @@ fn the_policy_can_be_read_from_a_state() {
         let mut envs = walks();
         let mut trainer = Trainer::new(&mut envs, &config, &Seed::root(1)).unwrap();
         trainer.update(&mut envs).unwrap();
-        let (policy, _) = ActorCritic::from_safetensors(&trainer.state(&envs)).unwrap();
+        let (policy, _) = ActorCritic::from_safetensors(&bytes(&trainer, &envs)).unwrap();
         assert_eq!(&policy, trainer.actor_critic());
     }
 }
@@ -150,18 +157,19 @@ fn states_that_do_not_fit_are_errors_and_never_panics() {
     let [config, all] = configs();
     let mut envs = walks();
     let trainer = Trainer::new(&mut envs, &config, &Seed::root(1)).unwrap();
-    let state = trainer.state(&envs);
-    for other in [
-        &all,
-        &PpoConfig { hidden: vec![16, 16], ..config.clone() },
-        &PpoConfig { frame_stack: 2, ..config.clone() },
-        &PpoConfig { normalize_obs: true, ..config.clone() },
+    let state = bytes(&trainer, &envs);
+    for (name, other) in [
+        ("clip_range_vf", &all),
+        ("hidden", &PpoConfig { hidden: vec![16, 16], ..config.clone() }),
+        ("frame_stack", &PpoConfig { frame_stack: 2, ..config.clone() }),
+        ("gamma", &PpoConfig { gamma: 0.9, ..config.clone() }),
     ] {
         let read = Trainer::from_state(&state, &mut walks(), other);
-        assert!(matches!(read, Err(CheckpointError::Shape { .. })));
+        assert!(matches!(read, Err(CheckpointError::Settings { name: found }) if found == name), "{name}");
     }
-    let read = Trainer::from_state(&state, &mut walks(), &PpoConfig { normalize_reward: true, ..config.clone() });
-    assert!(matches!(read, Err(CheckpointError::Missing { name }) if name == "ret_rms.mean"));
+    // A training can be prolonged, and threads change nothing.
+    let longer = PpoConfig { total_steps: 2_000, threads: Some(2), ..config.clone() };
+    assert!(Trainer::from_state(&state, &mut walks(), &longer).is_ok());
     let read = Trainer::from_state(&state, &mut walks()[..2], &config);
     assert!(matches!(read, Err(CheckpointError::Env { env: 2 })));
     let mut four = [0, 1, 2, 3].map(Walk::new);
@@ -170,4 +178,31 @@ fn states_that_do_not_fit_are_errors_and_never_panics() {
     for end in (0..state.len()).step_by(17) {
         assert!(Trainer::from_state(&state[..end], &mut walks(), &config).is_err());
     }
+}
+
+#[test]
+fn any_part_of_a_damaged_state_may_be_refused_but_never_panics() {
+    let [config, _] = configs();
+    let mut envs = walks();
+    let mut trainer = Trainer::new(&mut envs, &config, &Seed::root(1)).unwrap();
+    trainer.update(&mut envs).unwrap();
+    let state = bytes(&trainer, &envs);
+    for at in (0..state.len()).step_by(13) {
+        let mut broken = state.clone();
+        broken[at] ^= 0x90;
+        let _ = Trainer::from_state(&broken, &mut walks(), &config);
+    }
+}
+
+#[test]
+fn the_header_tells_how_far_a_training_has_come() {
+    let [config, _] = configs();
+    let mut envs = walks();
+    let mut trainer = Trainer::new(&mut envs, &config, &Seed::root(1)).unwrap();
+    trainer.update(&mut envs).unwrap();
+    let named = BTreeMap::from([("town".to_owned(), "harbour".to_owned())]);
+    let (_, header) = ActorCritic::from_safetensors(&trainer.state(&envs, &named)).unwrap();
+    assert_eq!((header["update"].as_str(), header["steps"].as_str()), ("1", "150"));
+    assert_eq!(header["town"], "harbour");
+    assert!(header["settings"].contains("\"gamma\":0.98"), "{}", header["settings"]);
 }

@@ -1,0 +1,135 @@
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use super::TrainError;
+use crate::env::{PedestrianEnv, Scenario};
+use crate::rl::{self, CheckpointError, PpoConfig, Trained, Trainer, UpdateLog};
+use crate::seed::Seed;
+
+/// A training of a pedestrian between two updates, with its environments.
+///
+/// It can be saved there and taken up again, on any number of threads, as if nothing had been between.
+///
+/// # Example
+/// ```
+/// use std::collections::BTreeMap;
+/// use std::sync::Arc;
+///
+/// use falsify::env::Scenario;
+/// use falsify::falsifier::TrainingRun;
+/// use falsify::rl::{PpoConfig, Trained};
+/// use falsify::seed::Seed;
+///
+/// fn in_two_parts(scenario: &Arc<Scenario>, config: &PpoConfig) -> Result<Trained, Box<dyn std::error::Error>> {
+///     let mut run = TrainingRun::begin(scenario, 8, config, &Seed::root(7))?;
+///     run.update()?;
+///     let state = run.state(&BTreeMap::new());
+///     let mut run = TrainingRun::resume(&state, scenario, 8, config, &Seed::root(7))?;
+///     while !run.is_done() {
+///         println!("{:?}", run.update()?.mean_reward);
+///     }
+///     Ok(run.finish())
+/// }
+/// ```
+pub struct TrainingRun {
+    envs: Vec<PedestrianEnv>,
+    trainer: Trainer,
+}
+
+impl TrainingRun {
+    /// Begins a training in so many environments of a scenario, each with its own stream of episodes.
+    ///
+    /// # Errors
+    /// A first state that is not finite.
+    pub fn begin(
+        scenario: &Arc<Scenario>,
+        environments: usize,
+        config: &PpoConfig,
+        seed: &Seed,
+    ) -> Result<Self, TrainError> {
+        let mut envs = environments_of(scenario, environments, seed);
+        Ok(Self { trainer: Trainer::new(&mut envs, config, &seed.child("ppo"))?, envs })
+    }
+
+    /// Takes a training up again that was begun with the same scenario, environments, settings and seed.
+    ///
+    /// `total_steps` and `threads` may differ.
+    ///
+    /// # Errors
+    /// The bytes are not the state of such a training: they are damaged, a setting differs, or the episodes in hand lead
+    /// elsewhere in this scenario.
+    pub fn resume(
+        state: &[u8],
+        scenario: &Arc<Scenario>,
+        environments: usize,
+        config: &PpoConfig,
+        seed: &Seed,
+    ) -> Result<Self, CheckpointError> {
+        let mut envs = environments_of(scenario, environments, seed);
+        Ok(Self { trainer: Trainer::from_state(state, &mut envs, config)?, envs })
+    }
+
+    /// Collects a rollout and learns from it.
+    ///
+    /// # Errors
+    /// The first number that is not finite, or a driver that failed in ten episodes in a row; the training is of no use after
+    /// that.
+    pub fn update(&mut self) -> Result<&UpdateLog, TrainError> {
+        let log = self.trainer.update(&mut self.envs)?;
+        match self.envs.iter().find_map(PedestrianEnv::hopeless) {
+            Some(fault) => Err(TrainError::Driver { update: log.update, fault }),
+            None => Ok(log),
+        }
+    }
+
+    /// Tells whether as many decisions have been taken as the settings ask for.
+    pub fn is_done(&self) -> bool {
+        self.trainer.is_done()
+    }
+
+    /// Returns the reports of all updates so far, in order, those before an interruption included.
+    pub fn learning_curve(&self) -> &[UpdateLog] {
+        self.trainer.learning_curve()
+    }
+
+    /// Encodes the training so that [`TrainingRun::resume`] can take it up; `metadata` goes into the header.
+    ///
+    /// The format is safetensors; the pedestrian as it is now can be read from it, too.
+    pub fn state(&self, metadata: &BTreeMap<String, String>) -> Vec<u8> {
+        self.trainer.state(&self.envs, metadata)
+    }
+
+    /// Ends the training.
+    pub fn finish(self) -> Trained {
+        self.trainer.finish()
+    }
+
+    /// Trains to the end, showing the training to the observer after every update.
+    ///
+    /// # Errors
+    /// As [`TrainingRun::update`]; or that the observer broke.
+    pub fn carry_on(
+        mut self,
+        observer: &mut dyn FnMut(&TrainingRun) -> ControlFlow<()>,
+    ) -> Result<Trained, TrainError> {
+        while !self.is_done() {
+            self.update()?;
+            if observer(&self).is_break() {
+                return Err(rl::TrainError::Stopped { update: self.trainer.updates() }.into());
+            }
+        }
+        Ok(self.finish())
+    }
+}
+
+impl std::fmt::Debug for TrainingRun {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("TrainingRun").field("updates", &self.trainer.updates()).finish_non_exhaustive()
+    }
+}
+
+fn environments_of(scenario: &Arc<Scenario>, environments: usize, seed: &Seed) -> Vec<PedestrianEnv> {
+    let episodes = seed.child("episodes");
+    (0..environments as u64).map(|env| PedestrianEnv::new(scenario.clone(), episodes.index(env))).collect()
+}
