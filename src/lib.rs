@@ -21,4 +21,5 @@ pub mod falsifier;
 pub mod campaign;
 pub mod analysis;
 pub mod report;
+pub mod lsp;
 pub mod cli;

@@ -22,12 +22,15 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("campaign", &["seed", "rl", "env", "compile", "falsifier", "judge"]),
     ("analysis", &["env", "campaign"]),
     ("report", &["geometry", "road", "av", "rl", "env", "compile", "judge", "campaign", "analysis"]),
-    ("cli", &["diagnostic", "seed", "road", "lang", "rl", "compile", "campaign", "report", "analysis"]),
+    ("lsp", &["diagnostic", "signature", "units", "lang", "compile"]),
+    ("cli", &["diagnostic", "seed", "road", "lang", "env", "lsp", "rl", "compile", "campaign", "report", "analysis"]),
 ];
 
 /// Crates that only one module may name.
 const DOORS: &[(&str, &str)] = &[
     ("pest", "lang"),
+    ("lsp_server", "lsp"),
+    ("lsp_types", "lsp"),
     ("pest_derive", "lang"),
     ("annotate_snippets", "diagnostic"),
     ("parry2d", "geometry"),
