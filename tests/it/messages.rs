@@ -45,7 +45,8 @@ fn drawn(text: &str) -> String {
 fn messages_look_as_they_did() {
     let mut page = String::new();
     let mut shown = 0;
-    let short = |text: &str| !text.starts_with("falsify ") && !text.contains('…') && text.lines().all(|line| line.len() < 120);
+    let short =
+        |text: &str| !text.starts_with("falsify ") && !text.contains('…') && text.lines().all(|line| line.len() < 120);
     let all = mistakes();
     let coded = all.iter().filter(|mistake| short(mistake.bad)).map(|mistake| (mistake.code, mistake.bad));
     for (name, text) in TRAPS.iter().copied().chain(coded) {
