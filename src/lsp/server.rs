@@ -75,6 +75,10 @@ struct Server<W> {
 /// Why a request got no answer.
 struct Refusal(ErrorCode, String);
 
+#[expect(
+    clippy::mutable_key_type,
+    reason = "only the parsed form of a name is filled in later; its order is its text's"
+)]
 impl<W: Write> Server<W> {
     fn send(&mut self, message: Message) -> Result<(), WireError> {
         message.write(&mut self.output)?;
@@ -182,14 +186,15 @@ impl<W: Write> Server<W> {
         let byte = Lines::new(text).byte(at.position.line, at.position.character);
         let root = path(&at.text_document.uri);
         let mut sources = Sources::default();
-        let mut loaded = lang::load(&[root.clone()], &|path| self.documents.read(path), &mut sources).ok()?;
+        let mut loaded =
+            lang::load(std::slice::from_ref(&root), &|path| self.documents.read(path), &mut sources).ok()?;
         let is_root = |file: &&lang::ast::File| loaded.roots.contains(&file.source);
         if loaded.files.iter().find(is_root).is_some_and(|file| file.edition.is_none()) {
             // A bracket that is still open hides the whole file; what stands before its statement is seen all the same.
             let above = above(text, byte);
             let read = |path: &Path| if path == root { Ok(above.to_string()) } else { self.documents.read(path) };
             sources = Sources::default();
-            loaded = lang::load(&[root.clone()], &read, &mut sources).ok()?;
+            loaded = lang::load(std::slice::from_ref(&root), &read, &mut sources).ok()?;
         }
         ask(text, byte, &loaded, &sources)
     }
