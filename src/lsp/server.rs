@@ -252,8 +252,8 @@ impl<W: Write> Server<W> {
 /// What stands before the statement of a byte: up to the last line that begins with a letter.
 fn above(text: &str, byte: usize) -> &str {
     let letter = |at: usize| text[at..].starts_with(|first: char| first.is_ascii_alphabetic());
-    let starts = text[..byte].match_indices('\n').map(|(at, _)| at + 1);
-    &text[..starts.filter(|at| letter(*at)).next_back().unwrap_or(0)]
+    let mut starts = text[..byte].match_indices('\n').map(|(at, _)| at + 1);
+    &text[..starts.rfind(|at| letter(*at)).unwrap_or(0)]
 }
 
 /// A diagnostic as an editor shows it.
