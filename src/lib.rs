@@ -22,4 +22,5 @@ pub mod campaign;
 pub mod analysis;
 pub mod report;
 pub mod process;
+pub mod lsp;
 pub mod cli;

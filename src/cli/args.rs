@@ -12,6 +12,8 @@ Examples:
   falsify check my.scn                       find mistakes without running anything
   falsify check --sample 1000 my.scn         see where episodes would begin, and what is rejected
   falsify av check -- python3 my_av.py       see whether a driver of your own speaks the protocol
+  falsify new my.scn                         begin with a commented file
+  falsify explain missing-unit               what a message means
   falsify map Town02.xodr --waypoints 2      draw a map, list what it holds
 
 Exit codes:
@@ -37,14 +39,35 @@ pub enum Command {
     #[command(after_help = EXAMPLES)]
     Run(RunOptions),
     /// Find mistakes in scenario files without running anything.
-    #[command(after_help = EXAMPLES)]
+    #[command(after_help = CHECK_EXAMPLES)]
     Check(CheckOptions),
+    /// Explain a diagnostic, a form, a kind or a key of the language.
+    #[command(after_help = EXPLAIN_EXAMPLES)]
+    Explain(ExplainOptions),
+    /// Write a commented scenario to begin with.
+    #[command(after_help = NEW_EXAMPLES)]
+    New(NewOptions),
+    /// Give scenario files their canonical layout.
+    #[command(after_help = FMT_EXAMPLES)]
+    Fmt(FmtOptions),
     /// Draw a town, and say what its map holds and what was skipped.
+    #[command(after_help = MAP_EXAMPLES)]
     Map(MapOptions),
     /// Work on a driver of your own.
     #[command(subcommand)]
     Av(AvCommand),
+    /// Show what becomes of a file on the way to a run.
+    #[command(after_help = DEBUG_EXAMPLES)]
+    Debug(DebugOptions),
+    /// Serve an editor: mistakes, help, completion, definitions, layout. It speaks the language server protocol on the standard streams.
+    #[command(after_help = LSP_EXAMPLES)]
+    Lsp {
+        /// Accepted because many editors pass it; there is no other way.
+        #[arg(long)]
+        stdio: bool,
+    },
     /// Print a completion script for a shell.
+    #[command(after_help = COMPLETIONS_EXAMPLES)]
     Completions {
         /// The shell.
         shell: clap_complete::Shell,
@@ -80,6 +103,9 @@ pub struct RunOptions {
 /// Options of `falsify check`.
 #[derive(Debug, Args)]
 pub struct CheckOptions {
+    /// How mistakes are shown.
+    #[arg(long, value_enum, default_value_t = Format::Human, value_name = "FORMAT")]
+    pub format: Format,
     /// Scenario files.
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
@@ -114,6 +140,114 @@ pub struct GivenOptions {
 fn town_and_file(text: &str) -> Result<(String, PathBuf), String> {
     let (town, file) = text.split_once('=').ok_or("write TOWN=FILE")?;
     Ok((town.to_string(), PathBuf::from(file)))
+}
+
+const CHECK_EXAMPLES: &str = "\
+Examples:
+  falsify check my.scn                       draw every mistake under its line
+  falsify check --format json my.scn         one JSON object a line, for programs
+  falsify check --format sarif my.scn        SARIF 2.1.0, which code hosts show beside the lines
+
+Exit codes: 0 no errors   2 missing file   3 errors";
+
+/// How mistakes are shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// Drawn under the line, on the error stream.
+    Human,
+    /// One JSON object a line, on the output.
+    Json,
+    /// A SARIF 2.1.0 log, on the output.
+    Sarif,
+}
+
+const EXPLAIN_EXAMPLES: &str = "\
+Examples:
+  falsify explain                            list everything
+  falsify explain missing-unit               a diagnostic, with a bad and a good example
+  falsify explain policy idm                 the keys of a kind, with types, units and defaults
+  falsify explain training ppo gamma         one key";
+
+/// Options of `falsify explain`.
+#[derive(Debug, Args)]
+pub struct ExplainOptions {
+    /// A code; a form, a form and a kind, and a key of it; or `events`, `variables`, `units`.
+    #[arg(value_name = "WORD")]
+    pub words: Vec<String>,
+}
+
+const NEW_EXAMPLES: &str = "\
+Examples:
+  falsify new                                write scenario.scn
+  falsify new night.scn && falsify run --smoke night.scn";
+
+/// Options of `falsify new`.
+#[derive(Debug, Args)]
+pub struct NewOptions {
+    /// The file; one that exists is never replaced.
+    #[arg(default_value = "scenario.scn", value_name = "PATH")]
+    pub path: PathBuf,
+}
+
+const DEBUG_EXAMPLES: &str = "\
+Examples:
+  falsify debug ast my.scn                   what was written
+  falsify debug hir my.scn                   what is meant: names resolved, SI values, defaults filled in
+  falsify debug plan my.scn                  what would be run, with every figure";
+
+/// Options of `falsify debug`.
+#[derive(Debug, Args)]
+pub struct DebugOptions {
+    /// Which tree.
+    #[arg(value_enum)]
+    pub tree: Tree,
+    /// A scenario file.
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+}
+
+/// What can be shown of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Tree {
+    /// What was written.
+    Ast,
+    /// What is meant: names resolved, SI values, defaults filled in.
+    Hir,
+    /// What would be run.
+    Plan,
+}
+
+const LSP_EXAMPLES: &str = "\
+Examples (see grammar/README.md for editors' settings):
+  falsify lsp                                an editor starts it and speaks to it";
+
+const COMPLETIONS_EXAMPLES: &str = "\
+Examples:
+  falsify completions bash > ~/.local/share/bash-completion/completions/falsify";
+
+const MAP_EXAMPLES: &str = "\
+Examples:
+  falsify map Town02.xodr                    Town02.svg, and what the map holds
+  falsify map my.scn --out maps              every town of a scenario";
+
+const FMT_EXAMPLES: &str = "\
+Examples:
+  falsify fmt my.scn                         lay the file out anew
+  falsify fmt --check scenarios/*.scn        only say which files are not laid out; exit code 3 if any is not
+  falsify fmt --stdin < my.scn               for editors: from the input to the output";
+
+/// Options of `falsify fmt`.
+#[derive(Debug, Args)]
+pub struct FmtOptions {
+    /// Scenario files.
+    #[arg(required_unless_present = "stdin", value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Change nothing; name the files that would change.
+    #[arg(long)]
+    pub check: bool,
+    /// Read from the input and write to the output.
+    #[arg(long, conflicts_with = "files")]
+    pub stdin: bool,
 }
 
 /// Options of `falsify map`.

@@ -1,13 +1,21 @@
-use super::{ExitCode, args::CheckOptions, front};
+use super::args::{CheckOptions, Format};
+use super::{ExitCode, front};
 use crate::compile::{Campaign, Plan};
+use crate::diagnostic::{Severity, records, sarif};
+use crate::lang::mistakes::mistakes;
 use crate::report::{self, WriteError};
 use crate::seed::Seed;
+
+const PLAIN: &str = "texts and numbers can be written as JSON";
 
 /// Beginnings that are drawn in a picture; more would hide each other.
 const DRAWN: usize = 500;
 
 /// `falsify check`
 pub fn check(options: &CheckOptions) -> ExitCode {
+    if options.format != Format::Human {
+        return for_programs(options);
+    }
     match front::compile_files(&options.files, &options.given) {
         Ok((plan, files)) => {
             let (files, campaigns) = (files.len(), plan.campaigns.len());
@@ -62,4 +70,23 @@ fn survey(campaign: &Campaign, count: u32, options: &CheckOptions) -> Result<(),
         front::say(&format!("    {}", picture.display()));
     }
     Ok(())
+}
+
+/// Prints what was found for programs, and nothing else.
+fn for_programs(options: &CheckOptions) -> ExitCode {
+    let gathered = match front::gather(&options.files, &options.given) {
+        Ok(gathered) => gathered,
+        Err(code) => return code,
+    };
+    let records = records(&gathered.compiled.diagnostics, &gathered.sources);
+    match options.format {
+        Format::Sarif => {
+            let mistakes = mistakes();
+            let rules: Vec<(&str, &str)> = mistakes.iter().map(|mistake| (mistake.code, mistake.text)).collect();
+            front::say(&serde_json::to_string_pretty(&sarif(&records, &rules)).expect(PLAIN));
+        }
+        _ => records.iter().for_each(|record| front::say(&serde_json::to_string(record).expect(PLAIN))),
+    }
+    let errors = gathered.compiled.diagnostics.iter().any(|each| each.severity == Severity::Error);
+    if errors { ExitCode::Scenario } else { ExitCode::Done }
 }

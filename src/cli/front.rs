@@ -9,9 +9,9 @@ use anstyle::{AnsiColor, Style};
 
 use super::ExitCode;
 use super::args::GivenOptions;
-use crate::compile::{Catalog, Overrides, Plan, compile_with};
-use crate::diagnostic::{Colour, Severity, Sources, render};
-use crate::lang::{Reader, reason};
+use crate::compile::{Catalog, Compiled, Overrides, Plan, compile_with};
+use crate::diagnostic::{Colour, Diagnostic, Severity, Sources, render};
+use crate::lang::{Reader, library, reason};
 use crate::process::ProcessOpener;
 use crate::report::FileRecord;
 
@@ -52,11 +52,32 @@ impl Reader for Files {
     }
 }
 
-/// Reads, checks and compiles files; gives the plan and a record of every file that was read.
+/// Draws diagnostics on the error stream, the first of them if there are many.
+pub fn show(diagnostics: &[Diagnostic], sources: &Sources) {
+    for diagnostic in diagnostics.iter().take(SHOWN) {
+        // The stream strips the colours where they are not wanted.
+        anstream::eprintln!("{}\n", render(diagnostic, sources, Colour::Always));
+    }
+    if diagnostics.len() > SHOWN {
+        anstream::eprintln!("… and {} more\n", diagnostics.len() - SHOWN);
+    }
+}
+
+/// What came of files, with their texts.
+pub struct Gathered {
+    /// The plan and what is to be said.
+    pub compiled: Compiled,
+    /// The texts.
+    pub sources: Sources,
+    /// A record of every file that was read.
+    pub records: Vec<FileRecord>,
+}
+
+/// Reads, checks and compiles files, and says nothing about their contents.
 ///
 /// # Errors
 /// The exit code, after the reason has been printed.
-pub fn compile_files(files: &[PathBuf], given: &GivenOptions) -> Result<(Plan, Vec<FileRecord>), ExitCode> {
+pub fn gather(files: &[PathBuf], given: &GivenOptions) -> Result<Gathered, ExitCode> {
     let mut sources = Sources::default();
     let read = Files::default();
     let catalog = match given.allow_external {
@@ -71,17 +92,24 @@ pub fn compile_files(files: &[PathBuf], given: &GivenOptions) -> Result<(Plan, V
             return Err(ExitCode::Usage);
         }
     };
-    for diagnostic in compiled.diagnostics.iter().take(SHOWN) {
-        // The stream strips the colours where they are not wanted.
-        anstream::eprintln!("{}\n", render(diagnostic, &sources, Colour::Always));
-    }
-    if compiled.diagnostics.len() > SHOWN {
-        anstream::eprintln!("… and {} more\n", compiled.diagnostics.len() - SHOWN);
-    }
+    let mut records = read.records.into_inner();
+    let library = sources.iter().filter(|(_, source)| library::holds(&source.path));
+    records
+        .extend(library.map(|(_, source)| FileRecord::new(source.path.display().to_string(), source.text.as_bytes())));
+    Ok(Gathered { compiled, sources, records })
+}
+
+/// Reads, checks and compiles files; gives the plan and a record of every file that was read.
+///
+/// # Errors
+/// The exit code, after the reason has been printed.
+pub fn compile_files(files: &[PathBuf], given: &GivenOptions) -> Result<(Plan, Vec<FileRecord>), ExitCode> {
+    let Gathered { compiled, sources, records } = gather(files, given)?;
+    show(&compiled.diagnostics, &sources);
     let errors = compiled.diagnostics.iter().filter(|each| each.severity == Severity::Error).count();
     match compiled.plan {
-        Some(plan) => match overrides.maps.keys().find(|name| !plan.has_town(name)) {
-            None => Ok((plan, read.records.into_inner())),
+        Some(plan) => match given.map.iter().map(|(name, _)| name).find(|name| !plan.has_town(name)) {
+            None => Ok((plan, records)),
             Some(name) => {
                 fail(&format!("--map names the town `{name}`, which nothing uses"));
                 Err(ExitCode::Usage)

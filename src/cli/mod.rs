@@ -7,6 +7,11 @@ mod interrupt;
 mod progress;
 mod run;
 mod check;
+mod fmt;
+mod explain;
+mod new;
+mod debug;
+mod lsp;
 mod map;
 mod av_check;
 
@@ -37,6 +42,11 @@ fn run_command() -> ExitCode {
     match arguments.command {
         args::Command::Run(options) => run::run(&options),
         args::Command::Check(options) => check::check(&options),
+        args::Command::Explain(options) => explain::explain(&options),
+        args::Command::New(options) => new::new(&options),
+        args::Command::Debug(options) => debug::debug(&options),
+        args::Command::Lsp { .. } => lsp::lsp(),
+        args::Command::Fmt(options) => fmt::fmt(&options),
         args::Command::Map(options) => map::map(&options),
         args::Command::Av(args::AvCommand::Check(options)) => av_check::check(&options),
         args::Command::Completions { shell } => {

@@ -6,6 +6,7 @@
 
 mod catalog;
 mod reference;
+mod explain;
 mod town;
 mod vehicle;
 mod policy;

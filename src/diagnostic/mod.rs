@@ -1,12 +1,18 @@
 //! What is said to a user about a file: sources, spans, diagnostics, and how they are drawn.
 //!
-//! A [`Diagnostic`] is plain data. [`render`] is the only code that draws source lines and carets; other forms (JSON,
-//! SARIF, an editor) can be made from the same data.
+//! A [`Diagnostic`] is plain data. [`render()`] is the only code that draws source lines and carets; other forms (JSON,
+//! SARIF, an editor) are made from the same data.
 
 mod source;
+mod lines;
 mod report;
 mod render;
+mod record;
+mod sarif;
 
+pub use lines::Lines;
+pub use record::{Place, PlacedText, Record, records};
 pub use render::{Colour, render};
 pub use report::{Diagnostic, Label, Severity};
+pub use sarif::{Log, sarif, uri};
 pub use source::{Source, SourceId, Sources, Span};

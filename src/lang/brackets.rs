@@ -14,7 +14,10 @@ pub fn scan(source: SourceId, text: &str) -> Result<(), Box<Diagnostic>> {
     let mut index = 0;
     while index < bytes.len() {
         match bytes[index] {
-            b'/' if bytes.get(index + 1) == Some(&b'/') => index = end_of(bytes, index, b"\n"),
+            b'/' if bytes.get(index + 1) == Some(&b'/') => {
+                index =
+                    bytes[index..].iter().position(|b| matches!(b, b'\n' | b'\r')).map_or(bytes.len(), |n| index + n);
+            }
             b'/' if bytes.get(index + 1) == Some(&b'*') => {
                 let opened = index;
                 index = end_of(bytes, index + 2, b"*/");
@@ -25,7 +28,7 @@ pub fn scan(source: SourceId, text: &str) -> Result<(), Box<Diagnostic>> {
             b'"' => {
                 index = bytes[index + 1..]
                     .iter()
-                    .position(|b| matches!(b, b'"' | b'\n'))
+                    .position(|b| matches!(b, b'"' | b'\n' | b'\r'))
                     .map_or(bytes.len(), |n| index + 1 + n)
             }
             byte @ (b'{' | b'(' | b'[') => {

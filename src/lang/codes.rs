@@ -23,7 +23,10 @@ pub(super) fn one(thing: impl std::fmt::Display) -> String {
 
 /// Points at an unknown word, offers the nearest known one or lists them all.
 fn unknown(code: &'static str, span: Span, what: &str, word: &str, known: &[&str]) -> Diagnostic {
+    // A file made to break the program may have so many names that comparing with all of them never ends.
+    const MOST: usize = 200;
     let diagnostic = Diagnostic::error(code, span, format!("unknown {what} `{word}`"));
+    let known = &known[..known.len().min(MOST)];
     match nearest(word, known.iter().copied()) {
         Some(near) => diagnostic.here(format!("did you mean `{near}`?")).fix(near),
         None if known.is_empty() => diagnostic.here("none is known here"),

@@ -23,6 +23,11 @@ pub(super) struct Scope<'a> {
     pub event: &'a str,
 }
 
+/// The names of the functions that formulas may call.
+pub fn functions() -> impl Iterator<Item = &'static str> {
+    FUNCTIONS.iter().map(|(name, _)| *name)
+}
+
 const FUNCTIONS: &[(&str, Function)] = &[
     ("min", Function::Min),
     ("max", Function::Max),

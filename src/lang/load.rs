@@ -3,7 +3,7 @@
 use std::path::{Component, Path, PathBuf};
 
 use super::ast::File;
-use super::{codes, parse};
+use super::{codes, library, parse};
 use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
 
 /// Reads files; the only way in which the front end reaches the outside. A function that gives a file's text is one.
@@ -72,7 +72,7 @@ impl Loader<'_> {
         if let Some((_, source)) = self.known.iter().find(|(known, _)| *known == key) {
             return Ok(*source);
         }
-        let text = self.read.text(path)?;
+        let text = if library::holds(path) { library::read(path)? } else { self.read.text(path)? };
         // Some editors begin files with a byte order mark.
         let text = text.strip_prefix('\u{feff}').map_or(text.clone(), str::to_string);
         let source = self.sources.add(path, text.clone());
@@ -90,7 +90,14 @@ impl Loader<'_> {
         importers.push(source);
         for import in &mut file.imports {
             let folder = path.parent().unwrap_or(Path::new(""));
-            match self.file(&folder.join(&import.path), importers) {
+            let mut found = self.file(&folder.join(&import.path), importers);
+            // A file of one's own goes before the library's.
+            if let (Err(error), Some(place)) = (&found, library::place(&import.path))
+                && error.kind() == std::io::ErrorKind::NotFound
+            {
+                found = self.file(&place, importers);
+            }
+            match found {
                 Ok(imported) if importers.contains(&imported) => {
                     self.diagnostics.push(codes::import_cycle(import.span, &import.path));
                 }

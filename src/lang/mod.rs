@@ -4,12 +4,14 @@
 //! |---|---|---|
 //! | load | [`load`] | paths → [`ast::File`]s, imports followed, every file read once |
 //! | parse | [`parse`] | text → [`ast::File`] |
+//! | lay out | [`format()`] | text → the same text in its canonical layout |
 //! | check | [`check`] | files, [`Form`](crate::signature::Form)s, vocabulary → [`hir::Program`] |
 //!
 //! Every phase returns what it could build **and** all it has to say; nothing stops at the first mistake. The language
 //! knows no form, kind or key by name: those are handed in as signatures.
 
 mod load;
+pub mod library;
 mod parse;
 pub mod ast;
 mod brackets;
@@ -22,9 +24,16 @@ mod value;
 pub mod codes;
 pub mod hir;
 mod suggest;
+pub mod mistakes;
+mod format;
+mod outline;
 
 pub use check::{check, once};
+pub use format::format;
+pub use formula::functions;
 pub use load::{Loaded, Reader, load, reason};
+pub use outline::outline;
 pub use params::{DIMENSIONS, OTHER_TYPES};
 pub use parse::parse;
 pub use settings::{Matrix, Setting, apply, matrices, settings};
+pub use suggest::nearest;

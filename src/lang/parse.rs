@@ -1,4 +1,4 @@
-//! Text → AST. The only code that knows pest.
+//! Text → AST. Only this file and `format::marks` know pest.
 
 use pest::Parser;
 use pest::error::{ErrorVariant, InputLocation};
@@ -13,12 +13,12 @@ use super::{brackets, codes};
 use crate::diagnostic::{Diagnostic, SourceId, Span};
 
 #[allow(missing_docs, reason = "the derive writes the enum; the grammar documents the rules")]
-mod rules {
+pub(super) mod rules {
     /// The parser made from the grammar files.
     #[derive(pest_derive::Parser)]
     #[grammar = "../grammar/lexical.pest"]
     #[grammar = "../grammar/scenario.pest"]
-    pub(super) struct ScenarioParser;
+    pub(in crate::lang) struct ScenarioParser;
 }
 use rules::{Rule, ScenarioParser};
 
@@ -412,6 +412,9 @@ fn describe(rule: Rule) -> Option<&'static str> {
         | Rule::junk_item
         | Rule::junk_entry
         | Rule::balanced
+        | Rule::piece
+        | Rule::dark
+        | Rule::gap
         | Rule::prefix
         | Rule::negative
         | Rule::not => return None,

@@ -39,6 +39,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("analysis", &["env", "campaign"]),
     ("report", &["geometry", "road", "av", "rl", "env", "falsifier", "compile", "judge", "campaign", "analysis"]),
     ("process", &["av"]),
+    ("lsp", &["diagnostic", "signature", "units", "lang", "compile"]),
     (
         "cli",
         &[
@@ -55,6 +56,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "falsifier",
             "env",
             "av",
+            "lsp",
         ],
     ),
 ];
@@ -62,6 +64,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
 /// Crates that only one module may name.
 const DOORS: &[(&str, &str)] = &[
     ("pest", "lang"),
+    ("lsp_server", "lsp"),
+    ("lsp_types", "lsp"),
     ("pest_derive", "lang"),
     ("annotate_snippets", "diagnostic"),
     ("parry2d", "geometry"),

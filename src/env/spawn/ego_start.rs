@@ -31,7 +31,7 @@ pub enum RoadShape {
     /// All.
     #[default]
     Any,
-    /// Where the lane runs straight for the next [`LOOK_AHEAD`] metres.
+    /// Where the lane runs straight for the next ten metres.
     Straight,
     /// Where it does not.
     Bend,

@@ -1,0 +1,99 @@
+use std::path::Path;
+
+use super::args::{DebugOptions, GivenOptions, Tree};
+use super::{ExitCode, front};
+use crate::compile::{Catalog, Plan};
+use crate::diagnostic::{Severity, Sources};
+use crate::env::Scenario;
+use crate::lang::{self, outline};
+
+/// `falsify debug`
+pub fn debug(options: &DebugOptions) -> ExitCode {
+    match options.tree {
+        Tree::Plan => match front::compile_files(std::slice::from_ref(&options.file), &GivenOptions::default()) {
+            Ok((plan, _)) => {
+                front::say(show_plan(&plan).trim_end());
+                ExitCode::Done
+            }
+            Err(code) => code,
+        },
+        tree => show_tree(tree, &options.file),
+    }
+}
+
+/// Shows what the front end made of a file, as far as it came.
+fn show_tree(tree: Tree, file: &Path) -> ExitCode {
+    let mut sources = Sources::default();
+    let read = |path: &Path| std::fs::read_to_string(path);
+    let mut loaded = match lang::load(&[file.to_path_buf()], &read, &mut sources) {
+        Ok(loaded) => loaded,
+        Err((path, error)) => {
+            front::fail(&format!("cannot read `{}`: {}", path.display(), lang::reason(&error)));
+            return ExitCode::Usage;
+        }
+    };
+    let mut said = std::mem::take(&mut loaded.diagnostics);
+    if let Tree::Ast = tree {
+        let roots = loaded.files.iter().filter(|file| loaded.roots.contains(&file.source));
+        roots.for_each(|root| front::say(outline(root).trim_end()));
+    } else {
+        let catalog = Catalog::builtin();
+        let (program, more) = lang::check(&loaded, &sources, &catalog.forms, &catalog.vocabulary);
+        said.extend(more);
+        front::say(outline(&program).trim_end());
+    }
+    front::show(&said, &sources);
+    if said.iter().any(|each| each.severity == Severity::Error) { ExitCode::Scenario } else { ExitCode::Done }
+}
+
+fn show_plan(plan: &Plan) -> String {
+    let mut text = String::new();
+    for town in &plan.towns {
+        text.push_str(&format!("town {}: {} roads\n", town.name, town.town.roads.len()));
+    }
+    for campaign in &plan.campaigns {
+        text.push_str(&format!("campaign {}\n", campaign.name));
+        for training in &campaign.trainings {
+            let key = &training.key;
+            let environments = training.environments;
+            text.push_str(&format!(
+                "  training: {} in {} against {}, run {}, {environments} environments\n",
+                key.reward, key.town, key.policy, key.run
+            ));
+            text.push_str(&show_scenario(&training.scenario));
+            text.push_str(&indented(&outline(&training.config)));
+        }
+        for evaluation in &campaign.evaluations {
+            let key = &evaluation.trained;
+            text.push_str(&format!(
+                "  evaluation: {} ({}, {}, {}, run {}) in {} against {} with {}, {} episodes\n",
+                evaluation.pedestrian.name(),
+                key.reward,
+                key.town,
+                key.policy,
+                key.run,
+                evaluation.town,
+                evaluation.policy,
+                evaluation.vehicle,
+                evaluation.episodes
+            ));
+            text.push_str(&show_scenario(&evaluation.scenario));
+        }
+    }
+    text
+}
+
+fn show_scenario(scenario: &Scenario) -> String {
+    let parts = [
+        outline(&scenario.vehicle),
+        outline(&scenario.adversary),
+        outline(&scenario.spawn),
+        outline(&scenario.reward),
+        outline(&scenario.episode),
+    ];
+    indented(&parts.concat())
+}
+
+fn indented(text: &str) -> String {
+    text.lines().map(|line| format!("    {line}\n")).collect()
+}

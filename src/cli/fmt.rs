@@ -1,0 +1,94 @@
+use std::io::{Read, Write};
+use std::path::Path;
+
+use super::args::FmtOptions;
+use super::{ExitCode, front};
+use crate::diagnostic::Sources;
+use crate::lang;
+
+/// `falsify fmt`
+pub fn fmt(options: &FmtOptions) -> ExitCode {
+    if options.stdin {
+        return input(options.check);
+    }
+    let mut worst = ExitCode::Done;
+    for path in &options.files {
+        let code = file(path, options.check);
+        if code != ExitCode::Done {
+            worst = code;
+        }
+    }
+    worst
+}
+
+fn file(path: &Path, check: bool) -> ExitCode {
+    let text = match std::fs::read_to_string(path) {
+        Ok(text) => text,
+        Err(error) => {
+            front::fail(&format!("cannot read `{}`: {}", path.display(), lang::reason(&error)));
+            return ExitCode::Usage;
+        }
+    };
+    let laid_out = match lay_out(path, &text) {
+        Ok(laid_out) => laid_out,
+        Err(code) => return code,
+    };
+    if laid_out == text {
+        return ExitCode::Done;
+    }
+    if check {
+        front::say(&path.display().to_string());
+        return ExitCode::Scenario;
+    }
+    match write(path, &laid_out) {
+        Ok(()) => ExitCode::Done,
+        Err(error) => {
+            front::fail(&format!("cannot write `{}`: {error}", path.display()));
+            ExitCode::WriteFailed
+        }
+    }
+}
+
+fn input(check: bool) -> ExitCode {
+    let mut text = String::new();
+    if let Err(error) = std::io::stdin().read_to_string(&mut text) {
+        front::fail(&format!("cannot read the input: {}", lang::reason(&error)));
+        return ExitCode::Usage;
+    }
+    match lay_out(Path::new("<input>"), &text) {
+        Ok(laid_out) if check => {
+            if laid_out == text {
+                ExitCode::Done
+            } else {
+                ExitCode::Scenario
+            }
+        }
+        Ok(laid_out) => match std::io::stdout().write_all(laid_out.as_bytes()) {
+            Ok(()) => ExitCode::Done,
+            Err(_) => ExitCode::WriteFailed,
+        },
+        Err(code) => code,
+    }
+}
+
+/// Lays a text out; a text with errors is left alone and they are shown.
+fn lay_out(path: &Path, text: &str) -> Result<String, ExitCode> {
+    let mut sources = Sources::default();
+    let source = sources.add(path, text.strip_prefix('\u{feff}').unwrap_or(text));
+    lang::format(source, text).map_err(|said| {
+        front::show(&said, &sources);
+        front::fail(&format!("`{}` cannot be read and was left alone", path.display()));
+        ExitCode::Scenario
+    })
+}
+
+/// Replaces a file in one step, so that nothing is lost when that fails.
+fn write(path: &Path, text: &str) -> std::io::Result<()> {
+    // Through links, to the file itself.
+    let path = std::fs::canonicalize(path)?;
+    let mut file = tempfile::NamedTempFile::new_in(path.parent().unwrap_or(Path::new(".")))?;
+    file.write_all(text.as_bytes())?;
+    file.as_file().set_permissions(std::fs::metadata(&path)?.permissions())?;
+    file.persist(&path)?;
+    Ok(())
+}

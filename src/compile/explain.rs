@@ -1,0 +1,208 @@
+use std::fmt::Write;
+
+use super::Catalog;
+use crate::lang::mistakes::{Mistake, mistakes};
+use crate::lang::nearest;
+use crate::signature::{Param, Signature};
+use crate::units::UNIT_NAMES;
+
+impl Catalog {
+    /// Explains a diagnostic code, a form, a kind (`policy idm`), a block or key of either (`policy idm margin`), or one of
+    /// `events`, `variables`, `units`.
+    ///
+    /// # Errors
+    /// What is not known, with the nearest that is.
+    pub fn explain(&self, words: &[String]) -> Result<String, String> {
+        let words: Vec<&str> = words.iter().flat_map(|word| word.split_whitespace()).collect();
+        let Some((first, rest)) = words.split_first() else { return Ok(self.topics()) };
+        let mistakes = mistakes();
+        if rest.is_empty() {
+            if let Some(mistake) = mistakes.iter().find(|mistake| mistake.code == *first) {
+                return Ok(explain_mistake(mistake));
+            }
+            match *first {
+                "events" => return Ok(self.events()),
+                "variables" => return Ok(self.variables()),
+                "units" => return Ok(units()),
+                _ => {}
+            }
+        }
+        if let Some(form) = self.forms.iter().find(|form| form.name == *first) {
+            if rest.is_empty() {
+                return Ok(self.form(form.name));
+            }
+            let heads = form.kinds.iter().map(|kind| (format!("{} name = {}(…)", form.name, kind.name), kind));
+            let plain = form.plain.iter().map(|plain| (format!("{} name {{ … }}", form.name), plain));
+            // A kind's own name leads to it; otherwise the words are looked for in all that the form has.
+            for (head, signature) in heads.chain(plain) {
+                let inner = if signature.name == rest[0] { &rest[1..] } else { rest };
+                if let Some(text) = inside(&head, signature, inner)
+                    && (signature.name == rest[0] || !inner.is_empty())
+                {
+                    return Ok(text);
+                }
+            }
+            return Err(unknown(&format!("{first} {}", rest.join(" ")), &self.words_of(form.name), first));
+        }
+        // A kind or a key may be named alone.
+        let mut found = Vec::new();
+        for form in &self.forms {
+            for signature in form.kinds.iter().chain(&form.plain) {
+                let head = match form.plain.as_ref().is_some_and(|plain| std::ptr::eq(plain, signature)) {
+                    true => format!("{} name {{ … }}", form.name),
+                    false => format!("{} name = {}(…)", form.name, signature.name),
+                };
+                let inner = if signature.name == *first { rest } else { &words[..] };
+                found.extend(inside(&head, signature, inner).filter(|_| signature.name == *first || !inner.is_empty()));
+            }
+        }
+        if !found.is_empty() {
+            return Ok(found.join("\n"));
+        }
+        let mut known: Vec<&str> = mistakes.iter().map(|mistake| mistake.code).collect();
+        known.extend(["events", "variables", "units"]);
+        let all: Vec<String> = self.forms.iter().flat_map(|form| self.words_of(form.name)).collect();
+        known.extend(self.forms.iter().map(|form| form.name));
+        known.extend(all.iter().map(String::as_str));
+        let known: Vec<String> = known.into_iter().map(str::to_string).collect();
+        Err(unknown(&words.join(" "), &known, ""))
+    }
+
+    /// All that can be explained.
+    fn topics(&self) -> String {
+        let mut page = String::from("The language; `falsify explain FORM`, `falsify explain FORM KIND`:\n\n");
+        for form in &self.forms {
+            let kinds: Vec<&str> = form.kinds.iter().map(|kind| kind.name).collect();
+            let _ = writeln!(page, "  {:10}  {}", form.name, kinds.join(", "));
+        }
+        page.push_str("\n  events      what rewards answer to\n  variables   what formulas can name\n");
+        page.push_str("  units       what quantities are written in\n\n");
+        page.push_str("Diagnostics; `falsify explain CODE`:\n\n");
+        for mistake in mistakes() {
+            let _ = writeln!(page, "  {:22}  {}", mistake.code, first_sentence(mistake.text));
+        }
+        page
+    }
+
+    fn form(&self, name: &str) -> String {
+        let mut page = String::new();
+        for form in self.forms.iter().filter(|form| form.name == name) {
+            let _ = writeln!(page, "{}: {}\n", form.name, form.doc);
+            if let Some(plain) = &form.plain {
+                page.push_str(&contents(&format!("{} name {{ … }}", form.name), plain));
+            }
+            for kind in &form.kinds {
+                let _ = writeln!(page, "{} name = {}(…)\n    {}", form.name, kind.name, kind.doc);
+            }
+            if !form.kinds.is_empty() {
+                let _ = writeln!(page, "\n`falsify explain {} KIND` lists the keys of a kind.", form.name);
+            }
+        }
+        page
+    }
+
+    /// Names of kinds, blocks and keys of a form.
+    fn words_of(&self, form: &str) -> Vec<String> {
+        fn gather(signature: &Signature, words: &mut Vec<String>) {
+            words.push(signature.name.to_string());
+            words.extend(signature.params.iter().map(|param| param.name.to_string()));
+            signature.children.iter().for_each(|child| gather(child, words));
+        }
+        let mut words = Vec::new();
+        for form in self.forms.iter().filter(|each| each.name == form) {
+            form.kinds.iter().chain(&form.plain).for_each(|signature| gather(signature, &mut words));
+        }
+        words
+    }
+
+    fn events(&self) -> String {
+        let mut page = String::from("Events: `on event => formula` inside a reward.\n");
+        for event in &self.vocabulary.events {
+            let _ = writeln!(page, "\non {}\n    {}", event.name, event.doc);
+            if !event.words.is_empty() {
+                let _ = writeln!(page, "    words: {}", event.words.join(", "));
+            }
+            let _ = writeln!(page, "    variables: {}", event.variables.join(", "));
+        }
+        page
+    }
+
+    fn variables(&self) -> String {
+        let mut page = String::from("Variables: what formulas can name.\n\n");
+        for variable in &self.vocabulary.variables {
+            let _ = writeln!(page, "{} ({})\n    {}", variable.name, variable.dimension, variable.doc);
+        }
+        page
+    }
+}
+
+fn units() -> String {
+    let mut page = String::from("Units, which `/`, `*` and `^` combine, as in `km/h` and `m/s^2`.\n\n");
+    for (name, unit) in UNIT_NAMES {
+        let _ = writeln!(page, "{name:8}  {}", unit.dimension);
+    }
+    page
+}
+
+fn unknown(word: &str, known: &[String], form: &str) -> String {
+    let last = word.rsplit(' ').next().unwrap_or(word);
+    let form = if form.is_empty() { String::new() } else { format!("{form} ") };
+    match nearest(last, known.iter().map(String::as_str)) {
+        Some(near) => format!("nothing is known of `{word}`; did you mean `{form}{near}`?"),
+        None => format!("nothing is known of `{word}`; `falsify explain` lists what there is"),
+    }
+}
+
+/// A signature, or a block or key inside it.
+fn inside(head: &str, signature: &Signature, words: &[&str]) -> Option<String> {
+    let Some((first, rest)) = words.split_first() else { return Some(contents(head, signature)) };
+    if let Some(param) = signature.params.iter().find(|param| param.name == *first).filter(|_| rest.is_empty()) {
+        return Some(format!("{head}\n\n{}", key(param)));
+    }
+    let child = signature.children.iter().find(|child| child.name == *first)?;
+    inside(&format!("{head}, inside: {} {{ … }}", child.name), child, rest)
+}
+
+fn contents(head: &str, signature: &Signature) -> String {
+    let mut page = format!("{head}\n");
+    if !signature.doc.is_empty() {
+        let _ = writeln!(page, "    {}", signature.doc);
+    }
+    page.push('\n');
+    for param in &signature.params {
+        page.push_str(&key(param));
+    }
+    if signature.clauses {
+        page.push_str("on event => formula\n    see `falsify explain events`\n");
+    }
+    for child in &signature.children {
+        let keys: Vec<&str> = child.params.iter().map(|param| param.name).collect();
+        let _ = writeln!(
+            page,
+            "{} {{ … }}, any number of times\n    {}\n    keys: {}",
+            child.name,
+            child.doc,
+            keys.join(", ")
+        );
+    }
+    page
+}
+
+fn key(param: &Param) -> String {
+    let default = match param.default {
+        None => "must be given".into(),
+        Some("") => "may be left out".into(),
+        Some(text) => format!("default {text}"),
+    };
+    format!("{}: {}; {default}\n    {}\n", param.name, param.ty.describe(), param.doc)
+}
+
+fn first_sentence(text: &str) -> &str {
+    text.split_once(". ").map_or(text, |(first, _)| first).trim_end_matches('.')
+}
+
+fn explain_mistake(mistake: &Mistake) -> String {
+    let indented = |text: &str| text.lines().map(|line| format!("    {line}\n")).collect::<String>();
+    let Mistake { code, text, bad, good } = mistake;
+    format!("{code}\n\n{text}\n\nNot so:\n\n{}\nBut so:\n\n{}", indented(bad), indented(good))
+}

@@ -1,0 +1,82 @@
+use super::Span;
+
+/// Where the lines of a text begin, to find lines and columns without counting each time from the top.
+#[derive(Debug, Clone)]
+pub struct Lines<'a> {
+    text: &'a str,
+    starts: Vec<usize>,
+}
+
+impl<'a> Lines<'a> {
+    /// Looks a text through once.
+    pub fn new(text: &'a str) -> Self {
+        let starts = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect();
+        Self { text, starts }
+    }
+
+    /// The line of a byte and the text of the line before it; lines count from 0.
+    fn before(&self, byte: usize) -> (usize, &'a str) {
+        let byte = self.floor(byte);
+        let line = self.starts.partition_point(|start| *start <= byte) - 1;
+        (line, &self.text[self.starts[line]..byte])
+    }
+
+    /// The nearest byte at or before this one where a character begins.
+    fn floor(&self, byte: usize) -> usize {
+        self.text.floor_char_boundary(byte)
+    }
+
+    /// Line and column of a byte, both from 1; the column counts characters.
+    pub fn line_column(&self, byte: usize) -> (usize, usize) {
+        let (line, before) = self.before(byte);
+        (line + 1, before.chars().count() + 1)
+    }
+
+    /// Line and column of a byte, both from 0; the column counts units of UTF-16, as editors do.
+    pub fn utf16(&self, byte: usize) -> (u32, u32) {
+        let (line, before) = self.before(byte);
+        (line as u32, before.encode_utf16().count() as u32)
+    }
+
+    /// The byte at a line and a UTF-16 column, both from 0; the nearest there is when there is none.
+    pub fn byte(&self, line: u32, column: u32) -> usize {
+        let Some(start) = self.starts.get(line as usize).copied() else { return self.text.len() };
+        let mut left = column as usize;
+        let mut byte = start;
+        for character in self.text[start..].chars() {
+            if left < character.len_utf16() || matches!(character, '\n' | '\r') {
+                break;
+            }
+            left -= character.len_utf16();
+            byte += character.len_utf8();
+        }
+        byte
+    }
+
+    /// Line and column of both ends of a span, as [`Lines::line_column`].
+    pub fn span(&self, span: Span) -> ((usize, usize), (usize, usize)) {
+        (self.line_column(span.start), self.line_column(span.end))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_count_characters_or_units_of_utf16() {
+        let text = "a\n/* 🚗é */ x\r\nend";
+        let lines = Lines::new(text);
+        let x = text.find('x').unwrap();
+        assert_eq!(lines.line_column(x), (2, 10));
+        assert_eq!(lines.utf16(x), (1, 10));
+        assert_eq!(lines.byte(1, 10), x);
+        for (at, _) in text.char_indices().filter(|(_, c)| !matches!(c, '\n' | '\r')) {
+            let (line, column) = lines.utf16(at);
+            assert_eq!(lines.byte(line, column), at);
+        }
+        assert_eq!(lines.byte(1, 99), text.find('\r').unwrap(), "the line's end");
+        assert_eq!(lines.byte(99, 0), text.len());
+        assert_eq!(lines.byte(1, 4), text.find('🚗').unwrap(), "the middle of a pair goes to its beginning");
+    }
+}

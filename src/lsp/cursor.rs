@@ -1,0 +1,275 @@
+//! Where the cursor is: read off the text before it, which need not be a whole file.
+
+use crate::compile::Catalog;
+use crate::signature::{Param, Signature};
+
+/// What the text before the cursor says about the word at it.
+#[derive(Debug)]
+pub struct Cursor<'a> {
+    /// The whole word at the cursor; may be empty.
+    pub word: &'a str,
+    /// What the word is.
+    pub place: Place<'a>,
+    /// What the innermost braces or parentheses belong to.
+    pub signature: Option<&'a Signature>,
+}
+
+/// What a word is.
+#[derive(Debug, Clone, Copy)]
+pub enum Place<'a> {
+    /// The first word of a declaration.
+    Form,
+    /// The kind of this form.
+    Kind(&'a str),
+    /// A key, a block or `on`.
+    Key,
+    /// A value of this key.
+    Value(&'a Param),
+    /// A unit of a number that stands for this key, if for any.
+    Unit(Option<&'a Param>),
+    /// A part of a formula.
+    Formula,
+    /// An event.
+    Event,
+    /// The word in the parentheses of this event.
+    EventWord(&'a str),
+    /// The path of an import.
+    Import,
+    /// In a comment, or nowhere in particular.
+    Nothing,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    Word,
+    Number,
+    Text,
+    Sign,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Token<'a> {
+    text: &'a str,
+    kind: Kind,
+    end: usize,
+}
+
+/// An open bracket, or the file.
+#[derive(Debug, Default)]
+struct Frame<'a> {
+    signature: Option<&'a Signature>,
+    /// Whether keys stand here, as in braces and behind kinds.
+    keys: bool,
+    param: Option<&'a Param>,
+    formula: bool,
+    event: Option<&'a str>,
+    tokens: Vec<Token<'a>>,
+    /// The kind whose parentheses have just closed.
+    closed: Option<&'a Signature>,
+}
+
+/// Finds out where a byte of a text is.
+pub fn cursor<'a>(text: &'a str, byte: usize, catalog: &'a Catalog) -> Cursor<'a> {
+    let byte = text.floor_char_boundary(byte);
+    let start = byte - text[..byte].bytes().rev().take_while(|b| is_word(*b)).count();
+    let end = byte + text[byte..].bytes().take_while(|b| is_word(*b)).count();
+    let word = &text[start..end];
+    let mut frames = vec![Frame { keys: true, ..Frame::default() }];
+    let mut at = 0;
+    while let Some(token) = next(text, &mut at, start) {
+        match token {
+            Ok(token) => take(&mut frames, token, catalog),
+            // The cursor is inside a text or a comment.
+            Err(is_text) => {
+                let last = frames.last().and_then(|frame| frame.tokens.last());
+                let import = is_text && last.is_some_and(|last| last.text == "import");
+                let place = if import { Place::Import } else { Place::Nothing };
+                return Cursor { word, place, signature: None };
+            }
+        }
+    }
+    let top = frames.len() == 1;
+    let frame = frames.last().expect("the file is never closed");
+    let is_key = text[end..].trim_start_matches([' ', '\t']).starts_with(':');
+    Cursor { word, place: place(frame, top, is_key, &text[..start]), signature: frame.signature }
+}
+
+fn place<'a>(frame: &Frame<'a>, top: bool, is_key: bool, before: &str) -> Place<'a> {
+    let behind = |n: usize| frame.tokens.len().checked_sub(n).map(|at| frame.tokens[at]);
+    let last = behind(1);
+    if let Some(event) = frame.event {
+        return Place::EventWord(event);
+    }
+    if is_key && frame.keys && !top {
+        return Place::Key;
+    }
+    match last {
+        Some(last) if last.kind == Kind::Number && before[last.end..].chars().all(|c| matches!(c, ' ' | '\t')) => {
+            return Place::Unit(frame.param);
+        }
+        Some(last) if last.text == "in" && last.kind == Kind::Word => return Place::Unit(frame.param),
+        Some(last) if last.text == "on" && last.kind == Kind::Word && frame.keys => return Place::Event,
+        Some(last) if last.text == "=" => return behind(3).map_or(Place::Nothing, |form| Place::Kind(form.text)),
+        _ => {}
+    }
+    let open = last.is_none_or(|last| {
+        last.kind == Kind::Sign && !matches!(last.text, ")" | "]" | "}") || matches!(last.text, "and" | "or" | "not")
+    });
+    if frame.formula && (open || !frame.keys) {
+        return Place::Formula;
+    }
+    match frame.param {
+        Some(param) if open || !frame.keys => Place::Value(param),
+        _ if !frame.keys => Place::Formula,
+        _ if !top => Place::Key,
+        // At the top a form, unless one has just been written.
+        _ if last.is_none_or(|last| last.kind != Kind::Word || last.text == "import") => Place::Form,
+        _ => Place::Nothing,
+    }
+}
+
+/// Reads on by one token.
+fn take<'a>(frames: &mut Vec<Frame<'a>>, token: Token<'a>, catalog: &'a Catalog) {
+    let top = frames.len() == 1;
+    let frame = frames.last_mut().expect("the file is never closed");
+    if token.text != "{" {
+        frame.closed = None;
+    }
+    if token.kind == Kind::Sign {
+        match token.text {
+            "{" => {
+                let signature = opened(frame, top, catalog);
+                frames.push(Frame { signature, keys: true, ..Frame::default() });
+                return;
+            }
+            "(" | "[" => {
+                let inner = bracket(frame, token, catalog);
+                frames.push(inner);
+                return;
+            }
+            ")" | "]" | "}" => {
+                let closed = if frames.len() > 1 { frames.pop() } else { None };
+                let frame = frames.last_mut().expect("the file is never closed");
+                if token.text == "}" {
+                    *frame = Frame { signature: frame.signature, keys: frame.keys, ..Frame::default() };
+                } else {
+                    frame.closed = closed.filter(|closed| closed.keys).and_then(|closed| closed.signature);
+                    frame.tokens.push(token);
+                }
+                return;
+            }
+            ":" => {
+                let key = frame.tokens.last().map_or("", |last| last.text);
+                frame.param = frame.signature.and_then(|s| s.params.iter().find(|param| param.name == key));
+                frame.formula = false;
+            }
+            "=>" => {
+                frame.param = None;
+                frame.formula = true;
+            }
+            "," | ";" if frame.keys => {
+                frame.param = None;
+                frame.formula = false;
+                frame.tokens.clear();
+                return;
+            }
+            _ => {}
+        }
+    }
+    frame.tokens.push(token);
+}
+
+/// What a block belongs to whose brace comes next.
+fn opened<'a>(frame: &Frame<'a>, top: bool, catalog: &'a Catalog) -> Option<&'a Signature> {
+    if let Some(closed) = frame.closed {
+        return Some(closed);
+    }
+    let behind = |n: usize| frame.tokens.len().checked_sub(n).map(|at| frame.tokens[at].text);
+    if behind(2) == Some("=") {
+        return kind(behind(4)?, behind(1)?, catalog);
+    }
+    let find = |word: &str| {
+        if top {
+            catalog.forms.iter().find(|form| form.name == word).and_then(|form| form.plain.as_ref())
+        } else {
+            frame.signature.and_then(|signature| signature.children.iter().find(|child| child.name == word))
+        }
+    };
+    let (name, word) = (behind(1), behind(2));
+    // `word name {` or `word {`.
+    word.and_then(find).or_else(|| name.and_then(find))
+}
+
+fn kind<'a>(form: &str, kind: &str, catalog: &'a Catalog) -> Option<&'a Signature> {
+    let form = catalog.forms.iter().find(|each| each.name == form)?;
+    form.kinds.iter().find(|each| each.name == kind)
+}
+
+fn bracket<'a>(frame: &Frame<'a>, token: Token<'a>, catalog: &'a Catalog) -> Frame<'a> {
+    let behind = |n: usize| frame.tokens.len().checked_sub(n).map(|at| frame.tokens[at].text);
+    if token.text == "(" && behind(2) == Some("=") {
+        let signature = behind(4).zip(behind(1)).and_then(|(form, word)| kind(form, word, catalog));
+        return Frame { signature, keys: true, ..Frame::default() };
+    }
+    let event = if token.text == "(" && behind(2) == Some("on") { behind(1) } else { None };
+    Frame { signature: frame.signature, param: frame.param, formula: frame.formula, event, ..Frame::default() }
+}
+
+fn is_word(byte: u8) -> bool {
+    byte.is_ascii_alphanumeric() || byte == b'_'
+}
+
+/// The next token that ends before a limit; an error when the limit lies inside a text (true) or a comment (false).
+fn next<'a>(text: &'a str, at: &mut usize, limit: usize) -> Option<Result<Token<'a>, bool>> {
+    let bytes = text.as_bytes();
+    while *at < limit {
+        let start = *at;
+        let rest = &text[start..];
+        let (end, kind) = match bytes[start] {
+            byte if byte.is_ascii_whitespace() => {
+                *at += 1;
+                continue;
+            }
+            _ if rest.starts_with("//") || rest.starts_with("/*") => {
+                let end = if rest.starts_with("//") { rest.find('\n') } else { rest.find("*/").map(|n| n + 2) };
+                *at = end.map_or(usize::MAX, |n| start + n);
+                if *at > limit {
+                    return Some(Err(false));
+                }
+                continue;
+            }
+            b'"' => {
+                let end = rest[1..].find(['"', '\n']).map_or(usize::MAX, |n| start + n + 2);
+                if end > limit {
+                    return Some(Err(true));
+                }
+                (end, Kind::Text)
+            }
+            byte if byte.is_ascii_digit() => {
+                let number = |b: &&u8| is_word(**b) || **b == b'.';
+                let mut length = bytes[start..].iter().take_while(number).count();
+                // `7..30` is a range, and `60deg` a number with its unit.
+                length = rest[..length].find("..").unwrap_or(length);
+                let digits =
+                    rest[..length].bytes().take_while(|b| b.is_ascii_digit() || matches!(b, b'.' | b'_')).count();
+                let scientific = rest[digits..].starts_with(['e', 'E'])
+                    && rest[digits + 1..].trim_start_matches(['+', '-']).starts_with(|c: char| c.is_ascii_digit());
+                (start + if scientific { length } else { digits }, Kind::Number)
+            }
+            byte if is_word(byte) => (start + bytes[start..].iter().take_while(|b| is_word(**b)).count(), Kind::Word),
+            _ => {
+                let long = ["=>", "..", "<=", ">="].iter().find(|long| rest.starts_with(**long));
+                (
+                    start + long.map_or_else(|| rest.chars().next().map_or(1, char::len_utf8), |long| long.len()),
+                    Kind::Sign,
+                )
+            }
+        };
+        *at = end;
+        if end > limit {
+            return None;
+        }
+        return Some(Ok(Token { text: &text[start..end], kind, end }));
+    }
+    None
+}

@@ -1,0 +1,52 @@
+//! Messages on a stream: headers, an empty line, a body.
+
+use std::io::{BufRead, Read};
+
+use lsp_server::Message;
+
+/// The longest body that is read (bytes).
+const MAX_BODY: usize = 64 << 20;
+
+/// Why a message could not be read.
+#[derive(Debug, thiserror::Error)]
+pub enum WireError {
+    /// The stream failed.
+    #[error("the stream failed: {0}")]
+    Stream(#[from] std::io::Error),
+    /// The headers name no length, or one beyond reason; where the next message begins is then unknown.
+    #[error("the headers name no usable length")]
+    Headers,
+    /// The body is no message; the next one can be read.
+    #[error("the message cannot be understood: {0}")]
+    Body(String),
+}
+
+/// Reads the next message; none when the stream has ended.
+///
+/// # Errors
+/// See [`WireError`]; after [`WireError::Body`] reading can go on.
+pub fn read(stream: &mut impl BufRead) -> Result<Option<Message>, WireError> {
+    let mut length = None;
+    let mut first = true;
+    loop {
+        let mut line = Vec::new();
+        // No header is long: a stream of junk without line ends must not fill the memory.
+        if stream.by_ref().take(4096).read_until(b'\n', &mut line)? == 0 {
+            return if first { Ok(None) } else { Err(WireError::Headers) };
+        }
+        first = false;
+        let line = String::from_utf8_lossy(&line);
+        let line = line.trim_end();
+        if line.is_empty() {
+            break;
+        }
+        let (name, value) = line.split_once(':').ok_or(WireError::Headers)?;
+        if name.eq_ignore_ascii_case("content-length") {
+            length = value.trim().parse::<usize>().ok();
+        }
+    }
+    let length = length.filter(|length| *length <= MAX_BODY).ok_or(WireError::Headers)?;
+    let mut body = vec![0; length];
+    stream.read_exact(&mut body)?;
+    serde_json::from_slice(&body).map(Some).map_err(|error| WireError::Body(error.to_string()))
+}

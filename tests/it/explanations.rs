@@ -1,0 +1,107 @@
+//! Every code, form, kind and key can be explained, and the examples are what they say.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use falsify::compile::{Catalog, compile};
+use falsify::diagnostic::Sources;
+use falsify::lang::mistakes::mistakes;
+
+/// The codes that an example raises.
+fn raised(text: &str) -> BTreeSet<&'static str> {
+    let root = Path::new("mistake.scn");
+    let maps = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite/files");
+    let text = text.replace("+ 1 …", &"+ 1 ".repeat(600)).replace('…', &"and so on ".repeat(500_000));
+    let read = |path: &Path| if path == root { Ok(text.clone()) } else { std::fs::read_to_string(maps.join(path)) };
+    let mut sources = Sources::default();
+    let compiled = compile(&[root.to_path_buf()], &Catalog::builtin(), &read, &mut sources).unwrap();
+    compiled.diagnostics.iter().map(|each| each.code).collect()
+}
+
+#[test]
+fn the_bad_example_raises_its_code_alone_and_the_good_one_nothing() {
+    let mut wrong = Vec::new();
+    // Settings stand on the command line; their examples are commands.
+    for mistake in mistakes().into_iter().filter(|mistake| !mistake.bad.starts_with("falsify ")) {
+        let (bad, good) = (raised(mistake.bad), raised(mistake.good));
+        if bad != BTreeSet::from([mistake.code]) || !good.is_empty() {
+            wrong.push(format!("{}: bad raises {bad:?}, good raises {good:?}", mistake.code));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn every_code_is_explained_once() {
+    let source = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lang/codes.rs")).unwrap();
+    let mut known = BTreeSet::new();
+    for call in ["Diagnostic::error(", "Diagnostic::warning(", "unknown("] {
+        for rest in source.split(call).skip(1) {
+            let code = rest.trim_start().strip_prefix('"').and_then(|rest| rest.split('"').next());
+            known.extend(code);
+        }
+    }
+    let explained: Vec<&str> = mistakes().iter().map(|mistake| mistake.code).collect();
+    let explained_set: BTreeSet<&str> = explained.iter().copied().collect();
+    assert!(known.len() > 40);
+    assert_eq!(explained_set, known, "grammar/mistakes.md and src/lang/codes.rs do not agree");
+    assert_eq!(explained.len(), explained_set.len(), "a code is explained twice");
+}
+
+#[test]
+fn every_form_kind_block_and_key_is_explained() {
+    let catalog = Catalog::builtin();
+    let explain = |words: &[&str]| {
+        let words: Vec<String> = words.iter().map(|word| (*word).to_string()).collect();
+        catalog.explain(&words).unwrap_or_else(|error| panic!("{error}"))
+    };
+    let everything = explain(&[]);
+    for form in &catalog.forms {
+        assert!(everything.contains(form.name));
+        assert!(explain(&[form.name]).contains(form.doc));
+        for kind in &form.kinds {
+            assert!(explain(&[form.name, kind.name]).contains(kind.doc));
+            for param in &kind.params {
+                let text = explain(&[form.name, kind.name, param.name]);
+                assert!(text.contains(param.doc) && text.contains(&param.ty.describe()), "{text}");
+                assert!(
+                    text.contains(param.default.filter(|text| !text.is_empty()).unwrap_or("must be given"))
+                        || text.contains("may be left out")
+                );
+            }
+        }
+        for child in form.plain.iter().flat_map(|plain| &plain.children) {
+            assert!(explain(&[form.name, child.name]).contains(child.doc));
+            child
+                .params
+                .iter()
+                .for_each(|param| assert!(explain(&[form.name, child.name, param.name]).contains(param.doc)));
+        }
+    }
+    for mistake in mistakes() {
+        assert!(
+            everything.contains(mistake.code)
+                && explain(&[mistake.code]).contains(mistake.good.lines().last().unwrap())
+        );
+    }
+    assert!(
+        explain(&["units"]).contains("km")
+            && explain(&["events"]).contains("on hit")
+            && explain(&["variables"]).contains("v_c")
+    );
+}
+
+#[test]
+fn what_is_not_known_is_answered_with_the_nearest_that_is() {
+    let catalog = Catalog::builtin();
+    for (words, near) in [
+        (vec!["polcy"], "did you mean `policy`?"),
+        (vec!["policy", "idn"], "did you mean `policy idm`?"),
+        (vec!["missing-untis"], "did you mean `missing-unit`?"),
+        (vec!["zebra crossing"], "lists what there is"),
+    ] {
+        let words: Vec<String> = words.into_iter().map(str::to_string).collect();
+        let error = catalog.explain(&words).unwrap_err();
+        assert!(error.contains(near), "{error}");
+    }
+}

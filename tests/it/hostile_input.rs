@@ -1,0 +1,124 @@
+//! No text makes the front end panic or hang: whatever the bytes, there is an answer in bounded time.
+
+use std::path::Path;
+use std::sync::mpsc;
+use std::time::Duration;
+
+use falsify::compile::{Catalog, compile};
+use falsify::diagnostic::{Colour, Sources, records, render};
+use falsify::lang;
+use proptest::prelude::*;
+
+/// Checks a text, draws what is wrong with it, lays it out, and gives the first code.
+fn survive(text: &str) -> Option<&'static str> {
+    let root = Path::new("hostile.scn");
+    let none = || std::io::Error::from(std::io::ErrorKind::NotFound);
+    let read = |path: &Path| if path == root { Ok(text.to_string()) } else { Err(none()) };
+    let mut sources = Sources::default();
+    let compiled = compile(&[root.to_path_buf()], &Catalog::builtin(), &read, &mut sources).unwrap();
+    for each in compiled.diagnostics.iter().take(20) {
+        let _ = render(each, &sources, Colour::Never);
+    }
+    let _ = records(&compiled.diagnostics, &sources);
+    let _ = lang::format(sources.add("", text), text);
+    compiled.diagnostics.first().map(|each| each.code)
+}
+
+/// Does as [`survive`], and fails when there is no answer for long. The bound is generous: it tells bounded from hanging.
+fn survive_in_time(name: &str, text: String) -> Option<&'static str> {
+    let (sender, receiver) = mpsc::channel();
+    std::thread::spawn(move || sender.send(survive(&text)));
+    receiver.recv_timeout(Duration::from_secs(100)).unwrap_or_else(|_| panic!("{name}: no answer"))
+}
+
+fn shipped() -> Vec<String> {
+    ["scenarios/first_look.scn", "scenarios/lib/paper.scn", "scenarios/lib/drivers.scn", "src/cli/starter.scn"]
+        .map(|path| std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap())
+        .to_vec()
+}
+
+#[test]
+fn huge_and_deep_files_get_an_answer() {
+    let edition = "edition 1\n";
+    for (name, text, code) in [
+        ("junk", "§$%&? \n".repeat(50 << 17), Some("too-large")),
+        ("brackets", format!("{edition}reward r {{ on hit => {}", "(".repeat(10_000)), Some("too-deep")),
+        (
+            "pairs of brackets",
+            format!("{edition}reward r {{ on hit => {}1{} }}", "[".repeat(10_000), "]".repeat(10_000)),
+            Some("too-deep"),
+        ),
+        ("blocks", format!("{edition}{}{}", "a { ".repeat(10_000), "}".repeat(10_000)), Some("too-deep")),
+        ("terms", format!("{edition}reward r {{ on hit => 1{} }}", " + 1".repeat(20_000)), Some("too-long")),
+        ("signs", format!("{edition}reward r {{ on hit => {}1 }}", "-".repeat(20_000)), Some("too-long")),
+        ("documentation", "///\n".repeat(1 << 14), Some("missing-edition")),
+        ("documentation in a block", format!("{edition}reward r {{\n{}}}", "///\n".repeat(1 << 14)), None),
+        ("comments", format!("{edition}{}", "// a\n/* b */".repeat(1 << 13)), None),
+        ("junk with braces in texts", format!("{edition}? {}\n", "\"{\" ".repeat(1000)), Some("syntax")),
+        ("junk with braces in comments", format!("{edition}? {}\n", "/* { */ ".repeat(1000)), Some("syntax")),
+        ("junk with braces behind quotes", format!("{edition}{}", "? \" {\n".repeat(1000)), Some("syntax")),
+        ("nested junk", format!("{edition}{}{}", "? { ".repeat(60), "}".repeat(60)), Some("syntax")),
+        (
+            "nested calls",
+            format!("{edition}reward r {{ on hit => {}!{} }}", "max(a: ".repeat(60), ")".repeat(60)),
+            Some("syntax"),
+        ),
+        ("no line ends", "a".repeat(1 << 18), Some("syntax")),
+    ] {
+        assert_eq!(survive_in_time(name, text), code, "{name}");
+    }
+}
+
+#[test]
+fn a_hundred_thousand_declarations_are_read() {
+    let many: String = (0..100_000).map(|n| format!("reward r{n} {{ on hit => {n} }}\n")).collect();
+    let text = format!("edition 1\n{many}");
+    let (sender, receiver) = mpsc::channel();
+    std::thread::spawn(move || {
+        let (file, said) = lang::parse(Sources::default().add("", ""), &text);
+        sender.send((file.declarations.len(), said.len()))
+    });
+    assert_eq!(receiver.recv_timeout(Duration::from_secs(100)), Ok((100_000, 0)));
+    let wrong: String = (0..2_000).map(|n| format!("rewrd r{n} {{}}\n")).collect();
+    assert_eq!(survive_in_time("wrong declarations", format!("edition 1\n{wrong}")), Some("unknown-form"));
+}
+
+#[test]
+fn many_names_that_lead_nowhere_are_not_compared_with_many_that_do() {
+    let known: String = (0..1_000).map(|n| format!("reward r{n} {{ on hit => 1 }}\n")).collect();
+    let names: String = (0..1_000).map(|n| format!("s{n}, ")).collect();
+    let text = format!("edition 1\n{known}campaign c {{ train {{ rewards: [{names}] }} }}\n");
+    assert!(survive_in_time("names", text).is_some());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn no_bytes_panic(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
+        survive(&String::from_utf8_lossy(&bytes));
+    }
+
+    #[test]
+    fn no_soup_of_tokens_panics(tokens in prop::collection::vec(prop::sample::select(vec![
+        "edition", "1", "import", "\"a\"", "reward", "r", "{", "}", "(", ")", "[", "]", "on", "hit", "=>", ":", ",", ";", "=",
+        "..", "7", "7 m", "60 deg", "-", "+", "*", "/", "<", "<=", "and", "or", "not", "in", "m/s", "///d\n", "//c\n", "/*b*/",
+        "\"", "{\"", "\n", "\r", "\u{feff}", "é", "🚗", "max(", "spawn s {", "town t = opendrive(", "bearing:", "1e999", "m^99",
+    ]), 0..60), spaced in any::<bool>()) {
+        survive(&tokens.join(if spaced { " " } else { "" }));
+    }
+
+    #[test]
+    fn no_mutation_of_a_shipped_file_panics(
+        file in 0..4_usize,
+        cuts in prop::collection::vec((any::<prop::sample::Index>(), 0..30_usize, "[ -~\n🚗]{0,6}"), 1..6),
+    ) {
+        let mut text: Vec<char> = shipped()[file].chars().collect();
+        for (place, length, put) in cuts {
+            let at = place.index(text.len().max(1)).min(text.len());
+            let end = (at + length).min(text.len());
+            text.splice(at..end, put.chars());
+        }
+        survive(&text.into_iter().collect::<String>());
+    }
+}

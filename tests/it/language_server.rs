@@ -1,0 +1,351 @@
+//! Whole sessions of the language server, message by message.
+
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use falsify::lsp::{Ending, WireError, serve};
+use serde_json::{Value, json};
+
+/// A session that is written down first and held then.
+struct Session {
+    input: Vec<u8>,
+    next: u64,
+}
+
+impl Session {
+    fn new() -> Self {
+        let mut session = Self { input: Vec::new(), next: 0 };
+        session.ask("initialize", json!({ "capabilities": {} }));
+        session.tell("initialized", json!({}));
+        session
+    }
+
+    fn raw(&mut self, body: &str) {
+        self.input.extend(format!("Content-Length: {}\r\n\r\n{body}", body.len()).bytes());
+    }
+
+    /// Adds a request and gives its number.
+    fn ask(&mut self, method: &str, params: Value) -> u64 {
+        self.next += 1;
+        self.raw(&json!({ "jsonrpc": "2.0", "id": self.next, "method": method, "params": params }).to_string());
+        self.next
+    }
+
+    fn tell(&mut self, method: &str, params: Value) {
+        self.raw(&json!({ "jsonrpc": "2.0", "method": method, "params": params }).to_string());
+    }
+
+    fn open(&mut self, uri: &str, text: &str) {
+        let document = json!({ "uri": uri, "languageId": "falsify", "version": 1, "text": text });
+        self.tell("textDocument/didOpen", json!({ "textDocument": document }));
+    }
+
+    /// Asks about the place of a mark in a text.
+    fn ask_at(&mut self, method: &str, uri: &str, text: &str, mark: &str) -> u64 {
+        let at = text.find(mark).unwrap_or_else(|| panic!("{mark}"));
+        let (line, column) = falsify::diagnostic::Lines::new(text).utf16(at);
+        let position = json!({ "line": line, "character": column });
+        self.ask(method, json!({ "textDocument": { "uri": uri }, "position": position }))
+    }
+
+    /// Says goodbye and gives all that was answered.
+    fn hold(mut self) -> Vec<Value> {
+        self.ask("shutdown", Value::Null);
+        self.tell("exit", Value::Null);
+        let mut output = Vec::new();
+        assert_eq!(serve(&self.input[..], &mut output).unwrap(), Ending::Orderly);
+        messages(&output)
+    }
+}
+
+fn messages(mut output: &[u8]) -> Vec<Value> {
+    let mut all = Vec::new();
+    while !output.is_empty() {
+        let end = output.windows(4).position(|window| window == b"\r\n\r\n").unwrap();
+        let header = std::str::from_utf8(&output[..end]).unwrap();
+        let length: usize = header.rsplit(' ').next().unwrap().parse().unwrap();
+        all.push(serde_json::from_slice(&output[end + 4..end + 4 + length]).unwrap());
+        output = &output[end + 4 + length..];
+    }
+    all
+}
+
+fn result(messages: &[Value], id: u64) -> &Value {
+    let found = messages.iter().find(|message| message["id"] == id && message.get("method").is_none());
+    &found.unwrap_or_else(|| panic!("no answer to {id}"))["result"]
+}
+
+fn labels(messages: &[Value], id: u64) -> Vec<String> {
+    let items = result(messages, id).as_array().unwrap();
+    items.iter().map(|item| item["label"].as_str().unwrap().to_string()).collect()
+}
+
+/// The last that was said about a file.
+fn diagnostics<'a>(messages: &'a [Value], uri: &str) -> &'a Vec<Value> {
+    let about =
+        |message: &&Value| message["method"] == "textDocument/publishDiagnostics" && message["params"]["uri"] == uri;
+    messages.iter().rev().find(about).unwrap()["params"]["diagnostics"].as_array().unwrap()
+}
+
+const FILE: &str = "file:///nowhere/a%20b.scn";
+
+#[test]
+fn mistakes_are_shown_as_they_are_typed_and_taken_back() {
+    let mut session = Session::new();
+    session.open(FILE, "edition 1\n/* 🚗🚗 */ rewrd a {}\n");
+    let seen = session.input.clone();
+    let change = json!({ "textDocument": { "uri": FILE, "version": 2 }, "contentChanges": [{ "text": "edition 1\nreward a {}\n" }] });
+    session.tell("textDocument/didChange", change);
+    let first = Session { input: seen, next: 1 }.hold();
+    let said = diagnostics(&first, FILE);
+    assert_eq!(said.len(), 1);
+    assert_eq!(said[0]["code"], "unknown-form");
+    assert_eq!(
+        said[0]["range"],
+        json!({ "start": { "line": 1, "character": 11 }, "end": { "line": 1, "character": 16 } })
+    );
+    assert!(said[0]["message"].as_str().unwrap().contains("did you mean `reward`?"));
+    assert_eq!(diagnostics(&session.hold(), FILE).len(), 0);
+}
+
+#[test]
+fn an_unsaved_import_goes_before_the_file_and_gets_its_own_mistakes() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("part.scn"), "edition 1\nreward on_disk { on hit => 1 }\n").unwrap();
+    let uri = |name: &str| format!("file://{}/{name}", folder.path().display());
+    let mut session = Session::new();
+    session.open(&uri("whole.scn"), "edition 1\nimport \"part.scn\"\n");
+    session.open(&uri("part.scn"), "edition 1\nreward typed { on hit => v_c }\n");
+    let close = json!({ "textDocument": { "uri": uri("part.scn") } });
+    let before = Session { input: session.input.clone(), next: 1 }.hold();
+    assert_eq!(diagnostics(&before, &uri("part.scn"))[0]["code"], "wrong-unit");
+    assert_eq!(diagnostics(&before, &uri("part.scn")).len(), 1, "once, though two files lead to it");
+    assert_eq!(diagnostics(&before, &uri("whole.scn")).len(), 0);
+    session.tell("textDocument/didClose", close);
+    assert_eq!(diagnostics(&session.hold(), &uri("part.scn")).len(), 0, "the file on disk is right");
+}
+
+const SCENARIO: &str = "edition 1
+import \"std/paper.scn\"
+import \"std/drivers.scn\"
+import \"std/towns.scn\"
+/// Brakes late.
+policy hurried = idm(time_headway: 0.8 s, limit_share: 1)
+adversary small { body: child }
+reward fast { on hit(front) => max(1, v_c in m/s) }
+campaign mine {
+  vehicle: model3
+  adversary: small
+  spawn: ahead
+  episode: thirty_seconds
+  training: ppo_paper
+  train { towns: [harbour]  policies: [hurried]  rewards: [fast] }
+}
+";
+
+#[test]
+fn words_are_explained_where_they_stand() {
+    let mut session = Session::new();
+    session.open(FILE, SCENARIO);
+    let mut wanted = Vec::new();
+    for (mark, part) in [
+        ("reward fast", "What the pedestrian is paid for"),
+        ("idm(", "Intelligent Driver Model"),
+        ("time_headway", "time [s, ms]; default `1.5 s`"),
+        ("s, limit", "time"),
+        ("child", "one of"),
+        ("hit(", "touch"),
+        ("v_c", "speed"),
+        ("m/s)", "length"),
+        ("vehicle:", "name of a vehicle; must be given"),
+        ("train {", "Trains one pedestrian"),
+        ("towns:", "Towns to train in"),
+        ("harbour]", "A port"),
+        ("hurried]", "Brakes late."),
+    ] {
+        wanted.push((mark, part, session.ask_at("textDocument/hover", FILE, SCENARIO, mark)));
+    }
+    let comment = session.ask_at("textDocument/hover", FILE, SCENARIO, "Brakes late");
+    let answers = session.hold();
+    for (mark, part, id) in wanted {
+        let text = result(&answers, id)["contents"]["value"].as_str().unwrap_or_default();
+        assert!(text.contains(part), "{mark}: {text}");
+    }
+    assert_eq!(*result(&answers, comment), Value::Null);
+}
+
+#[test]
+fn what_could_stand_at_the_cursor_is_offered() {
+    let mut session = Session::new();
+    let mut wanted = Vec::new();
+    for (index, (before, some, not)) in [
+        ("edition 1\n", "campaign", "time_headway"),
+        ("edition 1\nimport \"", "std/towns.scn", "campaign"),
+        ("edition 1\npolicy p = ", "behavior_agent", "campaign"),
+        ("edition 1\npolicy p = idm(", "time_headway", "campaign"),
+        ("edition 1\npolicy p = idm(margin: 1 m, ", "time_headway", "m"),
+        ("edition 1\npolicy p = behavior_agent(profile: ", "cautious", "time_headway"),
+        ("edition 1\nspawn s { bearing: -60 ", "deg", "bearing"),
+        ("edition 1\nspawn s {\n  bearing: -60 deg .. 60 deg\n  ", "distance", "deg"),
+        ("edition 1\nreward r { on ", "hit", "distance"),
+        ("edition 1\nreward r { on hit(", "front", "hit"),
+        ("edition 1\nreward r { on hit => ", "v_c", "hit"),
+        ("edition 1\nreward r { on hit => max(1, ", "v_c", "hit"),
+        ("edition 1\nreward r { on step => distance in ", "m", "distance"),
+        ("edition 1\nepisode e { traffic_lights: ", "true", "ticks"),
+        ("edition 1\nimport \"std/drivers.scn\"\ncampaign c {\n  vehicle: ", "plain_car", "vehicle"),
+        ("edition 1\nimport \"std/towns.scn\"\ncampaign c {\n  train { towns: [harbour, ", "village", "towns"),
+        ("edition 1\ncampaign c {\n  training: x\n  train {\n    ", "rewards", "evaluate"),
+        ("edition 1\ncampaign c {\n  train { towns: [a] }\n  ", "evaluate", "towns"),
+        ("edition 1\ntown t = opendrive(file: \"x\") {\n  ", "building", "file_name"),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let uri = format!("untitled:{index}");
+        session.open(&uri, before);
+        let (line, column) = falsify::diagnostic::Lines::new(before).utf16(before.len());
+        let position = json!({ "line": line, "character": column });
+        let params = json!({ "textDocument": { "uri": uri }, "position": position });
+        wanted.push((before, some, not, session.ask("textDocument/completion", params)));
+    }
+    let answers = session.hold();
+    for (before, some, not, id) in wanted {
+        let labels = labels(&answers, id);
+        assert!(labels.iter().any(|label| label == some), "{before:?} lacks {some}: {labels:?}");
+        assert!(!labels.iter().any(|label| label == not), "{before:?} has {not}: {labels:?}");
+    }
+}
+
+#[test]
+fn a_fitting_unit_comes_first() {
+    let mut session = Session::new();
+    let text = "edition 1\nspawn s { bearing: -60 ";
+    session.open(FILE, text);
+    let position = json!({ "line": 1, "character": 23 });
+    let id = session.ask("textDocument/completion", json!({ "textDocument": { "uri": FILE }, "position": position }));
+    let answers = session.hold();
+    assert_eq!(labels(&answers, id)[..2], ["deg", "rad"]);
+}
+
+#[test]
+fn names_and_imports_lead_to_their_declarations() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("part.scn"), "edition 1\n\nvehicle mine = generic()\n").unwrap();
+    let uri = |name: &str| format!("file://{}/{name}", folder.path().display());
+    let text =
+        SCENARIO.replace("vehicle: model3", "vehicle: mine").replace("edition 1\n", "edition 1\nimport \"part.scn\"\n");
+    let mut session = Session::new();
+    session.open(&uri("whole.scn"), &text);
+    let import = session.ask_at("textDocument/definition", &uri("whole.scn"), &text, "part.scn");
+    let other = session.ask_at("textDocument/definition", &uri("whole.scn"), &text, "mine\n");
+    let same = session.ask_at("textDocument/definition", &uri("whole.scn"), &text, "hurried]");
+    let symbols = session.ask("textDocument/documentSymbol", json!({ "textDocument": { "uri": uri("whole.scn") } }));
+    let answers = session.hold();
+    assert_eq!(result(&answers, import)["uri"], uri("part.scn"));
+    assert_eq!(result(&answers, other)["uri"], uri("part.scn"));
+    assert_eq!(result(&answers, other)["range"]["start"], json!({ "line": 2, "character": 8 }));
+    assert_eq!(result(&answers, same)["uri"], uri("whole.scn"));
+    assert_eq!(result(&answers, same)["range"]["start"]["line"], 6);
+    let names: Vec<&str> =
+        result(&answers, symbols).as_array().unwrap().iter().map(|each| each["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["hurried", "small", "fast", "mine"]);
+}
+
+#[test]
+fn a_file_is_laid_out_unless_it_cannot_be_read() {
+    let mut session = Session::new();
+    session.open(FILE, "edition 1 reward r{on hit=>1}");
+    session.open("untitled:bad", "edition 1 reward r{on hit=>}");
+    let ask = |session: &mut Session, uri: &str| {
+        let options = json!({ "tabSize": 2, "insertSpaces": true });
+        session.ask("textDocument/formatting", json!({ "textDocument": { "uri": uri }, "options": options }))
+    };
+    let (good, bad) = (ask(&mut session, FILE), ask(&mut session, "untitled:bad"));
+    let answers = session.hold();
+    assert_eq!(result(&answers, good)[0]["newText"], "edition 1\nreward r { on hit => 1 }\n");
+    assert_eq!(*result(&answers, bad), Value::Null);
+}
+
+#[test]
+fn malformed_messages_and_unknown_requests_do_no_harm() {
+    let mut session = Session::new();
+    session.raw("{ this is no JSON");
+    session.raw("[1, 2]");
+    let unknown = session.ask("textDocument/dance", json!({}));
+    let wrong = session.ask("textDocument/hover", json!({ "textDocument": 7 }));
+    session.tell("textDocument/didOpen", json!({ "textDocument": 7 }));
+    session.tell("$/something", json!(null));
+    session.open(FILE, SCENARIO);
+    let beyond = session.ask(
+        "textDocument/hover",
+        json!({ "textDocument": { "uri": FILE }, "position": { "line": 9999, "character": 9999 } }),
+    );
+    let answers = session.hold();
+    let error = |id: u64| answers.iter().find(|message| message["id"] == id).unwrap()["error"]["code"].clone();
+    assert_eq!((error(unknown), error(wrong)), (json!(-32601), json!(-32602)));
+    assert_eq!(answers.iter().filter(|message| message["error"]["code"] == -32700).count(), 2);
+    assert_eq!(*result(&answers, beyond), Value::Null);
+    assert_eq!(diagnostics(&answers, FILE).len(), 0, "and it goes on");
+}
+
+#[test]
+fn a_stream_out_of_step_ends_the_session() {
+    let serve = |input: &[u8]| serve(input, &mut Vec::new());
+    assert!(matches!(serve(b""), Ok(Ending::Abrupt)));
+    assert!(matches!(serve(b"GET / HTTP/1.1\r\n\r\n"), Err(WireError::Headers)));
+    assert!(matches!(serve(b"Content-Length: 99999999999999\r\n\r\n"), Err(WireError::Headers)));
+    assert!(matches!(serve(b"Content-Length: 20\r\n\r\n{}"), Err(WireError::Stream(_))));
+    assert!(matches!(serve(&vec![b'x'; 1 << 20]), Err(WireError::Headers)));
+}
+
+#[test]
+fn a_huge_file_gets_one_mistake_and_quick_answers() {
+    let text = format!("edition 1\n{}", "reward r { on hit => 1 }\n".repeat(240_000));
+    let mut session = Session::new();
+    session.open(FILE, &text);
+    let hover = session.ask(
+        "textDocument/hover",
+        json!({ "textDocument": { "uri": FILE }, "position": { "line": 200_000, "character": 1 } }),
+    );
+    let answers = session.hold();
+    assert_eq!(diagnostics(&answers, FILE)[0]["code"], "too-large");
+    assert!(result(&answers, hover)["contents"]["value"].as_str().unwrap().contains("paid"));
+}
+
+#[test]
+fn every_place_of_a_file_can_be_asked_about() {
+    let text = &SCENARIO[..SCENARIO.len().min(420)];
+    let mut session = Session::new();
+    session.open(FILE, text);
+    for line in 0..12 {
+        for character in (0..60).step_by(3) {
+            let at = json!({ "textDocument": { "uri": FILE }, "position": { "line": line, "character": character } });
+            for method in ["textDocument/hover", "textDocument/completion", "textDocument/definition"] {
+                session.ask(method, at.clone());
+            }
+        }
+    }
+    assert!(session.hold().iter().all(|message| message.get("error").is_none()));
+}
+
+#[test]
+fn the_program_serves_on_its_standard_streams() {
+    let mut session = Session::new();
+    session.ask("shutdown", Value::Null);
+    session.tell("exit", Value::Null);
+    let mut child = Command::new(env!("CARGO_BIN_EXE_falsify"))
+        .args(["lsp", "--stdio"])
+        .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")))
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    child.stdin.take().unwrap().write_all(&session.input).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0));
+    let answers = messages(&output.stdout);
+    assert_eq!(answers[0]["result"]["serverInfo"]["name"], "falsify");
+    assert_eq!(answers.len(), 2);
+}

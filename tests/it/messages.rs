@@ -1,0 +1,66 @@
+//! What mistakes look like on the screen: each file of `tests/suite/messages` with all that is said about it, drawn.
+//!
+//! `UPDATE_REFERENCE=1` writes the drawings anew; then read the difference.
+
+use std::path::{Path, PathBuf};
+
+use falsify::compile::{Catalog, compile};
+use falsify::diagnostic::{Colour, Sources, render};
+use falsify::lang::mistakes::mistakes;
+
+/// The mistakes of people who write scenarios in other languages, and what they are told here.
+const TRAPS: &[(&str, &str)] = &[
+    ("a misspelt form", "edition 1\nspwan s { clearance: 2 m }\n"),
+    ("a misspelt kind", "edition 1\npolicy p = behaviour_agent()\n"),
+    ("a misspelt property", "edition 1\npolicy p = idm(time_hedway: 2 s)\n"),
+    ("a property nobody knows", "edition 1\nspawn s { with_wind: 5 }\n"),
+    ("a forgotten deg", "edition 1\nspawn s { bearing: -60 .. 60 }\n"),
+    ("a unit spelt out", "edition 1\nspawn s { distance: 7 meters .. 30 m }\n"),
+    ("a unit in another's place", "edition 1\nepisode e { tick: 0.05 m }\n"),
+    ("a reversed range", "edition 1\nspawn s { distance: 30 m .. 7 m }\n"),
+    ("a trailing comma", "edition 1\nspawn s { distance: 7 m .. 30 m, }\nreward r { on hit => max(1, 2,) }\n"),
+    ("a forgotten comma", "edition 1\npolicy p = idm(limit_share: 1 margin: 1 m)\n"),
+    ("a condition that is never met", "edition 1\nepisode e { end_when: 7 > 30 m }\n"),
+    ("a reward that is a speed", "edition 1\nreward r { on hit => v_c }\n"),
+    ("two dimensions in one formula", "edition 1\nreward r { on hit => max(3, 1.5 * v_c) }\n"),
+    ("a map that is not there", "edition 1\ntown t = opendrive(file: \"Town99.xodr\")\n"),
+    ("an equals sign for a colon", "edition 1\nepisode e { ticks = 600 }\n"),
+    (
+        "several mistakes at once",
+        "edition 1\nrewrd r {}\nepisode e { tiks: 1.5  hold: 0 }\nspawn s { clearance: 2 s }\n",
+    ),
+];
+
+fn drawn(text: &str) -> String {
+    let root = Path::new("my.scn");
+    let maps = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite/files");
+    let read = |path: &Path| if path == root { Ok(text.to_string()) } else { std::fs::read_to_string(maps.join(path)) };
+    let mut sources = Sources::default();
+    let compiled = compile(&[root.to_path_buf()], &Catalog::builtin(), &read, &mut sources).unwrap();
+    let said: Vec<String> = compiled.diagnostics.iter().map(|each| render(each, &sources, Colour::Never)).collect();
+    if said.is_empty() { "no mistake".into() } else { said.join("\n\n") }
+}
+
+#[test]
+fn messages_look_as_they_did() {
+    let mut page = String::new();
+    let mut shown = 0;
+    let short =
+        |text: &str| !text.starts_with("falsify ") && !text.contains('…') && text.lines().all(|line| line.len() < 120);
+    let all = mistakes();
+    let coded = all.iter().filter(|mistake| short(mistake.bad)).map(|mistake| (mistake.code, mistake.bad));
+    for (name, text) in TRAPS.iter().copied().chain(coded) {
+        page.push_str(&format!("# {name}\n\n{text}\n{}\n\n\n", drawn(text)));
+        shown += 1;
+    }
+    assert!(shown > 55, "{shown}");
+    let kept: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite/messages.txt");
+    if std::env::var_os("UPDATE_REFERENCE").is_some() {
+        std::fs::write(&kept, &page).unwrap();
+    }
+    let kept = std::fs::read_to_string(kept).unwrap_or_default();
+    for (found, wanted) in page.split("\n\n\n").zip(kept.split("\n\n\n")) {
+        assert_eq!(found, wanted, "if it reads better now, run again with UPDATE_REFERENCE=1");
+    }
+    assert_eq!(page.len(), kept.len());
+}

@@ -1,0 +1,189 @@
+//! The commands round the language: fmt, explain, new, debug, check for programs, the library inside the program.
+
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+use serde_json::Value;
+
+fn falsify(arguments: &[&str], folder: &Path) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_falsify"))
+        .args(arguments)
+        .current_dir(folder)
+        .env_remove("FALSIFY_OUT")
+        .env_remove("FALSIFY_THREADS")
+        .output()
+        .unwrap()
+}
+
+fn said(output: &Output) -> (String, String) {
+    (String::from_utf8(output.stdout.clone()).unwrap(), String::from_utf8(output.stderr.clone()).unwrap())
+}
+
+#[test]
+fn a_file_is_laid_out_in_place_and_one_with_mistakes_is_left_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    std::fs::write(path("a.scn"), "edition 1 reward r{on hit=>1}").unwrap();
+    std::fs::write(path("bad.scn"), "edition 1 reward r{on hit=>}").unwrap();
+    let check = falsify(&["fmt", "--check", "a.scn"], folder.path());
+    assert_eq!((check.status.code(), said(&check).0.as_str()), (Some(3), "a.scn\n"));
+    assert_eq!(falsify(&["fmt", "a.scn"], folder.path()).status.code(), Some(0));
+    assert_eq!(std::fs::read_to_string(path("a.scn")).unwrap(), "edition 1\nreward r { on hit => 1 }\n");
+    assert_eq!(falsify(&["fmt", "--check", "a.scn"], folder.path()).status.code(), Some(0));
+    let bad = falsify(&["fmt", "bad.scn", "a.scn"], folder.path());
+    assert_eq!(bad.status.code(), Some(3));
+    assert!(said(&bad).1.contains("error[syntax]") && said(&bad).1.contains("was left alone"));
+    assert_eq!(std::fs::read_to_string(path("bad.scn")).unwrap(), "edition 1 reward r{on hit=>}");
+    assert_eq!(falsify(&["fmt", "none.scn"], folder.path()).status.code(), Some(2));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "nothing else is left behind");
+}
+
+#[test]
+fn an_editor_can_lay_out_what_it_has() {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_falsify"))
+        .args(["fmt", "--stdin"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    child.stdin.take().unwrap().write_all(b"edition 1\r\n\r\n\r\n\r\nreward r{on hit=>1}").unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(said(&output).0, "edition 1\n\nreward r { on hit => 1 }\n");
+}
+
+#[test]
+fn a_new_file_checks_runs_and_is_never_written_over_another() {
+    let folder = tempfile::tempdir().unwrap();
+    assert_eq!(falsify(&["new", "a.scn"], folder.path()).status.code(), Some(0));
+    let check = falsify(&["check", "a.scn"], folder.path());
+    assert_eq!(check.status.code(), Some(0));
+    assert!(said(&check).1.is_empty(), "{check:?}");
+    let run = falsify(&["run", "--smoke", "a.scn"], folder.path());
+    assert_eq!(run.status.code(), Some(0), "{run:?}");
+    let manifest = std::fs::read_to_string(folder.path().join("reports/first-smoke/manifest.toml")).unwrap();
+    assert!(manifest.contains("<std>/towns.scn"), "the manifest names what came out of the program: {manifest}");
+    std::fs::write(folder.path().join("a.scn"), "mine").unwrap();
+    assert_eq!(falsify(&["new", "a.scn"], folder.path()).status.code(), Some(2));
+    assert_eq!(std::fs::read_to_string(folder.path().join("a.scn")).unwrap(), "mine");
+    assert_eq!(falsify(&["new", "no/such/folder/a.scn"], folder.path()).status.code(), Some(6));
+}
+
+#[test]
+fn a_file_of_ones_own_goes_before_the_librarys() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.scn"), "edition 1\nimport \"std/towns.scn\"\nimport \"std/nothing.scn\"\n")
+        .unwrap();
+    let output = falsify(&["check", "a.scn"], folder.path());
+    assert_eq!(output.status.code(), Some(3));
+    assert!(said(&output).1.contains("the standard library holds `std/carla_towns.scn`"), "{output:?}");
+    std::fs::create_dir(folder.path().join("std")).unwrap();
+    std::fs::write(folder.path().join("std/towns.scn"), "edition 1\nrewrd\n").unwrap();
+    let output = falsify(&["check", "a.scn"], folder.path());
+    assert!(said(&output).1.contains("std/towns.scn:2"), "{output:?}");
+}
+
+#[test]
+fn mistakes_are_told_to_programs() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(
+        folder.path().join("a b.scn"),
+        "edition 1\n/* é */ rewrd a {}\nreward r { on hit => max(3, v_c) }\n",
+    )
+    .unwrap();
+    let output = falsify(&["check", "--format", "json", "a b.scn"], folder.path());
+    assert_eq!(output.status.code(), Some(3));
+    assert!(said(&output).1.is_empty());
+    let lines: Vec<Value> = said(&output).0.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(lines.len(), 2);
+    let first = &lines[0];
+    assert_eq!(first["code"], "unknown-form");
+    assert_eq!(first["file"], "a b.scn");
+    assert_eq!((&first["line"], &first["column"], &first["end_column"]), (&2.into(), &9.into(), &14.into()));
+    assert_eq!((&first["byte_start"], &first["byte_end"]), (&19.into(), &24.into()));
+    assert_eq!(first["fixes"][0]["text"], "reward");
+    assert_eq!(lines[1]["labels"][0]["text"], "this is a plain number");
+    assert!(lines[1]["help"][0].as_str().unwrap().contains("in m/s"));
+}
+
+/// The parts of the SARIF 2.1.0 schema that a host needs.
+#[test]
+fn the_sarif_log_has_the_structure_of_the_standard() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a b.scn"), "edition 1\nrewrd a {}\nreward r { on hit => max(3, v_c) }\n")
+        .unwrap();
+    let output = falsify(&["check", "--format", "sarif", "a b.scn"], folder.path());
+    assert_eq!(output.status.code(), Some(3));
+    let log: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(log["version"], "2.1.0");
+    let run = &log["runs"][0];
+    assert_eq!(run["columnKind"], "unicodeCodePoints");
+    let rules = run["tool"]["driver"]["rules"].as_array().unwrap();
+    assert!(rules.len() > 40 && rules.iter().all(|rule| rule["shortDescription"]["text"].is_string()));
+    let results = run["results"].as_array().unwrap();
+    assert_eq!(results.len(), 2);
+    for result in results {
+        let index = result["ruleIndex"].as_u64().unwrap() as usize;
+        assert_eq!(rules[index]["id"], result["ruleId"]);
+        assert!(["error", "warning", "note", "none"].contains(&result["level"].as_str().unwrap()));
+        let place = &result["locations"][0]["physicalLocation"];
+        assert_eq!(place["artifactLocation"]["uri"], "a%20b.scn");
+        assert!(
+            place["region"]["startLine"].as_u64().unwrap() >= 1
+                && place["region"]["startColumn"].as_u64().unwrap() >= 1
+        );
+    }
+    let change = &results[0]["fixes"][0]["artifactChanges"][0];
+    assert_eq!(change["replacements"][0]["insertedContent"]["text"], "reward");
+    assert_eq!(results[1]["relatedLocations"][0]["message"]["text"], "this is a plain number");
+    std::fs::write(folder.path().join("a b.scn"), "edition 1\n").unwrap();
+    let output = falsify(&["check", "--format", "sarif", "a b.scn"], folder.path());
+    let log: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((output.status.code(), &log["runs"][0]["results"]), (Some(0), &Value::Array(Vec::new())));
+}
+
+#[test]
+fn every_step_of_a_file_can_be_looked_at() {
+    let folder = tempfile::tempdir().unwrap();
+    falsify(&["new", "a.scn"], folder.path());
+    for (tree, parts) in [
+        ("ast", ["text: \"hurried\"", "value: 0.8", "unit: Some"]),
+        ("hir", ["kind: \"idm\"", "\"limit_share\"", "0.8"]),
+        ("plan", ["campaign first", "training: dangerous in harbour against hurried, run 0", "total_steps: 15000"]),
+    ] {
+        let output = falsify(&["debug", tree, "a.scn"], folder.path());
+        let (text, errors) = said(&output);
+        assert_eq!(output.status.code(), Some(0), "{errors}");
+        for part in parts {
+            assert!(text.contains(part), "{tree} lacks {part}: {}", &text[..text.len().min(3000)]);
+        }
+        assert!(!text.contains("Span"), "places are left out");
+    }
+    std::fs::write(folder.path().join("bad.scn"), "edition 1\nrewrd a {}\n").unwrap();
+    assert_eq!(falsify(&["debug", "hir", "bad.scn"], folder.path()).status.code(), Some(3));
+    assert_eq!(falsify(&["debug", "ast", "none.scn"], folder.path()).status.code(), Some(2));
+}
+
+#[test]
+fn explanations_are_printed() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = falsify(&["explain", "policy", "idm", "margin"], folder.path());
+    assert!(said(&output).0.contains("default 0.5 m"), "{output:?}");
+    let output = falsify(&["explain", "polcy"], folder.path());
+    assert_eq!(output.status.code(), Some(2));
+    assert!(said(&output).1.contains("did you mean `policy`?"));
+}
+
+#[test]
+fn every_command_shows_examples_and_is_completed() {
+    let folder = tempfile::tempdir().unwrap();
+    let script = said(&falsify(&["completions", "bash"], folder.path())).0;
+    for command in ["run", "check", "fmt", "explain", "new", "debug", "lsp", "map", "completions"] {
+        let (help, _) = said(&falsify(&[command, "--help"], folder.path()));
+        assert!(help.contains("Examples") && help.contains(&format!("falsify {command}")), "{command}: {help}");
+        assert!(
+            script.contains(&format!("falsify__subcmd__{command}")) || script.contains(&format!("falsify__{command}")),
+            "{command}"
+        );
+    }
+}
