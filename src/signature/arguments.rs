@@ -110,11 +110,17 @@ impl Arguments {
 
     /// The conditions of an optional list.
     pub fn conditions(&self, key: &str) -> Vec<&Formula> {
-        let each = |value| match value {
-            &Value::Formula(ref formula) => formula,
-            other => panic!("checked: `{key}` holds {other:?}"),
-        };
-        if self.has(key) { self.list(key).iter().map(each).collect() } else { Vec::new() }
+        if !self.has(key) {
+            return Vec::new();
+        }
+        let mut conditions = Vec::new();
+        for value in self.list(key) {
+            match value {
+                Value::Formula(formula) => conditions.push(formula),
+                other => panic!("checked: `{key}` holds {other:?}"),
+            }
+        }
+        conditions
     }
 
     /// The words of a list.
