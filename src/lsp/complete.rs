@@ -101,7 +101,9 @@ fn units(param: Option<&Param>) -> Vec<CompletionItem> {
 
 fn dimension(ty: &Type) -> Option<Dimension> {
     match ty {
-        Type::Quantity { dimension, .. } | Type::Range { dimension, .. } => Some(*dimension),
+        Type::Quantity { dimension, .. } | Type::Range { dimension, .. } | Type::Distribution { dimension, .. } => {
+            Some(*dimension)
+        }
         Type::Point | Type::Pose => Some(Dimension::LENGTH),
         Type::List(inner) => dimension(inner),
         _ => None,

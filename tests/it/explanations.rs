@@ -1,20 +1,41 @@
 //! Every code, form, kind and key can be explained, and the examples are what they say.
 
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use falsify::compile::{Catalog, compile};
 use falsify::diagnostic::Sources;
+use falsify::lang::Reader;
 use falsify::lang::mistakes::mistakes;
+
+/// Reads an example in place of a file, and the suite's files.
+struct Example {
+    text: String,
+}
+
+const ROOT: &str = "mistake.scn";
+
+impl Example {
+    fn beside(path: &Path) -> PathBuf {
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite/files").join(path)
+    }
+}
+
+impl Reader for Example {
+    fn text(&self, path: &Path) -> std::io::Result<String> {
+        if path == Path::new(ROOT) { Ok(self.text.clone()) } else { std::fs::read_to_string(Self::beside(path)) }
+    }
+
+    fn bytes(&self, path: &Path) -> std::io::Result<Vec<u8>> {
+        std::fs::read(Self::beside(path))
+    }
+}
 
 /// The codes that an example raises.
 fn raised(text: &str) -> BTreeSet<&'static str> {
-    let root = Path::new("mistake.scn");
-    let maps = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite/files");
     let text = text.replace("+ 1 …", &"+ 1 ".repeat(600)).replace('…', &"and so on ".repeat(500_000));
-    let read = |path: &Path| if path == root { Ok(text.clone()) } else { std::fs::read_to_string(maps.join(path)) };
     let mut sources = Sources::default();
-    let compiled = compile(&[root.to_path_buf()], &Catalog::builtin(), &read, &mut sources).unwrap();
+    let compiled = compile(&[PathBuf::from(ROOT)], &Catalog::builtin(), &Example { text }, &mut sources).unwrap();
     compiled.diagnostics.iter().map(|each| each.code).collect()
 }
 
