@@ -70,6 +70,7 @@ impl Lowering<'_> {
             name: declaration.name.clone(),
             docs: declaration.docs.clone(),
             settings: Vec::new(),
+            words: Vec::new(),
             towns: Vec::new(),
             trainings: Vec::new(),
             evaluations: Vec::new(),

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::plan::{NamedTown, Plan};
+use super::plan::{Documented, NamedTown, Plan};
 use super::{Catalog, policy, spawn, town};
 use crate::diagnostic::{Diagnostic, Severity, Sources};
 use crate::env::{PolicyMaker, SpawnRule};
@@ -183,8 +183,8 @@ impl Lowering<'_> {
                 campaign.name = named(&campaign.name, &variant.settings);
                 campaign.docs.extend(variant.settings.iter().map(|setting| format!("With {setting}.")));
                 campaign.settings.clone_from(&variant.settings);
+                campaign.words = self.note_used(declaration.id);
                 plan.campaigns.push(campaign);
-                self.note_used(declaration.id);
             }
         }
     }
@@ -224,7 +224,8 @@ impl Lowering<'_> {
         file.parent().map(|folder| folder.join(path)).unwrap_or_else(|| path.into())
     }
 
-    fn note_used(&mut self, campaign: DeclarationId) {
+    /// Notes what a campaign uses; gives what is documented of it.
+    fn note_used(&mut self, campaign: DeclarationId) -> Vec<Documented> {
         let mut open = vec![campaign];
         let mut seen = BTreeSet::new();
         while let Some(id) = open.pop() {
@@ -232,7 +233,15 @@ impl Lowering<'_> {
                 references(&self.program.get(id).block, &mut open);
             }
         }
+        let used = self.program.declarations.iter().filter(|each| each.id != campaign && seen.contains(&each.id));
+        let documented = used.filter(|each| !each.docs.is_empty()).map(|each| Documented {
+            form: each.form,
+            name: each.name.clone(),
+            docs: each.docs.join(" "),
+        });
+        let documented = documented.collect();
         self.shared.used.extend(seen);
+        documented
     }
 }
 

@@ -46,6 +46,8 @@ pub struct Campaign {
     pub docs: Vec<String>,
     /// What was set from outside the files, and the combination of its `matrix`, as `name = value`.
     pub settings: Vec<String>,
+    /// The documented declarations that it uses, in the order of the files.
+    pub words: Vec<Documented>,
     /// The towns that it uses, each once.
     pub towns: Vec<NamedTown>,
     /// The trainings, in order of town, policy, reward, run.
@@ -54,6 +56,17 @@ pub struct Campaign {
     pub evaluations: Vec<Evaluation>,
     /// The searches, in order of block, town, policy, falsifier, run.
     pub searches: Vec<Search>,
+}
+
+/// A declaration that a campaign uses, with its documentation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Documented {
+    /// Its form.
+    pub form: &'static str,
+    /// Its name.
+    pub name: String,
+    /// What its `///` lines say.
+    pub docs: String,
 }
 
 /// A town under the name that the files give it.

@@ -1,6 +1,7 @@
 use std::fmt::Write;
 
 use super::{Cell, Manifest, Spread};
+use crate::compile::Campaign;
 
 /// What the simulator leaves out, for every summary.
 const LEFT_OUT: &str = "\
@@ -10,12 +11,12 @@ CARLA, and its driver knows without error and at once whatever it looks at, unle
 no buildings unless the scenario adds them.";
 
 /// The page to read first: one table of cells, how it was made, and what it does not say.
-pub fn summary(name: &str, docs: &[String], cells: &[Cell], manifest: &Manifest) -> String {
-    let mut page = format!("# {name}\n\n");
-    for line in docs {
+pub fn summary(campaign: &Campaign, cells: &[Cell], manifest: &Manifest) -> String {
+    let mut page = format!("# {}\n\n", campaign.name);
+    for line in &campaign.docs {
         let _ = writeln!(page, "{line}");
     }
-    if !docs.is_empty() {
+    if !campaign.docs.is_empty() {
         page.push('\n');
     }
     if manifest.smoke {
@@ -29,10 +30,26 @@ pub fn summary(name: &str, docs: &[String], cells: &[Cell], manifest: &Manifest)
     }
     let _ = write!(
         page,
-        "Seed {}, falsify {}.\n\n## What the simulator leaves out\n\n{LEFT_OUT}\n",
-        manifest.seed, manifest.version
+        "Seed {}, falsify {}.\n\n{}## What the simulator leaves out\n\n{LEFT_OUT}\n",
+        manifest.seed,
+        manifest.version,
+        words(campaign)
     );
     page
+}
+
+/// What the scenario says of the things that are named above.
+fn words(campaign: &Campaign) -> String {
+    let mut text = String::new();
+    if campaign.words.is_empty() {
+        return text;
+    }
+    text.push_str("## What is what\n\n");
+    for word in &campaign.words {
+        let _ = writeln!(text, "- {} **{}**: {}", word.form, word.name, word.docs);
+    }
+    text.push('\n');
+    text
 }
 
 /// The table of cells, and how it is to be read.
