@@ -115,7 +115,7 @@ pub struct CheckOptions {
     /// Also draw so many beginnings of every spawn in every town, and say how many satisfy each constraint.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     pub sample: Option<u32>,
-    /// Folder for the pictures of `--sample`, `spawn-SPAWN-TOWN.svg`.
+    /// Folder for the pictures of `--sample`, `spawn-CAMPAIGN-SPAWN-TOWN.svg`.
     #[arg(long, short, default_value = ".", value_name = "DIR", requires = "sample")]
     pub out: PathBuf,
     /// Number from which the beginnings of `--sample` follow.

@@ -64,7 +64,7 @@ fn survey(campaign: &Campaign, count: u32, options: &CheckOptions) -> Result<(),
         for (constraint, passed) in &survey.constraints {
             front::say(&format!("    {:>6.2} %  {constraint}", share(*passed)));
         }
-        let picture = options.out.join(format!("spawn-{}-{town}.svg", rule.name));
+        let picture = options.out.join(format!("spawn-{}-{}-{town}.svg", campaign.name, rule.name));
         let shown = &survey.spawns[..survey.spawns.len().min(DRAWN)];
         report::write_file(&picture, report::spawn_map(&scenario.town, shown).as_bytes())?;
         front::say(&format!("    {}", picture.display()));

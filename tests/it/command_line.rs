@@ -284,6 +284,6 @@ fn a_sample_of_beginnings_tells_what_each_constraint_rejects() {
     ] {
         assert!(text.contains(part), "{text}");
     }
-    let picture = std::fs::read_to_string(folder.path().join("spawn-picky-village.svg")).unwrap();
+    let picture = std::fs::read_to_string(folder.path().join("spawn-tiny-picky-village.svg")).unwrap();
     assert!(picture.matches("class=\"pedestrian\"").count() > 20);
 }
