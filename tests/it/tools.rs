@@ -187,3 +187,15 @@ fn every_command_shows_examples_and_is_completed() {
         );
     }
 }
+
+#[test]
+fn the_library_inside_the_program_holds_every_file_of_the_folder() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/lib");
+    let mut files: Vec<String> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+        .filter(|name| name.ends_with(".scn"))
+        .collect();
+    files.sort();
+    assert_eq!(falsify::lang::library::names().collect::<Vec<_>>(), files);
+}
