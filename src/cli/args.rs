@@ -7,7 +7,7 @@ Examples:
   falsify run scenarios/*.scn                run all campaigns, reports go to reports/
   falsify run --smoke scenarios/*.scn        see in seconds whether everything works
   falsify run --list scenarios/*.scn         see what would be run
-  falsify run --set 'ppo_paper.total_steps=10000' my.scn
+  falsify run --set 'ppo_paper.steps=10000' my.scn
                                              change a value without touching the file
   falsify check my.scn                       find mistakes without running anything
   falsify check --sample 1000 my.scn         see where episodes would begin, and what is rejected
@@ -129,7 +129,7 @@ pub struct GivenOptions {
     /// Take the roads of a town from an OpenDRIVE map instead; buildings are kept.
     #[arg(long, value_name = "TOWN=FILE", value_parser = town_and_file)]
     pub map: Vec<(String, PathBuf)>,
-    /// Give a parameter or a key of a declaration another value, as `far=20 m` or `ppo_paper.total_steps=1000`.
+    /// Give a parameter or a key of a declaration another value, as `far=20 m` or `ppo_paper.steps=1000`.
     #[arg(long, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
     /// Let scenarios name programs as drivers, which `run` starts; give it only with files that you trust.

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use super::args::AvCheckOptions;
-use super::{ExitCode, front};
+use super::{ExitCode, front, interrupt};
 use crate::av::Fault;
 use crate::av::external::{External, Link, Opener, PROTOCOL, Program, Settings};
 use crate::compile::{Catalog, compile};
@@ -56,6 +56,7 @@ pub fn check(options: &AvCheckOptions) -> ExitCode {
     if options.show {
         opener.left.store(SHOWN, Ordering::Relaxed);
     }
+    interrupt::end_when_asked();
     front::say(&format!("driver {}", options.command.join(" ")));
     let ground = proving_ground();
     let drive = |worlds: usize| {

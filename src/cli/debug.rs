@@ -38,6 +38,8 @@ fn show_tree(tree: Tree, file: &Path) -> ExitCode {
         roots.for_each(|root| front::say(outline(root).trim_end()));
     } else {
         let catalog = Catalog::builtin();
+        // A matrix belongs to the files, not to the program that one of its combinations makes.
+        said.extend(lang::matrices(&mut loaded, &catalog.forms, &[]).1);
         let (program, more) = lang::check(&loaded, &sources, &catalog.forms, &catalog.vocabulary);
         said.extend(more);
         front::say(outline(&program).trim_end());

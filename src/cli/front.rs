@@ -4,6 +4,7 @@ use std::cell::RefCell;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use anstyle::{AnsiColor, Style};
 
@@ -25,9 +26,21 @@ pub fn fail(message: &str) {
     anstream::eprintln!("{ERROR}error{ERROR:#}: {message}");
 }
 
-/// Prints a line for the user. A reader that has gone away, as after `| head`, is no mistake.
+/// Whether something that was said could not be written.
+static LOST: AtomicBool = AtomicBool::new(false);
+
+/// Prints a line for the user. A reader that has gone away, as after `| head`, is no mistake; other losses are told by [`lost`].
 pub fn say(line: &str) {
-    let _ = writeln!(anstream::stdout(), "{line}");
+    let mut output = anstream::stdout();
+    let written = writeln!(output, "{line}").and_then(|()| output.flush());
+    if written.is_err_and(|error| error.kind() != std::io::ErrorKind::BrokenPipe) {
+        LOST.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Whether something that was said could not be written, to a full disk perhaps.
+pub fn lost() -> bool {
+    LOST.load(Ordering::Relaxed)
 }
 
 /// Reads the files of the disk and keeps a record of each.

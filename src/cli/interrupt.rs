@@ -20,10 +20,20 @@ pub fn listen() {
             if HELD.load(Ordering::Relaxed) {
                 return;
             }
-            std::process::exit(ExitCode::Interrupted as i32);
+            end_at_once();
         }
         anstream::eprintln!("\nstopping after the work in hand; once more to stop at once");
     });
+}
+
+/// Begins to listen, for commands that have nothing to lose: the first Ctrl-C ends the program.
+pub fn end_when_asked() {
+    let _ = ctrlc::set_handler(|| end_at_once());
+}
+
+fn end_at_once() -> ! {
+    crate::process::end_all();
+    std::process::exit(ExitCode::Interrupted as i32)
 }
 
 /// Whether the user asked to stop.

@@ -22,10 +22,15 @@ use clap::{CommandFactory, Parser};
 
 /// Runs the program with the arguments of the process. A bug ends in [`ExitCode::Internal`].
 pub fn main() -> ExitCode {
-    std::panic::catch_unwind(run_command).unwrap_or_else(|_| {
+    let code = std::panic::catch_unwind(run_command).unwrap_or_else(|_| {
         front::fail("this is a bug in falsify; what was finished before is not lost");
         ExitCode::Internal
-    })
+    });
+    if matches!(code, ExitCode::Done) && front::lost() {
+        front::fail("the output cannot be written");
+        return ExitCode::WriteFailed;
+    }
+    code
 }
 
 fn run_command() -> ExitCode {

@@ -61,7 +61,7 @@ pub fn compile_with(
     let (settings, said) = lang::settings(&overrides.settings, sources);
     diagnostics.extend(said);
     diagnostics.extend(lang::apply(&settings, &mut loaded));
-    let (matrices, said) = lang::matrices(&mut loaded, &catalog.forms);
+    let (matrices, said) = lang::matrices(&mut loaded, &catalog.forms, &settings);
     diagnostics.extend(said);
     let variants = variants(&loaded, &matrices, catalog, sources, &mut diagnostics);
     let is_error = |each: &Diagnostic| each.severity == Severity::Error;

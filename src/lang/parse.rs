@@ -74,7 +74,9 @@ struct Reader {
 impl Reader {
     fn span(&self, pair: &Pair<Rule>) -> Span {
         let span = pair.as_span();
-        Span { source: self.source, start: self.offset + span.start(), end: self.offset + span.end() }
+        // Blanks that were read in the hope of more belong to nobody.
+        let end = span.start() + span.as_str().trim_end().len();
+        Span { source: self.source, start: self.offset + span.start(), end: self.offset + end }
     }
 
     fn name(&self, pair: Pair<Rule>) -> Name {

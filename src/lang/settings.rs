@@ -85,6 +85,11 @@ fn set(setting: &Setting, loaded: &mut Loaded) -> Result<(), Box<Diagnostic>> {
         let params = loaded.files.iter_mut().flat_map(|file| &mut file.params);
         let mut found: Vec<_> = params.filter(|param| param.name.text == first.text).collect();
         if found.is_empty() {
+            let declared = loaded.files.iter().flat_map(|file| &file.declarations);
+            if declared.clone().any(|each| each.name.as_ref().is_some_and(|name| name.text == first.text)) {
+                let reason = format!("`{}` is a declaration and no parameter; name one of its keys", first.text);
+                return Err(codes::bad_setting(first.span, &reason).into());
+            }
             let params = loaded.files.iter().flat_map(|file| &file.params);
             let known: Vec<&str> = params.map(|param| param.name.text.as_str()).collect();
             return Err(codes::unknown_setting(first.span, &first.text, &known).into());
@@ -148,8 +153,9 @@ fn enter(declaration: &mut Declaration, path: &[Name], value: &Expression) -> Re
     if found { Ok(()) } else { Err(codes::unknown_setting(word.span, &word.text, &words).into()) }
 }
 
-/// Takes the `matrix` blocks out of the declarations whose form they may multiply.
-pub fn matrices(loaded: &mut Loaded, forms: &[Form]) -> (Vec<Matrix>, Vec<Diagnostic>) {
+/// Takes the `matrix` blocks out of the declarations whose form they may multiply. A parameter that was set from outside keeps
+/// that one value.
+pub fn matrices(loaded: &mut Loaded, forms: &[Form], settings: &[Setting]) -> (Vec<Matrix>, Vec<Diagnostic>) {
     let (mut matrices, mut diagnostics) = (Vec::new(), Vec::new());
     for file in &mut loaded.files {
         for (index, declaration) in file.declarations.iter_mut().enumerate() {
@@ -166,6 +172,7 @@ pub fn matrices(loaded: &mut Loaded, forms: &[Form]) -> (Vec<Matrix>, Vec<Diagno
             if taken.is_empty() {
                 continue;
             }
+            axes.retain(|axis| !settings.iter().any(|set| matches!(&*set.path, [name] if name.text == axis.key.text)));
             let found = axes.iter().map(|axis| members(axis).len()).fold(1_usize, usize::saturating_mul);
             if found > MOST_COMBINATIONS {
                 diagnostics.push(codes::too_many_combinations(declaration.head, found, MOST_COMBINATIONS));

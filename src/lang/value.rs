@@ -333,6 +333,7 @@ fn bounds_text(min: f64, max: f64, dimension: Dimension) -> String {
     let shown = |bound: f64| format!("{} {}", bound / scale, name.trim()).trim().to_string();
     match (min, max) {
         (min, f64::INFINITY) if min == f64::MIN_POSITIVE => format!("above {}", shown(0.0)),
+        (min, max) if min == f64::MIN_POSITIVE => format!("above {}, at most {}", shown(0.0), shown(max)),
         (min, f64::INFINITY) => format!("{} or more", shown(min)),
         (f64::NEG_INFINITY, max) => format!("{} or less", shown(max)),
         (min, max) => format!("{} to {}", shown(min), shown(max)),

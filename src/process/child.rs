@@ -1,7 +1,9 @@
+use std::collections::BTreeSet;
 use std::io::{self, Read, Write};
 use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::process::CommandExt;
 use std::process::{ChildStdin, ChildStdout, Command, Stdio};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use nix::fcntl::{FcntlArg, OFlag, fcntl};
@@ -17,6 +19,17 @@ use crate::av::external::{Link, Program};
 const CHUNK: usize = 1 << 16;
 /// How long a child may take to end after its input was closed.
 const LEAVE: Duration = Duration::from_millis(500);
+
+/// The children that run now, for when the whole program ends at once.
+static RUNNING: Mutex<BTreeSet<u32>> = Mutex::new(BTreeSet::new());
+
+/// Ends all children at once, with whatever they have started.
+pub fn end_all() {
+    let running = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
+    for id in &*running {
+        let _ = killpg(Pid::from_raw(*id as i32), Signal::SIGKILL);
+    }
+}
 
 /// A child process with pipes that never block: every wait has an end.
 pub(super) struct Child {
@@ -42,6 +55,7 @@ impl Child {
             command.current_dir(&program.folder);
         }
         let mut process = command.spawn()?;
+        RUNNING.lock().unwrap_or_else(PoisonError::into_inner).insert(process.id());
         let (input, output) = (process.stdin.take(), process.stdout.take());
         let (input, output) = input.zip(output).expect("both were asked for");
         never_block(input.as_fd())?;
@@ -179,5 +193,6 @@ impl Drop for Child {
         // By then nothing of it should be left; if something is, it hangs.
         let _ = killpg(Pid::from_raw(self.process.id() as i32), Signal::SIGKILL);
         let _ = self.process.wait();
+        RUNNING.lock().unwrap_or_else(PoisonError::into_inner).remove(&self.process.id());
     }
 }

@@ -38,7 +38,7 @@ pub enum Function {
     Abs,
     /// The exponential of one plain number.
     Exp,
-    /// The square root of one plain number; 0 below zero.
+    /// The square root of one plain number; no number below zero, which stops a run.
     Sqrt,
     /// The logarithm of the normal density at the first, with the second as mean and the third as standard deviation,
     /// relative to its greatest value: −((x − mean) / sd)² / 2.
@@ -90,11 +90,15 @@ impl Formula {
                 let mut values = arguments.iter().map(|argument| argument.evaluate(values));
                 let first = values.next().expect("checked: every function has an argument");
                 match function {
-                    Function::Min => values.fold(first, f64::min),
-                    Function::Max => values.fold(first, f64::max),
+                    Function::Min => {
+                        values.fold(first, |least, value| if value.is_nan() || value < least { value } else { least })
+                    }
+                    Function::Max => {
+                        values.fold(first, |most, value| if value.is_nan() || value > most { value } else { most })
+                    }
                     Function::Abs => first.abs(),
                     Function::Exp => libm::exp(first),
-                    Function::Sqrt => first.max(0.0).sqrt(),
+                    Function::Sqrt => first.sqrt(),
                     Function::LogLikelihood => {
                         let mut next = || values.next().expect("checked: the function has three arguments");
                         let z = (first - next()) / next();

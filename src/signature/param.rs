@@ -95,8 +95,9 @@ impl Type {
             Type::Path => "path in quotes".into(),
             Type::Point => "point `(x, y)`".into(),
             Type::Pose => "pose `(x, y, yaw)`".into(),
+            Type::Reference(form) if form.starts_with(['a', 'e', 'i', 'o']) => format!("name of an {form}"),
             Type::Reference(form) => format!("name of a {form}"),
-            Type::List(item) => format!("list, each a {}", item.describe()),
+            Type::List(item) => format!("list, each {}", item.describe()),
             Type::Condition(_) => "condition".into(),
         }
     }

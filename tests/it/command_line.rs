@@ -287,3 +287,35 @@ fn a_sample_of_beginnings_tells_what_each_constraint_rejects() {
     let picture = std::fs::read_to_string(folder.path().join("spawn-tiny-picky-village.svg")).unwrap();
     assert!(picture.matches("class=\"pedestrian\"").count() > 20);
 }
+
+#[test]
+fn a_setting_takes_the_place_of_a_matrix() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = campaign()
+        .replace("training: ppo_paper\n", "training: ppo_paper matrix { far: [10 m, 20 m] }\n")
+        .replace("campaign tiny", "param far: length = 30 m\nspawn short { distance: 7 m .. far }\ncampaign tiny");
+    std::fs::write(folder.path().join("tiny.scn"), text.replace("spawn: ahead", "spawn: short")).unwrap();
+    let output = falsify(&["run", "--list", "--set", "far=15 m", "tiny.scn"], folder.path());
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("campaign tiny\n") && !text.contains("campaign tiny-"), "{text}");
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn output_that_is_lost_is_noticed() {
+    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_falsify"));
+    let output = command.args(["explain", "policy"]).stdout(full).output().unwrap();
+    assert_eq!(output.status.code(), Some(6), "{output:?}");
+}
+
+#[test]
+fn the_program_of_a_file_with_a_matrix_is_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = campaign()
+        .replace("training: ppo_paper\n", "training: ppo_paper matrix { far: [10 m, 20 m] }\n")
+        .replace("campaign tiny", "param far: length = 30 m\nspawn short { distance: 7 m .. far }\ncampaign tiny");
+    std::fs::write(folder.path().join("tiny.scn"), text.replace("spawn: ahead", "spawn: short")).unwrap();
+    let output = falsify(&["debug", "hir", "tiny.scn"], folder.path());
+    assert!(output.status.success(), "{output:?}");
+}
