@@ -279,7 +279,7 @@ fn write(
         folder.file(&pedestrian_file(key, "onnx"), &trained.actor_critic.to_onnx(&bounds, &metadata))?;
     }
     let cells = metrics.cells().map_err(failed("cells"))?;
-    let mut page = report::summary(&campaign.name, &campaign.docs, &cells, manifest);
+    let mut page = report::summary(campaign, &cells, manifest);
     if !finished.searches.is_empty() {
         let cells = report::search_cells(&finished.searches);
         folder.table("searches", &report::searches(&finished.searches))?;

@@ -27,4 +27,4 @@ mod grid;
 
 pub use catalog::Catalog;
 pub use lower::{Compiled, Overrides, compile, compile_with};
-pub use plan::{Campaign, Evaluation, NamedTown, Pedestrian, Plan, Search, SearchKey, Training, TrainingKey};
+pub use plan::{Campaign, Driver, Evaluation, NamedTown, Pedestrian, Plan, Search, SearchKey, Training, TrainingKey};
