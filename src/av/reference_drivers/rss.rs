@@ -21,6 +21,8 @@ pub struct Rss {
     pub car: RssLimits,
     /// What is assumed of the pedestrian.
     pub pedestrian: RssLimits,
+    /// The last instant that was safe, until danger begins.
+    safe: Option<(OwnMotion, Threat)>,
     others_turn: bool,
     braked: bool,
 }
@@ -37,7 +39,7 @@ const RAYS: i32 = 8;
 impl Rss {
     /// Makes one with assumptions of its own.
     pub fn new(car: RssLimits, pedestrian: RssLimits) -> Self {
-        Self { car, pedestrian, others_turn: false, braked: false }
+        Self { car, pedestrian, safe: None, others_turn: false, braked: false }
     }
 
     /// Whether both could still stop apart.
@@ -87,15 +89,19 @@ fn pace(threat: &Threat) -> f64 {
 
 impl ReferenceDriver for Rss {
     fn begin(&mut self) {
-        (self.others_turn, self.braked) = (false, false);
+        (self.safe, self.others_turn, self.braked) = (None, false, false);
     }
 
     fn brake(&mut self, own: &OwnMotion, threat: Option<&Threat>, _: f64) -> Option<f64> {
         let kept = self.braked.then_some(0.0);
         let Some(threat) = threat else { return kept };
         if self.is_safe(own, threat) {
-            self.others_turn = self.is_others_turn(own, threat);
+            self.safe = Some((*own, *threat));
             return kept;
+        }
+        // Whose turn it is hangs on the last safe instant, and is asked only when danger begins.
+        if let Some((own, threat)) = self.safe.take() {
+            self.others_turn = self.is_others_turn(&own, &threat);
         }
         if self.others_turn {
             return kept;
