@@ -15,7 +15,6 @@ mod idm;
 mod trace;
 mod lane_follower;
 mod aeb;
-mod rss;
 mod rss_guarded;
 mod predictive;
 mod oracle_brake;

@@ -1,5 +1,6 @@
 //! The conformance test of a driver from outside: real episodes in a small town, and whether they repeat.
 
+use std::cell::Cell;
 use std::io;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -13,8 +14,8 @@ use crate::av::Fault;
 use crate::av::external::{External, Link, Opener, PROTOCOL, Program, Settings};
 use crate::compile::{Catalog, compile};
 use crate::diagnostic::Sources;
-use crate::env::{Outcome, Scenario};
-use crate::falsifier::{Random, try_walker};
+use crate::env::{Outcome, Recording, Scenario};
+use crate::falsifier::{Random, watch_walker};
 use crate::process::ProcessOpener;
 use crate::seed::Seed;
 
@@ -52,12 +53,15 @@ pub fn check(options: &AvCheckOptions) -> ExitCode {
     let program = Program { words: options.command.clone(), folder: ".".into() };
     let settings =
         Settings { timeout: options.timeout, start_timeout: options.start_timeout, worlds: 1, ..Settings::default() };
+    front::say(&format!("driver {}", options.command.join(" ")));
     let opener = Arc::new(Overhearing { inner: ProcessOpener::default(), left: Arc::new(AtomicUsize::new(0)) });
     if options.show {
         opener.left.store(SHOWN, Ordering::Relaxed);
     }
     interrupt::end_when_asked();
-    front::say(&format!("driver {}", options.command.join(" ")));
+    if let Err(reason) = opener.find(&program) {
+        return failed(&format!("could be started: {reason}"));
+    }
     let ground = proving_ground();
     let drive = |worlds: usize| {
         let (program, opener) = (program.clone(), opener.clone());
@@ -68,8 +72,14 @@ pub fn check(options: &AvCheckOptions) -> ExitCode {
         let scenario = Arc::new(Scenario { policy: Arc::new(maker), ..ground.clone() });
         let (seed, began) = (Seed::root(1), Instant::now());
         let mut walker = Random::default();
-        let go_on = &mut |_| ControlFlow::Continue(());
-        let outcomes = try_walker(&mut walker, &scenario, EPISODES, &seed, &seed.child("walker"), go_on);
+        // One failure is enough to tell; the others would say the same.
+        let fell = Cell::new(false);
+        let note = &mut |outcome: &Outcome, _: &Recording| {
+            fell.set(fell.get() || outcome.fault().is_some());
+            *outcome
+        };
+        let go_on = &mut |_| if fell.get() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+        let outcomes = watch_walker(&mut walker, &scenario, EPISODES, &seed, &seed.child("walker"), note, go_on);
         let ticks: u32 = outcomes.iter().map(|outcome| outcome.ticks).sum();
         (outcomes, f64::from(ticks) / began.elapsed().as_secs_f64())
     };
@@ -137,6 +147,10 @@ struct Overheard {
 }
 
 impl Opener for Overhearing {
+    fn find(&self, program: &Program) -> Result<(), String> {
+        self.inner.find(program)
+    }
+
     fn open(&self, program: &Program) -> Result<Box<dyn Link>, Fault> {
         let inner = self.inner.open(program)?;
         Ok(Box::new(Overheard { inner, left: self.left.clone() }))

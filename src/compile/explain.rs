@@ -168,6 +168,9 @@ fn contents(head: &str, signature: &Signature) -> String {
     if !signature.doc.is_empty() {
         let _ = writeln!(page, "    {}", signature.doc);
     }
+    if !signature.surrogate.is_empty() {
+        let _ = writeln!(page, "\n    A surrogate. {}", signature.surrogate);
+    }
     page.push('\n');
     for param in &signature.params {
         page.push_str(&key(param));

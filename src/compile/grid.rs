@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::lower::{BuiltTown, Lowering};
-use super::plan::{Campaign, Evaluation, NamedTown, Pedestrian, Search, SearchKey, Training, TrainingKey};
-use super::{adversary, episode, falsifier, reward, training, vehicle};
+use super::plan::{Campaign, Driver, Evaluation, NamedTown, Pedestrian, Search, SearchKey, Training, TrainingKey};
+use super::{adversary, episode, falsifier, policy, reward, training, vehicle};
 use crate::env::{Adversary, EpisodeRule, PolicyMaker, RewardRule, Scenario, SpawnRule};
 use crate::falsifier::Falsifier;
 use crate::lang::codes;
@@ -72,6 +72,7 @@ impl Lowering<'_> {
             settings: Vec::new(),
             words: Vec::new(),
             towns: Vec::new(),
+            drivers: self.drivers(block),
             trainings: Vec::new(),
             evaluations: Vec::new(),
             searches: Vec::new(),
@@ -250,6 +251,14 @@ impl Lowering<'_> {
             axis.extend(self.policy(id).map(|value| Axis { name, value }));
         }
         axis
+    }
+
+    /// The drivers that a campaign names, each once, in order.
+    fn drivers(&self, campaign: &Block) -> Vec<Driver> {
+        let blocks = ["train", "evaluate", "search"].into_iter().flat_map(|word| campaign.nested(word));
+        let mut seen = BTreeSet::new();
+        let all = blocks.flat_map(|block| block.arguments.references("policies"));
+        all.filter(|id| seen.insert(*id)).map(|id| policy::describe(self.program.get(id), self)).collect()
     }
 
     fn rewards(&self, block: &Block) -> Vec<Axis<RewardRule>> {

@@ -28,5 +28,5 @@ mod grid;
 pub use catalog::Catalog;
 pub use lower::{Compiled, Overrides, compile, compile_with};
 pub use plan::{
-    Campaign, Documented, Evaluation, NamedTown, Pedestrian, Plan, Search, SearchKey, Training, TrainingKey,
+    Campaign, Documented, Driver, Evaluation, NamedTown, Pedestrian, Plan, Search, SearchKey, Training, TrainingKey,
 };

@@ -42,6 +42,10 @@ fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<Po
         lowering.said.push(codes::external_not_allowed(place, command));
         return None;
     };
+    if let Err(reason) = opener.find(&program) {
+        lowering.said.push(codes::unusable_command(place, command, &reason));
+        return None;
+    }
     let settings = Settings::new(arguments);
     Some(Arc::new(move || Box::new(External::new(program.clone(), settings, opener.clone()))))
 }

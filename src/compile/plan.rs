@@ -50,6 +50,8 @@ pub struct Campaign {
     pub words: Vec<Documented>,
     /// The towns that it uses, each once.
     pub towns: Vec<NamedTown>,
+    /// The drivers that it uses, each once.
+    pub drivers: Vec<Driver>,
     /// The trainings, in order of town, policy, reward, run.
     pub trainings: Vec<Training>,
     /// The evaluations, in order.
@@ -76,6 +78,21 @@ pub struct NamedTown {
     pub name: String,
     /// The roads.
     pub town: Arc<Town>,
+}
+
+/// What a driver is, for those who read its numbers.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Driver {
+    /// The name that the files give it.
+    pub name: String,
+    /// Its kind.
+    pub kind: &'static str,
+    /// Its documentation, one string a line.
+    pub docs: Vec<String>,
+    /// Name and documentation of its sensors, if it has any.
+    pub sensors: Option<(String, Vec<String>)>,
+    /// See [`Signature::surrogate`](crate::signature::Signature::surrogate).
+    pub surrogate: &'static str,
 }
 
 /// What distinguishes a training from the others of its campaign.

@@ -2,6 +2,7 @@ use std::sync::Arc;
 
 use super::lower::Lowering;
 use super::outside::OutsideKind;
+use super::plan::Driver;
 use super::sensors;
 use crate::av::behavior_agent::BehaviorAgent;
 use crate::av::interfuser::InterFuser;
@@ -73,6 +74,21 @@ pub fn lower(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<P
     let sensors = lowering.program.get(arguments.reference("sensors"));
     let model = Arc::new(sensors::lower(&sensors.block));
     Some(Arc::new(move || Box::new(Sensing::new(make(), model.clone()))))
+}
+
+/// What a driver is, for reports.
+pub fn describe(declaration: &Declaration, lowering: &Lowering<'_>) -> Driver {
+    let policies = lowering.catalog.forms.iter().filter(|form| form.name == declaration.form);
+    let kind = policies.flat_map(|form| &form.kinds).find(|kind| kind.name == declaration.kind);
+    let arguments = &declaration.block.arguments;
+    let sensors = arguments.has("sensors").then(|| lowering.program.get(arguments.reference("sensors")));
+    Driver {
+        name: declaration.name.clone(),
+        kind: declaration.kind,
+        docs: declaration.docs.clone(),
+        sensors: sensors.map(|sensors| (sensors.name.clone(), sensors.docs.clone())),
+        surrogate: kind.map_or("", |kind| kind.surrogate),
+    }
 }
 
 fn driver(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {

@@ -16,6 +16,9 @@ impl Catalog {
             for kind in &form.kinds {
                 let _ =
                     writeln!(page, "### `{}`\n\n`{} name = {}(…)`: {}\n", kind.name, form.name, kind.name, kind.doc);
+                if !kind.surrogate.is_empty() {
+                    let _ = writeln!(page, "**A surrogate.** {}\n", kind.surrogate);
+                }
                 contents(&mut page, kind);
             }
         }

@@ -11,6 +11,11 @@ pub struct Place {
     pub direction: Vector,
 }
 
+/// Vertices that are passed over together.
+const BLOCK: usize = 16;
+/// Lengths and distances are exact to this (m).
+const ROUNDING: f64 = 1e-6;
+
 /// The way of the middle of a car, with its heading, and straight on beyond its end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrivenPath {
@@ -63,11 +68,20 @@ impl DrivenPath {
     pub fn place(&self, point: Point, from: f64) -> Place {
         let first = self.vertices.partition_point(|(at, _)| *at <= from).max(1) - 1;
         let apart = |(_, pose): &(f64, Pose)| (point - pose.position()).norm_squared();
+        let blocks = || self.vertices[first..].chunks(BLOCK);
+        let bound = blocks().map(|block| apart(&block[0])).fold(f64::INFINITY, f64::min).sqrt() + ROUNDING;
         let mut nearest = (f64::INFINITY, first);
-        for (index, vertex) in self.vertices.iter().enumerate().skip(first) {
-            let apart = apart(vertex);
-            if apart < nearest.0 {
-                nearest = (apart, index);
+        for (number, block) in blocks().enumerate() {
+            // Nothing of a block is nearer than its first vertex less its length.
+            let reach = bound + block[block.len() - 1].0 - block[0].0;
+            if apart(&block[0]) > reach * reach {
+                continue;
+            }
+            for (place, vertex) in block.iter().enumerate() {
+                let apart = apart(vertex);
+                if apart < nearest.0 {
+                    nearest = (apart, first + number * BLOCK + place);
+                }
             }
         }
         // One of the two pieces that meet there is the nearest.
@@ -121,6 +135,19 @@ mod tests {
                 assert!((place.along - along).abs() < 0.05 && (place.aside - aside).abs() < 0.01, "{along} {place:?}");
                 assert!((place.direction - pose.forward()).norm() < 0.01);
             }
+        }
+    }
+
+    #[test]
+    fn the_nearest_vertex_is_found_without_looking_at_all() {
+        let path = bend();
+        for (x, y) in [(-5.0, 3.0), (0.0, 20.0), (3.0, 17.0), (20.0, 5.0), (21.0, 40.0), (14.0, 6.0), (500.0, -300.0)] {
+            let point = Point::new(x, y);
+            let distances = path.vertices.iter().map(|(_, pose)| (point - pose.position()).norm());
+            let least = distances.fold(f64::INFINITY, f64::min);
+            let place = path.place(point, 0.0);
+            let inside = (0.0..=path.length()).contains(&place.along);
+            assert!(!inside || (place.aside.abs() - least).abs() < 0.02, "{point}: {place:?}, {least} m");
         }
     }
 

@@ -6,6 +6,7 @@
 
 #[cfg(unix)]
 mod child;
+mod find;
 mod opener;
 
 #[cfg(unix)]

@@ -13,6 +13,10 @@ pub struct ProcessOpener {
 }
 
 impl Opener for ProcessOpener {
+    fn find(&self, program: &Program) -> Result<(), String> {
+        super::find::find(program)
+    }
+
     fn open(&self, program: &Program) -> Result<Box<dyn Link>, Fault> {
         self.start(program)
     }

@@ -16,6 +16,7 @@ mod survival;
 mod searches;
 mod search_summary;
 mod summary;
+mod avoidable;
 mod manifest;
 mod folder;
 

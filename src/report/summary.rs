@@ -1,7 +1,9 @@
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
+use super::avoidable::avoidable;
 use super::{Cell, Manifest, Spread};
-use crate::compile::Campaign;
+use crate::compile::{Campaign, Driver};
 
 /// What the simulator leaves out, for every summary.
 const LEFT_OUT: &str = "\
@@ -28,9 +30,10 @@ pub fn summary(campaign: &Campaign, cells: &[Cell], manifest: &Manifest) -> Stri
     if !cells.is_empty() {
         episodes(&mut page, cells);
     }
+    page.push_str(&drivers(&campaign.drivers));
     let _ = write!(
         page,
-        "Seed {}, falsify {}.\n\n{}## What the simulator leaves out\n\n{LEFT_OUT}\n",
+        "\nSeed {}, falsify {}.\n\n{}## What the simulator leaves out\n\n{LEFT_OUT}\n",
         manifest.seed,
         manifest.version,
         words(campaign)
@@ -38,14 +41,15 @@ pub fn summary(campaign: &Campaign, cells: &[Cell], manifest: &Manifest) -> Stri
     page
 }
 
-/// What the scenario says of the things that are named above.
+/// What the scenario says of the other things that are named above.
 fn words(campaign: &Campaign) -> String {
     let mut text = String::new();
-    if campaign.words.is_empty() {
+    let others = || campaign.words.iter().filter(|word| !["policy", "sensors"].contains(&word.form));
+    if others().next().is_none() {
         return text;
     }
     text.push_str("## What is what\n\n");
-    for word in &campaign.words {
+    for word in others() {
         let _ = writeln!(text, "- {} **{}**: {}", word.form, word.name, word.docs);
     }
     text.push('\n');
@@ -89,7 +93,32 @@ fn episodes(page: &mut String, cells: &[Cell]) {
     );
     errors(page, cells);
     page.push_str(&avoidable(cells));
-    page.push('\n');
+}
+
+/// What the drivers are, and which of them are surrogates.
+fn drivers(drivers: &[Driver]) -> String {
+    let mut text = String::from("\n## Who drives\n\n");
+    for driver in drivers {
+        let _ = write!(text, "- `{}` (`{}`): {}", driver.name, driver.kind, driver.docs.join(" "));
+        match &driver.sensors {
+            Some((name, docs)) => {
+                let _ = write!(text, " Behind the sensors `{name}`: {}", docs.join(" "));
+            }
+            None => text.push_str(" No sensors: exact and at once."),
+        }
+        let surrogate = if driver.surrogate.is_empty() { "" } else { " **A surrogate.**" };
+        let _ = writeln!(text, "{surrogate}");
+    }
+    let mut said = BTreeSet::new();
+    for driver in drivers.iter().filter(|driver| !driver.surrogate.is_empty()) {
+        if said.is_empty() {
+            text.push_str("\n### What is a surrogate\n\n");
+        }
+        if said.insert(driver.kind) {
+            let _ = writeln!(text, "- `{}`: {}", driver.kind, driver.surrogate);
+        }
+    }
+    text
 }
 
 /// Says in how many episodes a driver failed as a program, if any.
@@ -115,58 +144,8 @@ fn errors(page: &mut String, cells: &[Cell]) {
     }
 }
 
-/// What the reference drivers are, for every summary.
-const JUDGED: &str = "\
-Each collision was run again with other drivers at the brake, on the path that the car drove, from where the danger began, with the \
-pedestrian where it was at each time; it does not react. *Preventable*: UN R157's careful human avoids it both when it begins \
-to count as soon as the pedestrian can be seen in the car's way or moving towards it (1.15 s, then in 0.6 s to 0.774 g) and when it begins \
-at a time to collision of 2 s (0.75 s, the same brake). *Contested*: those two, the Fuzzy Safety Model (0.75 s, up to 6 m/s²) and RSS \
-(ad-rss-lib's parameters, 4 m/s²) disagree. *By machine*: of all, only an ideal emergency brake (0.35 s, in 0.6 s to 0.85 g) or \
-physics (0.85 g at once) avoid it. *Unpreventable*: physics does not. *Into the side*: the pedestrian walked into a car whose \
-front had passed. *Standing*: the car stood. *Foreseeable*: the pedestrian never walked faster than 8 km/h nor sped up by more than \
-1.65 m/s². R157 is not written for roads with pedestrians: read the labels as a comparison, not as a finding of law.";
-
-/// Which collisions reference drivers avoid; nothing without any collision.
-fn avoidable(cells: &[Cell]) -> String {
-    let mut text = String::new();
-    if cells.iter().all(|cell| cell.collisions == 0) {
-        return text;
-    }
-    text.push_str("\n## Could a careful driver have avoided them?\n\n");
-    text.push_str(
-        "| pedestrian | reward | trained in, against | town | policy | collisions | preventable of episodes | 95 % \
-         | preventable of collisions | 95 % | contested | by machine | unpreventable | into the side | standing | foreseeable |\n",
-    );
-    text.push_str("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
-    for cell in cells.iter().filter(|cell| cell.collisions > 0) {
-        let interval = |(low, high): (f64, f64)| format!("{low:.2}..{high:.2}");
-        let [_, others @ ..] = cell.labels;
-        let share = |count: u32| format!("{:.2}", f64::from(count) / f64::from(cell.collisions));
-        let _ = write!(
-            text,
-            "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |",
-            cell.pedestrian,
-            cell.reward,
-            training(cell),
-            place(cell, cells),
-            cell.policy,
-            cell.collisions,
-            spread(cell.preventable),
-            interval(cell.preventable_interval),
-            spread(cell.preventable_share),
-            interval(cell.preventable_share_interval),
-        );
-        for count in others.into_iter().chain([cell.foreseeable]) {
-            let _ = write!(text, " {} |", share(count));
-        }
-        text.push('\n');
-    }
-    let _ = writeln!(text, "\nThe last six are shares of the cell's collisions. {JUDGED}");
-    text
-}
-
 /// What the pedestrian of a cell was trained in and against.
-fn training(cell: &Cell) -> String {
+pub(super) fn training(cell: &Cell) -> String {
     match &cell.trained {
         (town, _) if town.is_empty() => "–".to_string(),
         (town, policy) => format!("{town}, {policy}"),
@@ -174,7 +153,7 @@ fn training(cell: &Cell) -> String {
 }
 
 /// The town of a cell, with whatever else differs between the cells: vehicle, adversary, `evaluate` block.
-fn place(cell: &Cell, cells: &[Cell]) -> String {
+pub(super) fn place(cell: &Cell, cells: &[Cell]) -> String {
     let mut text = cell.town.clone();
     if cells.iter().any(|other| other.vehicle != cell.vehicle) {
         let _ = write!(text, ", {}", cell.vehicle);

@@ -14,12 +14,19 @@ pub struct Signature {
     pub children: Vec<Signature>,
     /// Whether `on event => formula` clauses may stand inside.
     pub clauses: bool,
+    /// If it stands in for something that it is not: what is real, what is assumed, what its numbers show. Empty for the real thing.
+    pub surrogate: &'static str,
 }
 
 impl Signature {
     /// A kind with keys and nothing inside.
     pub fn new(name: &'static str, doc: &'static str, params: Vec<Param>) -> Self {
-        Self { name, doc, params, children: Vec::new(), clauses: false }
+        Self { name, doc, params, children: Vec::new(), clauses: false, surrogate: "" }
+    }
+
+    /// The same, and it says of what it is a surrogate; reports repeat that.
+    pub fn surrogate(self, surrogate: &'static str) -> Self {
+        Self { surrogate, ..self }
     }
 }
 

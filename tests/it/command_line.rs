@@ -246,8 +246,8 @@ fn settings_change_values_and_reach_the_manifest() {
     let manifest = std::fs::read_to_string(folder.path().join("reports/tiny-smoke/manifest.toml")).unwrap();
     assert!(manifest.contains("settings = [\"ahead.distance = 8 m .. 9 m\"]"), "{manifest}");
     let summary = std::fs::read_to_string(folder.path().join("reports/tiny-smoke/summary.md")).unwrap();
-    assert!(summary.contains("- policy **blind**: Sees nobody: every pedestrian can hit it."), "{summary}");
-    assert!(!summary.contains("**lav**"), "what is not used is not spoken of");
+    assert!(summary.contains("- reward **r1**: Equation R1: any hit pays."), "{summary}");
+    assert!(!summary.contains("**r2**"), "what is not used is not spoken of");
     let wrong = falsify(&["check", "--set", "ahead.distance=8 .. 9 m", "tiny.scn"], folder.path());
     assert_eq!(wrong.status.code(), Some(3));
     assert!(error(&wrong).contains("a length needs a unit"), "{}", error(&wrong));

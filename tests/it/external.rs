@@ -129,7 +129,8 @@ fn a_driver_that_never_drives_is_given_up_after_ten_episodes() {
     }
     let silent = outcomes("silent", "start_timeout: 200 ms");
     assert_eq!(silent[0].fault(), Some(Fault::Late { limit_ms: 200 }));
-    let nobody = scenario("no-such-program --fast", "worlds: 2");
+    // It is there, so it passes the check, and cannot be run.
+    let nobody = scenario("./driver.py --fast", "worlds: 2");
     let seed = Seed::root(5);
     let tried = try_walker(&mut Random::default(), &nobody, EPISODES, &seed, &seed, &mut |_| ControlFlow::Continue(()));
     assert_eq!(tried.iter().map(Outcome::fault).collect::<Vec<_>>(), [Some(Fault::NotStarted); 10]);

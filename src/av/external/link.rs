@@ -31,6 +31,15 @@ pub trait Link: Send {
 
 /// Starts drivers.
 pub trait Opener: Send + Sync {
+    /// Looks whether a program could be started, without starting it.
+    ///
+    /// # Errors
+    /// What is missing, as half a sentence.
+    fn find(&self, program: &Program) -> Result<(), String> {
+        let _ = program;
+        Ok(())
+    }
+
     /// Starts one.
     ///
     /// # Errors

@@ -9,7 +9,7 @@ impl InterFuser {
             |name, default, doc| Param::with_default(name, Type::non_negative(Dimension::LENGTH), default, doc);
         Signature::new(
             "interfuser",
-            "A surrogate of InterFuser: its published planner and controller, exact, on the map that its network is trained to give, assumed. It sees everybody, through walls too.",
+            "InterFuser, a surrogate. Without `sensors` it sees everybody in its range, through walls too. Made for `mkz_2017` and ticks of 0.05 s.",
             vec![
                 Param::with_default(
                     "tracker",
@@ -32,6 +32,9 @@ impl InterFuser {
                     "Share of the tested box from which on somebody is in the way.",
                 ),
             ],
+        )
+        .surrogate(
+            "Exact: its published tracker, forecast, planner and controller, slips included. Assumed: its network, which is not run; the object map that it is trained to give is drawn from what is perceived. So its rates show the limits of the planner and not the mistakes of the network.",
         )
     }
 

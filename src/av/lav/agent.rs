@@ -77,7 +77,7 @@ impl Lav {
     pub fn signature() -> Signature {
         Signature::new(
             "lav",
-            "LAV with its own controller and rules and a surrogate of its networks: route and perceived actors take their place, and it brakes for pedestrians by the rules that labelled its training data. It does not see through buildings. Made for `mkz_2017`.",
+            "LAV, a surrogate. It does not see through buildings. Made for `mkz_2017`.",
             vec![
                 Param::with_default(
                     "version",
@@ -98,6 +98,9 @@ impl Lav {
                     "Factor on the distances at which it brakes for hazards; 0.7 to 1.3 is plausible.",
                 ),
             ],
+        )
+        .surrogate(
+            "Exact: LAV's controller and rules. Assumed: its networks, which are not run; its route and what it perceives take the place of its plan, detections and forecasts, and the rules that labelled its training data that of its brake classifier. So its rates show the limits of LAV's rules and not the mistakes of its networks.",
         )
     }
 

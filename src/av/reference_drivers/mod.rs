@@ -23,6 +23,7 @@ mod threat;
 mod brake_profile;
 mod delayed_brake;
 mod fuzzy_safety;
+mod rss_limits;
 mod rss;
 #[cfg(test)]
 mod tests;
@@ -30,7 +31,8 @@ mod tests;
 pub use brake_profile::BrakeProfile;
 pub use delayed_brake::DelayedBrake;
 pub use fuzzy_safety::FuzzySafety;
-pub use rss::{Rss, RssLimits, lateral_distance, longitudinal_distance};
+pub use rss::Rss;
+pub use rss_limits::{RssLimits, lateral_distance, longitudinal_distance};
 pub use threat::{OwnMotion, ReferenceDriver, Threat};
 
 /// Gravity (m/s²), as the regulations count it.
