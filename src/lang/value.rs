@@ -1,5 +1,7 @@
 //! Checks values against the types of their keys.
 
+use std::collections::BTreeMap;
+
 use super::ast::{Expression, ExpressionKind, Known};
 use super::codes;
 use super::formula::{Scope, Sort, formula, is_function};
@@ -38,10 +40,16 @@ pub(super) fn value(
                 members.iter().map(|member| value(member, item, context, diagnostics)).collect();
             let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
             if matches!(**item, Type::Reference(_) | Type::Choice(_)) {
-                for (index, again) in values.iter().enumerate() {
-                    if let Some(first) = values[..index].iter().position(|earlier| earlier == again) {
-                        let (place, before) = (members[index].span, members[first].span);
-                        diagnostics.push(codes::repeated_member(place, context.sources.text(place), before));
+                let mut seen = BTreeMap::new();
+                for (member, value) in members.iter().zip(&values) {
+                    let named = match value {
+                        Value::Reference(id) => (id.0, ""),
+                        Value::Choice(word) => (0, *word),
+                        _ => continue,
+                    };
+                    if let Some(first) = seen.insert(named, member.span) {
+                        let written = context.sources.text(member.span);
+                        diagnostics.push(codes::repeated_member(member.span, written, first));
                         return None;
                     }
                 }
@@ -103,7 +111,7 @@ pub(super) fn value(
         (Type::Reference(form), ExpressionKind::Name(word)) => match context.names.find(form, word) {
             Some(id) => Some(Value::Reference(id)),
             None => {
-                diagnostics.push(codes::unknown_name(span, form, word, &context.names.of_form(form)));
+                diagnostics.push(codes::unknown_name(span, form, word, context.names.of_form(form)));
                 None
             }
         },
