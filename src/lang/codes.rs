@@ -60,6 +60,16 @@ pub fn syntax(span: Span, text: String) -> Diagnostic {
     Diagnostic::error("syntax", span, "this statement cannot be read").here(text)
 }
 
+/// A key is followed by another sign than a colon.
+pub fn equals_sign(span: Span) -> Diagnostic {
+    Diagnostic::error("syntax", span, "this statement cannot be read").here("a key is followed by `:`").fix(":")
+}
+
+/// Two values follow each other inside parentheses or brackets.
+pub fn missing_comma(span: Span) -> Diagnostic {
+    Diagnostic::error("syntax", span, "this statement cannot be read").here("a comma is missing here").fix(",")
+}
+
 /// A bracket is never closed.
 pub fn unclosed_bracket(span: Span, bracket: char) -> Diagnostic {
     Diagnostic::error("unclosed-bracket", span, format!("`{bracket}` is never closed")).here("opened here")
@@ -232,7 +242,14 @@ pub fn named_argument(span: Span, word: &str) -> Diagnostic {
 }
 
 /// A block may not stand here.
-pub fn unknown_block(span: Span, owner: &str, word: &str, blocks: &[&str]) -> Diagnostic {
+pub fn unknown_block(span: Span, owner: &str, word: &str, blocks: &[&str], keys: &[&str]) -> Diagnostic {
+    if keys.contains(&word) {
+        return Diagnostic::error("unknown-block", span, format!("`{word}` is a key of `{owner}`, not a block"))
+            .help(format!("write `{word}: …`"));
+    }
+    if blocks.is_empty() {
+        return Diagnostic::error("unknown-block", span, format!("`{owner}` has no blocks such as `{}`", cut(word)));
+    }
     unknown("unknown-block", span, format!("`{owner}` has no block `{}`", cut(word)), word, blocks.iter().copied())
 }
 
@@ -289,6 +306,28 @@ pub fn wrong_unit(span: Span, expected: Dimension, found: Dimension) -> Diagnost
     }
 }
 
+/// The unit that a word in full stands for, or an abbreviation that other languages have.
+fn abbreviated(word: &str) -> Option<&'static str> {
+    let lower = word.to_lowercase();
+    Some(match lower.strip_suffix('s').filter(|rest| rest.len() > 1).unwrap_or(&lower) {
+        "meter" | "metre" => "m",
+        "kilometer" | "kilometre" => "km",
+        "centimeter" | "centimetre" => "cm",
+        "millimeter" | "millimetre" => "mm",
+        "second" | "sec" => "s",
+        "millisecond" | "msec" => "ms",
+        "minute" => "min",
+        "hour" | "hr" => "h",
+        "degree" => "deg",
+        "radian" => "rad",
+        "hertz" => "Hz",
+        "kilogram" => "kg",
+        "kmh" | "kmph" => "km/h",
+        "mps" => "m/s",
+        _ => return None,
+    })
+}
+
 /// A unit is not known.
 pub fn unknown_unit(span: Span, written: &str, part: Option<&str>, units: &[&str]) -> Diagnostic {
     let Some(part) = part else {
@@ -296,7 +335,8 @@ pub fn unknown_unit(span: Span, written: &str, part: Option<&str>, units: &[&str
             .help("a power is a whole number from -9 to 9, as in `m/s^2`");
     };
     let diagnostic = Diagnostic::error("unknown-unit", span, format!("`{part}` is no unit"));
-    let diagnostic = match nearest(part, units.iter().copied()) {
+    let diagnostic = match abbreviated(part).or_else(|| nearest(part, units.iter().copied())) {
+        Some(near) if part == written => diagnostic.here(format!("did you mean `{near}`?")).fix(near),
         Some(near) => diagnostic.here(format!("did you mean `{near}`?")),
         None => diagnostic.help(format!("units: {}", quoted(units.iter().copied()))),
     };

@@ -15,6 +15,7 @@ pub mod library;
 mod parse;
 pub mod ast;
 mod brackets;
+mod repair;
 mod names;
 mod params;
 mod settings;

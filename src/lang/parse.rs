@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 use super::ast::{
     Clause, Declaration, Entry, Expression, ExpressionKind, File, Import, Name, Operator, Param, Property,
 };
-use super::{brackets, codes};
+use super::{brackets, codes, repair};
 use crate::diagnostic::{Diagnostic, SourceId, Span};
 
 #[allow(missing_docs, reason = "the derive writes the enum; the grammar documents the rules")]
@@ -199,13 +199,14 @@ impl Reader {
     }
 
     fn value(&mut self, pair: Pair<Rule>) -> Expression {
-        let span = self.span(&pair);
         let mut inner = pair.into_inner();
         let low = self.expression(inner.next().expect("a value has an expression"));
         match inner.next() {
             None => low,
             Some(high) => {
                 let high = self.expression(high);
+                // The rule's own span may end with blanks.
+                let span = low.span.to(high.span);
                 Expression { kind: ExpressionKind::Range(low.into(), high.into()), span }
             }
         }
@@ -303,10 +304,36 @@ impl Reader {
         let start = pair.as_span().start();
         let text = pair.as_str().trim_end();
         let diagnostic = match ScenarioParser::parse(rule, text) {
-            Err(error) => self.syntax_error(&error, start),
+            Err(error) => match self.repaired(text, start, rule) {
+                Some(diagnostic) => diagnostic,
+                None => self.syntax_error(&error, start),
+            },
             Ok(_) => codes::syntax(self.span(pair), "this cannot stand here".into()),
         };
         self.diagnostics.push(diagnostic);
+    }
+
+    /// What is wrong with a statement that a sign more or another sign would make readable.
+    fn repaired(&self, text: &str, start: usize, rule: Rule) -> Option<Diagnostic> {
+        let place = |from: usize, to: usize| {
+            let offset = self.offset + start;
+            Span { source: self.source, start: offset + from, end: offset + to }
+        };
+        let reads = |text: &str| ScenarioParser::parse(rule, text).is_ok();
+        if let Some(sign) = repair::equals_sign(text).filter(|_| rule == Rule::whole_entry)
+            && reads(&format!("{}:{}", &text[..sign], &text[sign + 1..]))
+        {
+            return Some(codes::equals_sign(place(sign, sign + 1)));
+        }
+        let commas = repair::missing_commas(text);
+        let first = *commas.first()?;
+        let (mut repaired, mut last) = (String::new(), 0);
+        for comma in &commas {
+            repaired.extend([&text[last..*comma], ","]);
+            last = *comma;
+        }
+        repaired.push_str(&text[last..]);
+        reads(&repaired).then(|| codes::missing_comma(place(first, first)))
     }
 
     fn syntax_error(&self, error: &pest::error::Error<Rule>, start: usize) -> Diagnostic {

@@ -226,7 +226,7 @@ fn axes_of<'a>(
             Entry::Bare(value) => diagnostics.push(codes::bare_argument(value.span, &[])),
             Entry::Clause(clause) => diagnostics.push(codes::unexpected_clause(clause.event.span, MATRIX)),
             Entry::Child(child) => {
-                diagnostics.push(codes::unknown_block(child.form.span, MATRIX, &child.form.text, &[]));
+                diagnostics.push(codes::unknown_block(child.form.span, MATRIX, &child.form.text, &[], &[]));
             }
         }
     }
