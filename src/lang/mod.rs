@@ -38,3 +38,4 @@ pub use params::{DIMENSIONS, OTHER_TYPES};
 pub use parse::parse;
 pub use settings::{Matrix, Setting, apply, matrices, settings};
 pub use suggest::nearest;
+pub use value::distributions;

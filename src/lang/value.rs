@@ -173,6 +173,11 @@ const DISTRIBUTIONS: &[(&str, &str)] = &[
     ("weighted", "one pair `(weight, distribution)` or more"),
 ];
 
+/// The names of the functions that make distributions.
+pub fn distributions() -> impl Iterator<Item = &'static str> {
+    DISTRIBUTIONS.iter().map(|(name, _)| *name)
+}
+
 /// A value, a range, or a call of one of [`DISTRIBUTIONS`].
 fn distribution(
     expression: &Expression,
