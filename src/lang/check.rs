@@ -221,7 +221,8 @@ impl<'f> Checker<'_, '_, 'f> {
         if let Some(first) = earlier.iter().find(|clause| clause.event == event.name && clause.word == word) {
             self.diagnostics.push(codes::duplicate_clause(name.span, first.span));
         }
-        let scope = Scope { vocabulary: self.context.vocabulary, available: event.variables, event: event.name };
+        let Context { vocabulary, names, .. } = *self.context;
+        let scope = Scope { vocabulary, available: event.variables, event: event.name, names };
         let (formula, sort) = formula(&written.formula, &scope, self.diagnostics)?;
         match sort {
             Sort::Quantity(crate::units::Dimension::RATIO) => {

@@ -133,12 +133,7 @@ pub fn import_cycle(span: Span, path: &str) -> Diagnostic {
 }
 
 /// An import names something that the file does not declare.
-pub fn unknown_import<'a>(
-    span: Span,
-    word: &str,
-    path: &str,
-    known: impl IntoIterator<Item = &'a str>,
-) -> Diagnostic {
+pub fn unknown_import<'a>(span: Span, word: &str, path: &str, known: impl IntoIterator<Item = &'a str>) -> Diagnostic {
     unknown("unknown-import", span, format!("`{path}` declares no `{}`", cut(word)), word, known)
 }
 
@@ -266,12 +261,7 @@ pub fn duplicate_declaration(span: Span, form: &str, name: &str, first: Span) ->
 }
 
 /// A reference leads to no declaration.
-pub fn unknown_name<'a>(
-    span: Span,
-    form: &str,
-    word: &str,
-    known: impl IntoIterator<Item = &'a str>,
-) -> Diagnostic {
+pub fn unknown_name<'a>(span: Span, form: &str, word: &str, known: impl IntoIterator<Item = &'a str>) -> Diagnostic {
     unknown("unknown-name", span, format!("unknown {form} `{}`", cut(word)), word, known)
 }
 
@@ -397,8 +387,8 @@ pub fn unknown_choice(span: Span, word: &str, words: &[&str]) -> Diagnostic {
 }
 
 /// A formula names an unknown variable.
-pub fn unknown_variable(span: Span, word: &str, known: &[&str]) -> Diagnostic {
-    unknown("unknown-variable", span, format!("unknown variable `{}`", cut(word)), word, known.iter().copied())
+pub fn unknown_variable<'a>(span: Span, word: &str, known: impl IntoIterator<Item = &'a str>) -> Diagnostic {
+    unknown("unknown-variable", span, format!("unknown variable or parameter `{}`", cut(word)), word, known)
 }
 
 /// A formula names a variable that has no value at this event.
@@ -444,7 +434,13 @@ pub fn unknown_event(span: Span, word: &str, known: &[&str]) -> Diagnostic {
 
 /// An event's word is unknown.
 pub fn unknown_event_word(span: Span, event: &str, word: &str, known: &[&str]) -> Diagnostic {
-    unknown("unknown-event-word", span, format!("the event `{event}` has no word `{}`", cut(word)), word, known.iter().copied())
+    unknown(
+        "unknown-event-word",
+        span,
+        format!("the event `{event}` has no word `{}`", cut(word)),
+        word,
+        known.iter().copied(),
+    )
 }
 
 /// Two clauses answer to the same event.

@@ -31,6 +31,11 @@ impl<'a> Names<'a> {
         self.params.get(name).map(|(id, _)| *id)
     }
 
+    /// The names of all parameters, in order.
+    pub fn params(&self) -> impl Iterator<Item = &'a str> {
+        self.params.keys().copied()
+    }
+
     pub fn has_params(&self) -> bool {
         !self.params.is_empty()
     }
@@ -52,7 +57,8 @@ impl<'a> Names<'a> {
         if named.is_empty() {
             return;
         }
-        let offered: BTreeSet<&str> = other.known.keys().map(|(_, name)| *name).chain(other.params.keys().copied()).collect();
+        let offered: BTreeSet<&str> =
+            other.known.keys().map(|(_, name)| *name).chain(other.params.keys().copied()).collect();
         for name in import.names.iter().filter(|name| !offered.contains(name.text.as_str())) {
             diagnostics.push(codes::unknown_import(name.span, &name.text, &import.path, offered.iter().copied()));
         }

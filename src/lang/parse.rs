@@ -46,7 +46,7 @@ pub fn parse(source: SourceId, text: &str) -> (File, Vec<Diagnostic>) {
                 reader.item(pair, &mut file);
             }
         }
-        Err(error) => reader.diagnostics.push(reader.syntax_error(&error, 0)),
+        Err(error) => reader.diagnostics.push(reader.syntax_error(&error, 0, 0)),
     }
     (file, reader.diagnostics)
 }
@@ -60,7 +60,7 @@ pub(super) fn parse_value(source: SourceId, text: &str) -> Result<Expression, Bo
             let value = pairs.next().and_then(|whole| whole.into_inner().next()).expect("whole_value holds a value");
             Ok(reader.value(value))
         }
-        Err(error) => Err(Box::new(reader.syntax_error(&error, 0))),
+        Err(error) => Err(Box::new(reader.syntax_error(&error, 0, 0))),
     }
 }
 
@@ -303,10 +303,13 @@ impl Reader {
     fn junk(&mut self, pair: &Pair<Rule>, rule: Rule) {
         let start = pair.as_span().start();
         let text = pair.as_str().trim_end();
-        let diagnostic = match ScenarioParser::parse(rule, text) {
-            Err(error) => match self.repaired(text, start, rule) {
+        // Parentheses that cannot be read are left over from a declaration that can do without.
+        let before = if text.starts_with('(') { "form name = kind" } else { "" };
+        let whole = format!("{before}{text}");
+        let diagnostic = match ScenarioParser::parse(rule, &whole) {
+            Err(error) => match self.repaired(&whole, before.len(), start, rule) {
                 Some(diagnostic) => diagnostic,
-                None => self.syntax_error(&error, start),
+                None => self.syntax_error(&error, before.len(), start),
             },
             Ok(_) => codes::syntax(self.span(pair), "this cannot stand here".into()),
         };
@@ -314,13 +317,13 @@ impl Reader {
     }
 
     /// What is wrong with a statement that a sign more or another sign would make readable.
-    fn repaired(&self, text: &str, start: usize, rule: Rule) -> Option<Diagnostic> {
+    fn repaired(&self, text: &str, added: usize, start: usize, rule: Rule) -> Option<Diagnostic> {
         let place = |from: usize, to: usize| {
             let offset = self.offset + start;
-            Span { source: self.source, start: offset + from, end: offset + to }
+            Span { source: self.source, start: offset + from - added, end: offset + to - added }
         };
         let reads = |text: &str| ScenarioParser::parse(rule, text).is_ok();
-        if let Some(sign) = repair::equals_sign(text).filter(|_| rule == Rule::whole_entry)
+        if let Some(sign) = repair::equals_sign(text).filter(|_| rule == Rule::whole_entry && added == 0)
             && reads(&format!("{}:{}", &text[..sign], &text[sign + 1..]))
         {
             return Some(codes::equals_sign(place(sign, sign + 1)));
@@ -336,11 +339,13 @@ impl Reader {
         reads(&repaired).then(|| codes::missing_comma(place(first, first)))
     }
 
-    fn syntax_error(&self, error: &pest::error::Error<Rule>, start: usize) -> Diagnostic {
+    /// What pest says about a text that begins at a place of the source, after so many bytes that were put before it.
+    fn syntax_error(&self, error: &pest::error::Error<Rule>, added: usize, start: usize) -> Diagnostic {
         let (from, to) = match error.location {
             InputLocation::Pos(at) => (at, at),
             InputLocation::Span((from, to)) => (from, to),
         };
+        let (from, to) = (from.saturating_sub(added), to.saturating_sub(added));
         let span = Span { source: self.source, start: self.offset + start + from, end: self.offset + start + to };
         let expected = match &error.variant {
             ErrorVariant::ParsingError { positives, .. } => {

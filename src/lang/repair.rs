@@ -7,6 +7,8 @@ pub(super) fn missing_commas(text: &str) -> Vec<usize> {
     let mut found = Vec::new();
     // The end of the last token, when it may end a value, and whether it is a number.
     let mut value: Option<(usize, bool)> = None;
+    // Whether the last token is a name, which parentheses may follow.
+    let mut called = false;
     let mut at = 0;
     while at < bytes.len() {
         let rest = &text[at..];
@@ -28,7 +30,7 @@ pub(super) fn missing_commas(text: &str) -> Vec<usize> {
         let starts = word > 0 && !token.starts_with('.') || matches!(bytes[at], b'"' | b'[');
         let operator = matches!(token, "and" | "or" | "not" | "in");
         if let Some((end, number)) = value
-            && starts
+            && (starts || bytes[at] == b'(' && !called)
             && !operator
             && matches!(open.last(), Some(b'(' | b'['))
         {
@@ -45,6 +47,7 @@ pub(super) fn missing_commas(text: &str) -> Vec<usize> {
             _ => {}
         }
         let ends = starts && !operator && bytes[at] != b'[' || matches!(bytes[at], b')' | b']');
+        called = token.starts_with(|first: char| first.is_ascii_alphabetic() || first == '_');
         value = ends.then_some((at + length, bytes[at].is_ascii_digit()));
         at += length;
     }
@@ -72,7 +75,10 @@ mod tests {
         assert_eq!(marked("policy p = idm(limit_share: 1 margin: 1 m)"), "policy p = idm(limit_share: 1, margin: 1 m)");
         assert_eq!(marked("towns: [a b \"c\"]"), "towns: [a, b, \"c\"]");
         assert_eq!(marked("at: (1 m 2 m, 3 deg)"), "at: (1 m, 2 m, 3 deg)");
-        for fine in ["x: max(1 m, f(2) * 3 .. 4) and b in m/s", "a: [7..30, 1 m .. 2 m]", "{ a: 1 b: 2 }", "f(not a or b)"] {
+        assert_eq!(marked("at: [(1 m, 2 m) (3 m, 4 m)]"), "at: [(1 m, 2 m), (3 m, 4 m)]");
+        for fine in
+            ["x: max(1 m, f(2) * 3 .. 4) and b in m/s", "a: [7..30, 1 m .. 2 m]", "{ a: 1 b: 2 }", "f(not a or b)"]
+        {
             assert_eq!(marked(fine), fine);
         }
     }

@@ -19,7 +19,8 @@ pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
             }
             let other = candidate.to_lowercase();
             // Every edit changes one letter for one at most, so that most words need not be compared.
-            let differ = |a: &Letters, b: &Letters| a.iter().zip(b).map(|(a, b)| a.saturating_sub(*b) as usize).sum::<usize>();
+            let differ =
+                |a: &Letters, b: &Letters| a.iter().zip(b).map(|(a, b)| a.saturating_sub(*b) as usize).sum::<usize>();
             let others = self::letters(&other);
             if differ(&letters, &others).max(differ(&others, &letters)) > most {
                 return None;
@@ -54,10 +55,15 @@ mod tests {
 
     #[test]
     fn what_is_left_out_is_what_is_too_far() {
-        let words = ["", "a", "ä", "ab", "ba", "abc", "acb", "cab", "reward", "rewrad", "drawer", "rewarded", "Äpfel", "aepfel"];
+        let words = [
+            "", "a", "ä", "ab", "ba", "abc", "acb", "cab", "reward", "rewrad", "drawer", "rewarded", "Äpfel", "aepfel",
+        ];
         for word in words {
             let far = |other: &str| strsim::damerau_levenshtein(&word.to_lowercase(), &other.to_lowercase());
-            let best = words.into_iter().filter(|other| far(other) <= 1 + other.len().min(word.len()) / 4).min_by_key(|w| far(w));
+            let best = words
+                .into_iter()
+                .filter(|other| far(other) <= 1 + other.len().min(word.len()) / 4)
+                .min_by_key(|w| far(w));
             assert_eq!(nearest(word, words), best, "{word}");
         }
         let long = "a".repeat(1 << 20);

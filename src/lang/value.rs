@@ -132,7 +132,7 @@ pub(super) fn value(
         (Type::Condition(event), _) => {
             let known = context.vocabulary.events.iter().find(|known| known.name == *event);
             let available = known.map_or(&[][..], |event| event.variables);
-            let scope = Scope { vocabulary: context.vocabulary, available, event };
+            let scope = Scope { vocabulary: context.vocabulary, available, event, names: context.names };
             match formula(expression, &scope, diagnostics)? {
                 (formula, Sort::Truth) => Some(Value::Formula(formula)),
                 (_, Sort::Quantity(dimension)) => {
@@ -291,7 +291,7 @@ fn quantity(
     context: &Context,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Option<f64> {
-    let scope = Scope { vocabulary: context.vocabulary, available: &[], event: "compile time" };
+    let scope = Scope { vocabulary: context.vocabulary, available: &[], event: "compile time", names: context.names };
     let (formula, sort) = formula(expression, &scope, diagnostics)?;
     match sort {
         Sort::Truth => {

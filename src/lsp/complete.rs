@@ -25,9 +25,8 @@ pub fn complete(cursor: &Cursor, catalog: &Catalog, visible: Visible) -> Vec<Com
             kinds.map(|kind| snippet(kind.name, kind.doc, format!("{}($0)", kind.name))).collect()
         }
         Place::Key => {
-            let multiplied = |signature: &Signature| {
-                catalog.forms.iter().any(|form| form.multiplies && form.name == signature.name)
-            };
+            let multiplied =
+                |signature: &Signature| catalog.forms.iter().any(|form| form.multiplies && form.name == signature.name);
             let matrix = cursor.signature.filter(|signature| multiplied(signature)).map(|_| {
                 snippet("matrix", "Runs the campaign once for each combination of values.", "matrix { $0 }".into())
             });
@@ -47,8 +46,10 @@ pub fn complete(cursor: &Cursor, catalog: &Catalog, visible: Visible) -> Vec<Com
         Place::ParamValue(ty) => of_type(ty, visible),
         Place::AxisValue(name) => visible.param(name).map_or_else(Vec::new, |param| of_type(&param.ty.text, visible)),
         Place::Axis => {
-            let axis = |param: CompletionItem| {
-                CompletionItem { insert_text: Some(format!("{}: [$0]", param.label)), insert_text_format: Some(InsertTextFormat::SNIPPET), ..param }
+            let axis = |param: CompletionItem| CompletionItem {
+                insert_text: Some(format!("{}: [$0]", param.label)),
+                insert_text_format: Some(InsertTextFormat::SNIPPET),
+                ..param
             };
             params(visible, |_| true).into_iter().map(axis).collect()
         }
@@ -117,7 +118,8 @@ fn of_type(word: &str, visible: Visible) -> Vec<CompletionItem> {
     let own = if word == "boolean" { &["true", "false"][..] } else { &[] };
     let own = own.iter().map(|word| item(word, CompletionItemKind::ENUM_MEMBER, ""));
     let dimension = measured(word);
-    let alike = params(visible, |param| param.ty.text == word || dimension.is_some() && measured(&param.ty.text).is_some());
+    let alike =
+        params(visible, |param| param.ty.text == word || dimension.is_some() && measured(&param.ty.text).is_some());
     own.chain(visible.of_form(word).filter_map(declared)).chain(alike).collect()
 }
 
@@ -131,9 +133,7 @@ fn values(param: &Param, catalog: &Catalog, visible: Visible) -> Vec<CompletionI
         Type::Boolean => words(&["true", "false"]),
         Type::Choice(choices) => words(choices),
         Type::Condition(_) => formula(catalog),
-        Type::Distribution { .. } => {
-            distributions().map(|name| item(name, CompletionItemKind::FUNCTION, "")).collect()
-        }
+        Type::Distribution { .. } => distributions().map(|name| item(name, CompletionItemKind::FUNCTION, "")).collect(),
         other => referred(other).map_or_else(Vec::new, |form| visible.of_form(form).filter_map(declared).collect()),
     };
     own.into_iter().chain(params(visible, |param| fits(&param.ty.text, ty))).collect()

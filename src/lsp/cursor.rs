@@ -120,7 +120,8 @@ fn statement<'a>(frame: &Frame<'a>, before: &str, behind: &'a str) -> Option<Pla
     let words: Vec<&str> = frame.tokens.iter().map(|token| token.text).collect();
     let last = frame.tokens.last()?;
     // On the next line another statement begins, unless this one is still open.
-    let open = last.kind == Kind::Sign && !matches!(last.text, ")" | "]" | "}") || matches!(last.text, "import" | "param");
+    let open =
+        last.kind == Kind::Sign && !matches!(last.text, ")" | "]" | "}") || matches!(last.text, "import" | "param");
     let next_line = before[last.end.min(before.len())..].contains('\n');
     match words.as_slice() {
         ["import" | "param", ..] | ["edition", _] if next_line && !open => Some(Place::Form),
@@ -194,8 +195,11 @@ fn take<'a>(frames: &mut Vec<Frame<'a>>, token: Token<'a>, catalog: &'a Catalog)
         match token.text {
             "{" => {
                 let signature = opened(frame, top, catalog);
-                let multiplies = |signature: &Signature| catalog.forms.iter().any(|form| form.multiplies && form.name == signature.name);
-                let matrix = frame.tokens.last().is_some_and(|last| last.text == "matrix") && frame.signature.is_some_and(multiplies);
+                let multiplies = |signature: &Signature| {
+                    catalog.forms.iter().any(|form| form.multiplies && form.name == signature.name)
+                };
+                let matrix = frame.tokens.last().is_some_and(|last| last.text == "matrix")
+                    && frame.signature.is_some_and(multiplies);
                 frames.push(Frame { signature, keys: true, matrix, ..Frame::default() });
                 return;
             }
@@ -208,7 +212,12 @@ fn take<'a>(frames: &mut Vec<Frame<'a>>, token: Token<'a>, catalog: &'a Catalog)
                 let closed = if frames.len() > 1 { frames.pop() } else { None };
                 let frame = frames.last_mut().expect("the file is never closed");
                 if token.text == "}" {
-                    *frame = Frame { signature: frame.signature, keys: frame.keys, matrix: frame.matrix, ..Frame::default() };
+                    *frame = Frame {
+                        signature: frame.signature,
+                        keys: frame.keys,
+                        matrix: frame.matrix,
+                        ..Frame::default()
+                    };
                 } else {
                     frame.closed = closed.filter(|closed| closed.keys).and_then(|closed| closed.signature);
                     frame.tokens.push(token);

@@ -131,7 +131,8 @@ fn what_multiplies_is_bounded() {
     let ten = "[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]";
     let many = format!("edition 1\n{params}campaign c {{ matrix {{ p0: {ten} p1: {ten} p2: {ten} }} }}\n");
     assert_eq!(survive_in_time("many rows of much", many), Some("too-many-combinations"));
-    let runs = "train { towns: [harbour, village] policies: [behavior, careful, blind] rewards: [r1, r2] runs: 10_000 }";
+    let runs =
+        "train { towns: [harbour, village] policies: [behavior, careful, blind] rewards: [r1, r2] runs: 10_000 }";
     let keys = "vehicle: model3 adversary: suicidal spawn: ahead episode: thirty_seconds training: ppo_paper";
     let text = format!("edition 1\n{pieces}import \"std/towns.scn\"\n{params}campaign c {{ {keys} {runs} {runs} }}\n");
     assert!(survive_in_time("many trainings", text).is_some());

@@ -16,8 +16,11 @@ const TRAPS: &[(&str, &str)] = &[
     ("a property nobody knows", "edition 1\nspawn s { with_wind: 5 }\n"),
     ("a forgotten deg", "edition 1\nspawn s { bearing: -60 .. 60 }\n"),
     ("a unit spelt out", "edition 1\nspawn s { distance: 7 meters .. 30 m }\n"),
-    ("a forgotten comma in a list", "edition 1\nspawn s { ego_poses: [(1 m, 2 m, 3 deg) (4 m, 5 m 6 deg)] }\n"),
-    ("a condition that contradicts the rest", "edition 1\nspawn s { distance: 7 m .. 30 m  require: distance > 40 m }\n"),
+    ("a forgotten comma in a list", "edition 1\nspawn s { ego_poses: [(1 m, 2 m, 3 deg) (4 m, 5 m, 6 deg)] }\n"),
+    (
+        "a condition that contradicts the rest",
+        "edition 1\nspawn s { distance: 7 m .. 30 m  require: distance > 40 m }\n",
+    ),
     ("a condition that never holds", "edition 1\nspawn s { require: 7 m > 30 m }\n"),
     ("a parameter nobody declared", "edition 1\nparam far: length = 30 m\nspawn s { distance: 7 m .. fra }\n"),
     ("a unit in another's place", "edition 1\nepisode e { tick: 0.05 m }\n"),
