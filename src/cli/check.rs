@@ -1,3 +1,5 @@
+use std::io::Write;
+
 use super::args::{CheckOptions, Format};
 use super::{ExitCode, front};
 use crate::compile::{Campaign, Plan};
@@ -85,7 +87,12 @@ fn for_programs(options: &CheckOptions) -> ExitCode {
             let rules: Vec<(&str, &str)> = mistakes.iter().map(|mistake| (mistake.code, mistake.text)).collect();
             front::say(&serde_json::to_string_pretty(&sarif(&records, &rules)).expect(PLAIN));
         }
-        _ => records.iter().for_each(|record| front::say(&serde_json::to_string(record).expect(PLAIN))),
+        _ => {
+            let lines: Vec<String> =
+                records.iter().map(|record| serde_json::to_string(record).expect(PLAIN) + "\n").collect();
+            // In one piece, since there may be very many; a reader that has gone away is no mistake.
+            let _ = std::io::stdout().write_all(lines.concat().as_bytes());
+        }
     }
     let errors = gathered.compiled.diagnostics.iter().any(|each| each.severity == Severity::Error);
     if errors { ExitCode::Scenario } else { ExitCode::Done }

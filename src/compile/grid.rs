@@ -17,6 +17,8 @@ use crate::sim::VehicleBlueprint;
 
 /// Most decisions between two updates, over all environments.
 const MOST_DECISIONS: usize = 1 << 22;
+/// Most trainings, evaluations or searches that one block may ask for.
+const MOST_CELLS: usize = 200_000;
 
 /// A member of one axis of the grid.
 #[derive(Clone)]
@@ -84,6 +86,11 @@ impl Lowering<'_> {
             let Some(spawn) = self.spawn(block, train) else { continue };
             let (towns, policies) = (self.towns(train), self.policies(train));
             self.probe(block, train, &towns, &spawn, &[(&car.value, &walker.value)]);
+            let rewards_here = train.arguments.references("rewards").len();
+            let runs = train.arguments.integer("runs") as usize;
+            if !self.fits(train, [towns.len(), policies.len(), rewards_here, runs]) {
+                continue;
+            }
             for town in &towns {
                 note_town(&mut campaign.towns, town);
                 for policy in &policies {
@@ -125,6 +132,9 @@ impl Lowering<'_> {
             let bodies: Vec<_> = cars.iter().flat_map(|c| walkers.iter().map(|w| (&c.value, &w.value))).collect();
             self.probe(block, evaluate, &towns, &spawn, &bodies);
             let who = pedestrians(evaluate.arguments.list("pedestrians"), &campaign.trainings);
+            if !self.fits(evaluate, [towns.len(), policies.len(), bodies.len(), who.len().max(rewards.len())]) {
+                continue;
+            }
             for town in &towns {
                 note_town(&mut campaign.towns, town);
                 for policy in &policies {
@@ -159,6 +169,10 @@ impl Lowering<'_> {
             let (towns, policies) = (self.towns(search), self.policies(search));
             self.probe(block, search, &towns, &spawn, &[(&car.value, &walker.value)]);
             let falsifiers = self.falsifiers(search, &usual);
+            let runs = search.arguments.integer("runs") as usize;
+            if !self.fits(search, [towns.len(), policies.len(), falsifiers.len(), runs]) {
+                continue;
+            }
             for town in &towns {
                 note_town(&mut campaign.towns, town);
                 for policy in &policies {
@@ -192,6 +206,15 @@ impl Lowering<'_> {
             }
         }
         campaign
+    }
+
+    /// Whether the axes of a block make no more cells than can be run, saying so otherwise.
+    fn fits(&mut self, block: &Block, axes: [usize; 4]) -> bool {
+        let cells = axes.into_iter().fold(1, usize::saturating_mul);
+        if cells > MOST_CELLS {
+            self.said.push(codes::too_many_combinations(block.head, cells, MOST_CELLS));
+        }
+        cells <= MOST_CELLS
     }
 
     fn falsifiers(&mut self, block: &Block, usual: &(PpoConfig, usize)) -> Vec<Rival> {

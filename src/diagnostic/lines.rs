@@ -5,20 +5,40 @@ use super::Span;
 pub struct Lines<'a> {
     text: &'a str,
     starts: Vec<usize>,
+    /// How many characters and units of UTF-16 stand before each [`BLOCK`], so that a long line need not be counted through.
+    blocks: Vec<(usize, usize)>,
 }
+
+/// How many bytes are counted anew at most.
+const BLOCK: usize = 1024;
 
 impl<'a> Lines<'a> {
     /// Looks a text through once.
     pub fn new(text: &'a str) -> Self {
         let starts = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect();
-        Self { text, starts }
+        let (mut blocks, mut before) = (Vec::new(), (0, 0));
+        for block in text.as_bytes().chunks(BLOCK) {
+            blocks.push(before);
+            let (characters, units) = count(block);
+            before = (before.0 + characters, before.1 + units);
+        }
+        blocks.push(before);
+        Self { text, starts, blocks }
     }
 
-    /// The line of a byte and the text of the line before it; lines count from 0.
-    fn before(&self, byte: usize) -> (usize, &'a str) {
+    /// The line of a byte, and how many characters and units of UTF-16 stand in it before the byte; lines count from 0.
+    fn before(&self, byte: usize) -> (usize, (usize, usize)) {
         let byte = self.floor(byte);
         let line = self.starts.partition_point(|start| *start <= byte) - 1;
-        (line, &self.text[self.starts[line]..byte])
+        let (first, last) = (self.above(self.starts[line]), self.above(byte));
+        (line, (last.0 - first.0, last.1 - first.1))
+    }
+
+    /// How many characters and units of UTF-16 begin before a byte of the text.
+    fn above(&self, byte: usize) -> (usize, usize) {
+        let block = byte / BLOCK;
+        let (characters, units) = count(&self.text.as_bytes()[block * BLOCK..byte]);
+        (self.blocks[block].0 + characters, self.blocks[block].1 + units)
     }
 
     /// The nearest byte at or before this one where a character begins.
@@ -28,14 +48,14 @@ impl<'a> Lines<'a> {
 
     /// Line and column of a byte, both from 1; the column counts characters.
     pub fn line_column(&self, byte: usize) -> (usize, usize) {
-        let (line, before) = self.before(byte);
-        (line + 1, before.chars().count() + 1)
+        let (line, (characters, _)) = self.before(byte);
+        (line + 1, characters + 1)
     }
 
     /// Line and column of a byte, both from 0; the column counts units of UTF-16, as editors do.
     pub fn utf16(&self, byte: usize) -> (u32, u32) {
-        let (line, before) = self.before(byte);
-        (line as u32, before.encode_utf16().count() as u32)
+        let (line, (_, units)) = self.before(byte);
+        (line as u32, units as u32)
     }
 
     /// The byte at a line and a UTF-16 column, both from 0; the nearest there is when there is none.
@@ -59,9 +79,27 @@ impl<'a> Lines<'a> {
     }
 }
 
+/// How many characters and units of UTF-16 begin in some bytes of a text.
+fn count(bytes: &[u8]) -> (usize, usize) {
+    // A character begins with a byte that goes on with none; one of four bytes takes two units.
+    let characters = bytes.iter().filter(|byte| **byte & 0xc0 != 0x80).count();
+    (characters, characters + bytes.iter().filter(|byte| **byte >= 0xf0).count())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn long_lines_count_like_short_ones() {
+        let text = "a🚗é\n".repeat(3) + &"xé🚗".repeat(2_000);
+        let lines = Lines::new(&text);
+        for (at, _) in text.char_indices().step_by(7).chain([(text.len(), ' ')]) {
+            let start = text[..at].rfind('\n').map_or(0, |end| end + 1);
+            assert_eq!(lines.line_column(at).1, text[start..at].chars().count() + 1);
+            assert_eq!(lines.utf16(at).1 as usize, text[start..at].encode_utf16().count());
+        }
+    }
 
     #[test]
     fn columns_count_characters_or_units_of_utf16() {

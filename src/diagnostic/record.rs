@@ -60,7 +60,7 @@ pub fn records(diagnostics: &[Diagnostic], sources: &Sources) -> Vec<Record> {
     let lines: Vec<Lines> = sources.iter().map(|(_, source)| Lines::new(&source.text)).collect();
     let ids: Vec<SourceId> = sources.iter().map(|(id, _)| id).collect();
     let place = |span: Span| {
-        let index = ids.iter().position(|id| *id == span.source).expect("a span lies in a source");
+        let index = ids.binary_search(&span.source).expect("a span lies in a source");
         let ((line, column), (end_line, end_column)) = lines[index].span(span);
         let file = sources.get(span.source).path.display().to_string();
         Place { file, line, column, end_line, end_column, byte_start: span.start, byte_end: span.end }

@@ -1,6 +1,6 @@
 use annotate_snippets::{AnnotationKind, Group, Level, Patch, Renderer, Snippet};
 
-use super::{Diagnostic, Severity, SourceId, Sources};
+use super::{Diagnostic, Severity, SourceId, Sources, Span};
 
 /// Whether drawings carry terminal colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,10 +28,11 @@ pub fn render(diagnostic: &Diagnostic, sources: &Sources, colour: Colour) -> Str
     let mut groups = vec![main];
     if let Some(fix) = &diagnostic.fix {
         let span = diagnostic.primary.span;
-        let source = sources.get(span.source);
-        let snippet = Snippet::source(&source.text)
-            .path(source.path.to_string_lossy())
-            .patch(Patch::new(span.start..span.end, fix.as_str()));
+        let excerpt = Excerpt::new(sources, span.source, &[span]);
+        let snippet = Snippet::source(excerpt.text)
+            .line_start(excerpt.line)
+            .path(sources.get(span.source).path.to_string_lossy())
+            .patch(Patch::new(excerpt.range(span), fix.as_str()));
         groups.push(Group::with_title(Level::HELP.secondary_title("write it like this")).element(snippet));
     }
     let renderer = match colour {
@@ -56,15 +57,46 @@ fn snippet<'a>(
     sources: &'a Sources,
     id: SourceId,
 ) -> Snippet<'a, annotate_snippets::Annotation<'a>> {
-    let source = sources.get(id);
-    let mut snippet = Snippet::source(&source.text).path(source.path.to_string_lossy());
-    let primary = &diagnostic.primary;
-    if primary.span.source == id {
-        let mark = AnnotationKind::Primary.span(primary.span.start..primary.span.end);
+    let primary = Some(&diagnostic.primary).filter(|primary| primary.span.source == id);
+    let labels = || diagnostic.labels.iter().filter(|label| label.span.source == id);
+    let spans: Vec<Span> = primary.into_iter().chain(labels()).map(|label| label.span).collect();
+    let excerpt = Excerpt::new(sources, id, &spans);
+    let mut snippet = Snippet::source(excerpt.text).line_start(excerpt.line);
+    snippet = snippet.path(sources.get(id).path.to_string_lossy());
+    if let Some(primary) = primary {
+        let mark = AnnotationKind::Primary.span(excerpt.range(primary.span));
         snippet = snippet.annotation(if primary.text.is_empty() { mark } else { mark.label(&primary.text) });
     }
-    for label in diagnostic.labels.iter().filter(|label| label.span.source == id) {
-        snippet = snippet.annotation(AnnotationKind::Context.span(label.span.start..label.span.end).label(&label.text));
+    for label in labels() {
+        snippet = snippet.annotation(AnnotationKind::Context.span(excerpt.range(label.span)).label(&label.text));
     }
     snippet
+}
+
+/// The lines of a source that a drawing needs: looking through all of a large file for each message takes long.
+struct Excerpt<'a> {
+    text: &'a str,
+    /// The number of its first line, from 1.
+    line: usize,
+    /// Where it begins in the source.
+    start: usize,
+}
+
+impl<'a> Excerpt<'a> {
+    /// The lines from one before the first span to the one after the last.
+    fn new(sources: &'a Sources, id: SourceId, spans: &[Span]) -> Self {
+        let text = sources.get(id).text.as_str();
+        let first = spans.iter().map(|span| span.start).min().unwrap_or(0);
+        let last = spans.iter().map(|span| span.end).max().unwrap_or(0);
+        let above = |byte: usize| text[..byte].rfind('\n');
+        let start = above(first).and_then(above).map_or(0, |at| at + 1);
+        let below = |byte: usize| text[byte..].find('\n').map(|at| byte + at + 1);
+        let end = below(last).and_then(below).unwrap_or(text.len());
+        let line = 1 + text.as_bytes()[..start].iter().filter(|byte| **byte == b'\n').count();
+        Self { text: &text[start..end], line, start }
+    }
+
+    fn range(&self, span: Span) -> std::ops::Range<usize> {
+        span.start - self.start..span.end - self.start
+    }
 }

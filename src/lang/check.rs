@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::ast::{self, Entry};
+use super::ast::{self, Entry, Name};
 use super::formula::{Scope, Sort, formula};
 use super::hir::{Block, Clause, Declaration, Program};
 use super::names::{Names, names_of_all};
@@ -28,12 +28,13 @@ pub fn check(
     let form_names: Vec<&str> = forms.iter().map(|form| form.name).collect();
     let names = names_of_all(&loaded.files, &ids, &mut diagnostics);
     let mut params = Params::resolve(loaded, &names, forms, vocabulary, sources, &mut diagnostics);
+    let mut defaults = Defaults { vocabulary, known: BTreeMap::new() };
     for (place, file) in loaded.files.iter().enumerate() {
         let context = Context { vocabulary, names: &names[place], sources };
         for (declaration, id) in file.declarations.iter().zip(&ids[&file.source]) {
             let declaration = params.replace(declaration, place);
             let before = diagnostics.len();
-            let mut checker = Checker { context: &context, diagnostics: &mut diagnostics };
+            let mut checker = Checker { context: &context, defaults: &mut defaults, diagnostics: &mut diagnostics };
             declarations.push(checker.declaration(&declaration, *id, file.source, forms, &form_names));
             params.explain(&mut diagnostics[before..]);
         }
@@ -60,18 +61,19 @@ fn number_declarations(files: &[ast::File]) -> BTreeMap<SourceId, Vec<Declaratio
     files.iter().map(&mut number).collect()
 }
 
-struct Checker<'a, 'b> {
+struct Checker<'a, 'b, 'f> {
     context: &'a Context<'a>,
+    defaults: &'b mut Defaults<'f>,
     diagnostics: &'b mut Vec<Diagnostic>,
 }
 
-impl Checker<'_, '_> {
+impl<'f> Checker<'_, '_, 'f> {
     fn declaration(
         &mut self,
         written: &ast::Declaration,
         id: DeclarationId,
         source: SourceId,
-        forms: &[Form],
+        forms: &'f [Form],
         form_names: &[&str],
     ) -> Declaration {
         let empty = |word| Block {
@@ -103,7 +105,7 @@ impl Checker<'_, '_> {
         Declaration { id, source, form, kind: block.word, name, docs: written.docs.clone(), block }
     }
 
-    fn signature<'f>(&mut self, written: &ast::Declaration, form: &'f Form) -> Option<&'f Signature> {
+    fn signature(&mut self, written: &ast::Declaration, form: &'f Form) -> Option<&'f Signature> {
         let kinds: Vec<&str> = form.kinds.iter().map(|kind| kind.name).collect();
         match &written.kind {
             None => {
@@ -122,10 +124,10 @@ impl Checker<'_, '_> {
         }
     }
 
-    fn block(&mut self, written: &ast::Declaration, signature: &Signature) -> Block {
+    fn block(&mut self, written: &ast::Declaration, signature: &'f Signature) -> Block {
         let keys: Vec<&str> = signature.params.iter().map(|param| param.name).collect();
         let words: Vec<&str> = signature.children.iter().map(|child| child.name).collect();
-        let mut given: Vec<(&'static str, Span, Option<Value>)> = Vec::new();
+        let mut given: Vec<(&Name, &'static str, Span, Option<Value>)> = Vec::new();
         let mut members = Vec::new();
         let mut children = Vec::new();
         let mut clauses: Vec<Clause> = Vec::new();
@@ -139,12 +141,12 @@ impl Checker<'_, '_> {
                         &keys,
                     )),
                     Some(param) => {
-                        if let Some((_, first, _)) = given.iter().find(|(name, ..)| *name == param.name) {
-                            self.diagnostics.push(codes::duplicate_key(property.key.span, param.name, *first));
+                        if let Some((first, ..)) = given.iter().find(|(_, name, ..)| *name == param.name) {
+                            self.diagnostics.push(codes::duplicate_key(property.key.span, param.name, first.span));
                             continue;
                         }
                         let checked = value(&property.value, &param.ty, self.context, self.diagnostics);
-                        given.push((param.name, property.value.span, checked));
+                        given.push((&property.key, param.name, property.value.span, checked));
                         if matches!(param.ty, Type::List(_)) {
                             let spans = match &property.value.kind {
                                 ast::ExpressionKind::List(members) => {
@@ -163,6 +165,7 @@ impl Checker<'_, '_> {
                         signature.name,
                         &child.form.text,
                         &words,
+                        &keys,
                     )),
                     Some(inner) => children.push(self.block(child, inner)),
                 },
@@ -178,11 +181,11 @@ impl Checker<'_, '_> {
         }
         let mut arguments = Arguments::default();
         for param in &signature.params {
-            let value = match given.iter().find(|(name, ..)| *name == param.name) {
-                Some((_, _, checked)) => checked.clone(),
+            let value = match given.iter().find(|(_, name, ..)| *name == param.name) {
+                Some((_, _, _, checked)) => checked.clone(),
                 None => match param.default {
                     Some("") => Some(Value::Absent),
-                    Some(text) => Some(default(param, text, self.context)),
+                    Some(text) => Some(self.defaults.value(param, text, self.context.names)),
                     None => {
                         self.diagnostics.push(codes::missing_key(written.head, signature.name, param));
                         None
@@ -191,7 +194,7 @@ impl Checker<'_, '_> {
             };
             arguments.push(param.name, value.unwrap_or(Value::Absent));
         }
-        let places = given.iter().map(|(name, span, _)| (*name, *span)).collect();
+        let places = given.iter().map(|(_, name, span, _)| (*name, *span)).collect();
         let name = written.name.as_ref().map(|name| name.text.clone());
         Block { word: signature.name, name, arguments, places, members, children, clauses, head: written.head }
     }
@@ -218,7 +221,8 @@ impl Checker<'_, '_> {
         if let Some(first) = earlier.iter().find(|clause| clause.event == event.name && clause.word == word) {
             self.diagnostics.push(codes::duplicate_clause(name.span, first.span));
         }
-        let scope = Scope { vocabulary: self.context.vocabulary, available: event.variables, event: event.name };
+        let Context { vocabulary, names, .. } = *self.context;
+        let scope = Scope { vocabulary, available: event.variables, event: event.name, names };
         let (formula, sort) = formula(&written.formula, &scope, self.diagnostics)?;
         match sort {
             Sort::Quantity(crate::units::Dimension::RATIO) => {
@@ -244,17 +248,30 @@ impl Checker<'_, '_> {
     }
 }
 
-/// Reads a signature's default, which is written as in a file.
-fn default(param: &Param, text: &str, context: &Context) -> Value {
-    if let Type::Reference(form) = param.ty {
-        // A default declaration is one of the standard library's, and may not be imported.
-        return context.names.find(form, text).map_or(Value::Absent, Value::Reference);
+/// The defaults of signatures, each read once.
+struct Defaults<'f> {
+    vocabulary: &'f Vocabulary,
+    /// By the address of the parameter.
+    known: BTreeMap<*const Param, Value>,
+}
+
+impl<'f> Defaults<'f> {
+    /// A default, which is written as in a file.
+    fn value(&mut self, param: &'f Param, text: &str, names: &Names) -> Value {
+        if let Type::Reference(form) = param.ty {
+            // A default declaration is one of the standard library's, and may not be imported.
+            return names.find(form, text).map_or(Value::Absent, Value::Reference);
+        }
+        self.known.entry(param).or_insert_with(|| read(param, text, self.vocabulary)).clone()
     }
+}
+
+fn read(param: &Param, text: &str, vocabulary: &Vocabulary) -> Value {
     let mut sources = Sources::default();
     let source = sources.add(format!("<default of {}>", param.name), text);
     let mut diagnostics = Vec::new();
     let names = Names::default();
-    let inner = Context { vocabulary: context.vocabulary, names: &names, sources: &sources };
+    let inner = Context { vocabulary, names: &names, sources: &sources };
     let checked = parse::parse_value(source, text)
         .ok()
         .and_then(|expression| value(&expression, &param.ty, &inner, &mut diagnostics));

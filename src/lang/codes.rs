@@ -6,8 +6,23 @@ use crate::units::Dimension;
 
 use super::suggest::nearest;
 
+/// Most words of a list that is shown; a file made to break the program may have any number.
+const MOST_SHOWN: usize = 40;
+
 fn quoted<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
-    words.into_iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")
+    let mut words = words.into_iter();
+    let mut shown: Vec<String> = words.by_ref().take(MOST_SHOWN).map(|word| format!("`{}`", cut(word))).collect();
+    shown.extend(words.next().map(|_| "…".to_string()));
+    shown.join(", ")
+}
+
+/// A word of the user's as it is shown.
+fn cut(word: &str) -> std::borrow::Cow<'_, str> {
+    const MOST: usize = 60;
+    match word.char_indices().nth(MOST) {
+        Some((end, _)) => format!("{}…", &word[..end]).into(),
+        None => word.into(),
+    }
 }
 
 /// A thing with its article; what begins with a quote or `one of` has none.
@@ -21,22 +36,38 @@ pub(super) fn one(thing: impl std::fmt::Display) -> String {
     }
 }
 
-/// Points at an unknown word, offers the nearest known one or lists them all.
-fn unknown(code: &'static str, span: Span, what: &str, word: &str, known: &[&str]) -> Diagnostic {
-    // A file made to break the program may have so many names that comparing with all of them never ends.
+/// Points at an unknown word, offers the nearest known one or lists them all; the message is given.
+fn unknown<'a>(
+    code: &'static str,
+    span: Span,
+    message: String,
+    word: &str,
+    known: impl IntoIterator<Item = &'a str>,
+) -> Diagnostic {
+    // As above: comparing every unknown word with every known one would never end.
     const MOST: usize = 200;
-    let diagnostic = Diagnostic::error(code, span, format!("unknown {what} `{word}`"));
-    let known = &known[..known.len().min(MOST)];
+    let diagnostic = Diagnostic::error(code, span, message);
+    let known: Vec<&str> = known.into_iter().take(MOST).collect();
     match nearest(word, known.iter().copied()) {
         Some(near) => diagnostic.here(format!("did you mean `{near}`?")).fix(near),
         None if known.is_empty() => diagnostic.here("none is known here"),
-        None => diagnostic.help(format!("known here: {}", quoted(known.iter().copied()))),
+        None => diagnostic.help(format!("known here: {}", quoted(known))),
     }
 }
 
 /// A statement has no shape the grammar knows.
 pub fn syntax(span: Span, text: String) -> Diagnostic {
     Diagnostic::error("syntax", span, "this statement cannot be read").here(text)
+}
+
+/// A key is followed by another sign than a colon.
+pub fn equals_sign(span: Span) -> Diagnostic {
+    Diagnostic::error("syntax", span, "this statement cannot be read").here("a key is followed by `:`").fix(":")
+}
+
+/// Two values follow each other inside parentheses or brackets.
+pub fn missing_comma(span: Span) -> Diagnostic {
+    Diagnostic::error("syntax", span, "this statement cannot be read").here("a comma is missing here").fix(",")
 }
 
 /// A bracket is never closed.
@@ -102,8 +133,8 @@ pub fn import_cycle(span: Span, path: &str) -> Diagnostic {
 }
 
 /// An import names something that the file does not declare.
-pub fn unknown_import(span: Span, word: &str, path: &str, known: &[&str]) -> Diagnostic {
-    unknown("unknown-import", span, &format!("name in `{path}`"), word, known)
+pub fn unknown_import<'a>(span: Span, word: &str, path: &str, known: impl IntoIterator<Item = &'a str>) -> Diagnostic {
+    unknown("unknown-import", span, format!("`{path}` declares no `{}`", cut(word)), word, known)
 }
 
 /// A parameter is defined by itself.
@@ -120,7 +151,7 @@ pub fn reserved_name(span: Span, name: &str) -> Diagnostic {
 
 /// The type of a parameter is not known.
 pub fn unknown_type(span: Span, word: &str, known: &[&str]) -> Diagnostic {
-    unknown("unknown-type", span, "type", word, known)
+    unknown("unknown-type", span, format!("unknown type `{}`", cut(word)), word, known.iter().copied())
 }
 
 /// A setting is not written as `name=value`.
@@ -130,8 +161,8 @@ pub fn bad_setting(span: Span, reason: &str) -> Diagnostic {
 }
 
 /// A setting names nothing.
-pub fn unknown_setting(span: Span, word: &str, known: &[&str]) -> Diagnostic {
-    unknown("unknown-setting", span, "parameter or declaration", word, known)
+pub fn unknown_setting<'a>(span: Span, word: &str, known: impl IntoIterator<Item = &'a str>) -> Diagnostic {
+    unknown("unknown-setting", span, format!("unknown parameter or declaration `{}`", cut(word)), word, known)
 }
 
 /// A setting names several things.
@@ -152,12 +183,12 @@ pub fn too_many_combinations(span: Span, found: usize, limit: usize) -> Diagnost
 
 /// The first word of a declaration is no form.
 pub fn unknown_form(span: Span, word: &str, forms: &[&str]) -> Diagnostic {
-    unknown("unknown-form", span, "declaration", word, forms)
+    unknown("unknown-form", span, format!("unknown declaration `{}`", cut(word)), word, forms.iter().copied())
 }
 
 /// The word after `=` is no kind of this form.
 pub fn unknown_kind(span: Span, form: &str, word: &str, kinds: &[&str]) -> Diagnostic {
-    unknown("unknown-kind", span, &format!("kind of {form}"), word, kinds)
+    unknown("unknown-kind", span, format!("unknown kind `{}` of {form}", cut(word)), word, kinds.iter().copied())
 }
 
 /// A form needs a kind and has none.
@@ -173,7 +204,7 @@ pub fn missing_name(span: Span, form: &str) -> Diagnostic {
 
 /// A key is not in the signature.
 pub fn unknown_key(span: Span, owner: &str, word: &str, keys: &[&str]) -> Diagnostic {
-    unknown("unknown-key", span, &format!("key of `{owner}`"), word, keys)
+    unknown("unknown-key", span, format!("`{owner}` has no key `{}`", cut(word)), word, keys.iter().copied())
 }
 
 /// A key stands twice.
@@ -206,8 +237,15 @@ pub fn named_argument(span: Span, word: &str) -> Diagnostic {
 }
 
 /// A block may not stand here.
-pub fn unknown_block(span: Span, owner: &str, word: &str, blocks: &[&str]) -> Diagnostic {
-    unknown("unknown-block", span, &format!("block inside `{owner}`"), word, blocks)
+pub fn unknown_block(span: Span, owner: &str, word: &str, blocks: &[&str], keys: &[&str]) -> Diagnostic {
+    if keys.contains(&word) {
+        return Diagnostic::error("unknown-block", span, format!("`{word}` is a key of `{owner}`, not a block"))
+            .help(format!("write `{word}: …`"));
+    }
+    if blocks.is_empty() {
+        return Diagnostic::error("unknown-block", span, format!("`{owner}` has no blocks such as `{}`", cut(word)));
+    }
+    unknown("unknown-block", span, format!("`{owner}` has no block `{}`", cut(word)), word, blocks.iter().copied())
 }
 
 /// An `on` clause may not stand here.
@@ -223,8 +261,8 @@ pub fn duplicate_declaration(span: Span, form: &str, name: &str, first: Span) ->
 }
 
 /// A reference leads to no declaration.
-pub fn unknown_name(span: Span, form: &str, word: &str, known: &[&str]) -> Diagnostic {
-    unknown("unknown-name", span, form, word, known)
+pub fn unknown_name<'a>(span: Span, form: &str, word: &str, known: impl IntoIterator<Item = &'a str>) -> Diagnostic {
+    unknown("unknown-name", span, format!("unknown {form} `{}`", cut(word)), word, known)
 }
 
 /// A declaration is never used.
@@ -258,6 +296,28 @@ pub fn wrong_unit(span: Span, expected: Dimension, found: Dimension) -> Diagnost
     }
 }
 
+/// The unit that a word in full stands for, or an abbreviation that other languages have.
+fn abbreviated(word: &str) -> Option<&'static str> {
+    let lower = word.to_lowercase();
+    Some(match lower.strip_suffix('s').filter(|rest| rest.len() > 1).unwrap_or(&lower) {
+        "meter" | "metre" => "m",
+        "kilometer" | "kilometre" => "km",
+        "centimeter" | "centimetre" => "cm",
+        "millimeter" | "millimetre" => "mm",
+        "second" | "sec" => "s",
+        "millisecond" | "msec" => "ms",
+        "minute" => "min",
+        "hour" | "hr" => "h",
+        "degree" => "deg",
+        "radian" => "rad",
+        "hertz" => "Hz",
+        "kilogram" => "kg",
+        "kmh" | "kmph" => "km/h",
+        "mps" => "m/s",
+        _ => return None,
+    })
+}
+
 /// A unit is not known.
 pub fn unknown_unit(span: Span, written: &str, part: Option<&str>, units: &[&str]) -> Diagnostic {
     let Some(part) = part else {
@@ -265,7 +325,8 @@ pub fn unknown_unit(span: Span, written: &str, part: Option<&str>, units: &[&str
             .help("a power is a whole number from -9 to 9, as in `m/s^2`");
     };
     let diagnostic = Diagnostic::error("unknown-unit", span, format!("`{part}` is no unit"));
-    let diagnostic = match nearest(part, units.iter().copied()) {
+    let diagnostic = match abbreviated(part).or_else(|| nearest(part, units.iter().copied())) {
+        Some(near) if part == written => diagnostic.here(format!("did you mean `{near}`?")).fix(near),
         Some(near) => diagnostic.here(format!("did you mean `{near}`?")),
         None => diagnostic.help(format!("units: {}", quoted(units.iter().copied()))),
     };
@@ -290,7 +351,7 @@ pub fn unbounded(span: Span, written: &str, bounds: &str) -> Diagnostic {
 
 /// A function that makes distributions is not known.
 pub fn unknown_distribution(span: Span, word: &str, known: &[&str]) -> Diagnostic {
-    unknown("unknown-distribution", span, "distribution", word, known)
+    unknown("unknown-distribution", span, format!("unknown distribution `{}`", cut(word)), word, known.iter().copied())
 }
 
 /// Nothing of a distribution lies within a range.
@@ -322,12 +383,12 @@ pub fn repeated_member(span: Span, written: &str, first: Span) -> Diagnostic {
 
 /// A word is not among the choices.
 pub fn unknown_choice(span: Span, word: &str, words: &[&str]) -> Diagnostic {
-    unknown("unknown-choice", span, "choice", word, words)
+    unknown("unknown-choice", span, format!("`{}` is not among the choices", cut(word)), word, words.iter().copied())
 }
 
 /// A formula names an unknown variable.
-pub fn unknown_variable(span: Span, word: &str, known: &[&str]) -> Diagnostic {
-    unknown("unknown-variable", span, "variable", word, known)
+pub fn unknown_variable<'a>(span: Span, word: &str, known: impl IntoIterator<Item = &'a str>) -> Diagnostic {
+    unknown("unknown-variable", span, format!("unknown variable or parameter `{}`", cut(word)), word, known)
 }
 
 /// A formula names a variable that has no value at this event.
@@ -338,7 +399,7 @@ pub fn unavailable_variable(span: Span, word: &str, event: &str, known: &[&str])
 
 /// A formula calls an unknown function.
 pub fn unknown_function(span: Span, word: &str, known: &[&str]) -> Diagnostic {
-    unknown("unknown-function", span, "function", word, known)
+    unknown("unknown-function", span, format!("unknown function `{}`", cut(word)), word, known.iter().copied())
 }
 
 /// A function has the wrong number of arguments.
@@ -368,12 +429,18 @@ pub fn not_a(span: Span, wanted: &str, found: &str) -> Diagnostic {
 
 /// A clause answers to an unknown event.
 pub fn unknown_event(span: Span, word: &str, known: &[&str]) -> Diagnostic {
-    unknown("unknown-event", span, "event", word, known)
+    unknown("unknown-event", span, format!("unknown event `{}`", cut(word)), word, known.iter().copied())
 }
 
 /// An event's word is unknown.
 pub fn unknown_event_word(span: Span, event: &str, word: &str, known: &[&str]) -> Diagnostic {
-    unknown("unknown-event-word", span, &format!("word of event `{event}`"), word, known)
+    unknown(
+        "unknown-event-word",
+        span,
+        format!("the event `{event}` has no word `{}`", cut(word)),
+        word,
+        known.iter().copied(),
+    )
 }
 
 /// Two clauses answer to the same event.

@@ -2,6 +2,7 @@
 
 use super::ast::{Expression, ExpressionKind, Known, Name};
 use super::codes;
+use super::names::Names;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::signature::{BinaryOperator, Formula, Function, VariableId, Vocabulary};
 use crate::units::{Dimension, UNIT_NAMES, Unit, UnitError, parse_unit};
@@ -21,6 +22,8 @@ pub(super) struct Scope<'a> {
     /// The event, for messages, and the variables that have a value then.
     pub available: &'a [&'static str],
     pub event: &'a str,
+    /// The names that can be seen, for suggestions: what is no variable may be a parameter.
+    pub names: &'a Names<'a>,
 }
 
 /// The names of the functions that formulas may call.
@@ -141,7 +144,10 @@ impl Checker<'_> {
         }
         let scope = self.scope;
         match scope.vocabulary.variables.iter().position(|variable| variable.name == word) {
-            None => self.say(codes::unknown_variable(span, word, scope.available)),
+            None => {
+                let known = scope.available.iter().copied().chain(scope.names.params());
+                self.say(codes::unknown_variable(span, word, known))
+            }
             Some(_) if !scope.available.contains(&word) => {
                 self.say(codes::unavailable_variable(span, word, scope.event, scope.available))
             }

@@ -41,8 +41,9 @@ impl Program {
 
     /// The declaration at a place of a file.
     pub fn place(&self, source: SourceId, index: usize) -> DeclarationId {
-        let mut here = self.declarations.iter().filter(|declaration| declaration.source == source);
-        here.nth(index).expect("the file has so many declarations").id
+        // They are in the order of the files.
+        let first = self.declarations.partition_point(|declaration| declaration.source < source);
+        self.declarations[first + index].id
     }
 
     /// The declarations of a form in the files the user named, in order.

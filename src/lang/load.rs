@@ -1,5 +1,6 @@
 //! Follows imports: paths → files, each read once.
 
+use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
 use super::ast::File;
@@ -45,7 +46,7 @@ pub struct Loaded {
 /// # Errors
 /// The first named file that cannot be read, with the reason. An import that cannot be read is a diagnostic instead.
 pub fn load(paths: &[PathBuf], read: &dyn Reader, sources: &mut Sources) -> Result<Loaded, (PathBuf, std::io::Error)> {
-    let mut loader = Loader { read, sources, known: Vec::new(), files: Vec::new(), diagnostics: Vec::new() };
+    let mut loader = Loader { read, sources, known: BTreeMap::new(), files: Vec::new(), diagnostics: Vec::new() };
     let mut roots = Vec::new();
     for path in paths {
         let source = loader.file(path, &mut Vec::new()).map_err(|error| (path.clone(), error))?;
@@ -61,7 +62,7 @@ pub fn load(paths: &[PathBuf], read: &dyn Reader, sources: &mut Sources) -> Resu
 struct Loader<'a> {
     read: &'a dyn Reader,
     sources: &'a mut Sources,
-    known: Vec<(PathBuf, SourceId)>,
+    known: BTreeMap<PathBuf, SourceId>,
     files: Vec<File>,
     diagnostics: Vec<Diagnostic>,
 }
@@ -69,17 +70,18 @@ struct Loader<'a> {
 impl Loader<'_> {
     fn file(&mut self, path: &Path, importers: &mut Vec<SourceId>) -> std::io::Result<SourceId> {
         let key = normal(path);
-        if let Some((_, source)) = self.known.iter().find(|(known, _)| *known == key) {
+        if let Some(source) = self.known.get(&key) {
             return Ok(*source);
         }
         let text = if library::holds(path) { library::read(path)? } else { self.read.text(path)? };
         // Some editors begin files with a byte order mark.
         let text = text.strip_prefix('\u{feff}').map_or(text.clone(), str::to_string);
         let source = self.sources.add(path, text.clone());
-        self.known.push((key, source));
+        self.known.insert(key, source);
         let (mut file, mut diagnostics) = parse(source, &text);
+        let unread = !diagnostics.is_empty();
         self.diagnostics.append(&mut diagnostics);
-        if file.edition.is_none() && !self.diagnostics.iter().any(|d| d.primary.span.source == source) {
+        if file.edition.is_none() && !unread {
             self.diagnostics.push(codes::missing_edition(Span { source, start: 0, end: 0 }));
         }
         if let Some((edition, span)) = file.edition

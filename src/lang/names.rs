@@ -1,6 +1,6 @@
 //! What a file can see: its own declarations and parameters, and those of the files it imports.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::ast::{File, Import};
 use super::codes;
@@ -22,12 +22,18 @@ impl<'a> Names<'a> {
         self.known.get(&(form, name)).map(|(id, _)| *id)
     }
 
-    pub fn of_form(&self, form: &str) -> Vec<&'a str> {
-        self.known.keys().filter(|(f, _)| *f == form).map(|(_, name)| *name).collect()
+    /// The names of a form, in order.
+    pub fn of_form(&self, form: &'a str) -> impl Iterator<Item = &'a str> {
+        self.known.range((form, "")..).take_while(move |((f, _), _)| *f == form).map(|((_, name), _)| *name)
     }
 
     pub fn param(&self, name: &str) -> Option<ParamId> {
         self.params.get(name).map(|(id, _)| *id)
+    }
+
+    /// The names of all parameters, in order.
+    pub fn params(&self) -> impl Iterator<Item = &'a str> {
+        self.params.keys().copied()
     }
 
     pub fn has_params(&self) -> bool {
@@ -36,7 +42,8 @@ impl<'a> Names<'a> {
 
     /// Takes over what an import names, or everything.
     fn import(&mut self, import: &'a Import, other: &Names<'a>, diagnostics: &mut Vec<Diagnostic>) {
-        let wanted = |name: &str| import.names.is_empty() || import.names.iter().any(|each| each.text == name);
+        let named: BTreeSet<&str> = import.names.iter().map(|name| name.text.as_str()).collect();
+        let wanted = |name: &str| named.is_empty() || named.contains(name);
         for ((form, name), (id, span)) in &other.known {
             if wanted(name) {
                 self.declare(form, name, *id, *span, diagnostics);
@@ -47,13 +54,13 @@ impl<'a> Names<'a> {
                 self.declare_param(name, *id, *span, diagnostics);
             }
         }
-        for name in &import.names {
-            let text = name.text.as_str();
-            if !other.params.contains_key(text) && !other.known.keys().any(|(_, known)| *known == text) {
-                let mut known: Vec<&str> = other.known.keys().map(|(_, known)| *known).collect();
-                known.extend(other.params.keys());
-                diagnostics.push(codes::unknown_import(name.span, text, &import.path, &known));
-            }
+        if named.is_empty() {
+            return;
+        }
+        let offered: BTreeSet<&str> =
+            other.known.keys().map(|(_, name)| *name).chain(other.params.keys().copied()).collect();
+        for name in import.names.iter().filter(|name| !offered.contains(name.text.as_str())) {
+            diagnostics.push(codes::unknown_import(name.span, &name.text, &import.path, offered.iter().copied()));
         }
     }
 
@@ -84,7 +91,7 @@ pub(super) fn names_of_all<'a>(
     for file in files {
         visit(file, files, ids, &mut done, diagnostics);
     }
-    files.iter().map(|file| done[&file.source].clone()).collect()
+    files.iter().map(|file| done.remove(&file.source).expect("each file is visited")).collect()
 }
 
 // Imports form no circles: the loader has cut them.
@@ -101,8 +108,8 @@ fn visit<'a>(
     let mut names = Names::default();
     for import in &file.imports {
         let Some(source) = import.source else { continue };
-        let imported = files.iter().find(|candidate| candidate.source == source).expect("imports are loaded");
-        visit(imported, files, ids, done, diagnostics);
+        let imported = files.binary_search_by_key(&source, |file| file.source).expect("imports are loaded, in order");
+        visit(&files[imported], files, ids, done, diagnostics);
         names.import(import, &done[&source], diagnostics);
     }
     for (declaration, id) in file.declarations.iter().zip(&ids[&file.source]) {

@@ -8,7 +8,7 @@ use super::ast::{Clause, Declaration, Entry, Expression, ExpressionKind, Known, 
 use super::names::{Names, ParamId};
 use super::value::{Context, value};
 use super::{Loaded, codes, hir};
-use crate::diagnostic::{Diagnostic, Sources, Span};
+use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
 use crate::signature::{Form, Type, Value, Vocabulary};
 use crate::units::Dimension;
 
@@ -40,8 +40,8 @@ pub(super) struct Params<'a> {
     sources: &'a Sources,
     known: BTreeMap<ParamId, Option<ExpressionKind>>,
     used: BTreeSet<ParamId>,
-    /// Places where parameters stand, with their declarations.
-    uses: Vec<(Span, ParamId)>,
+    /// Where parameters stand, by the place of the first byte, with their declarations.
+    uses: BTreeMap<(SourceId, usize), (Span, ParamId)>,
 }
 
 impl<'a> Params<'a> {
@@ -54,7 +54,7 @@ impl<'a> Params<'a> {
         sources: &'a Sources,
         diagnostics: &mut Vec<Diagnostic>,
     ) -> Self {
-        let (known, used, uses) = (BTreeMap::new(), BTreeSet::new(), Vec::new());
+        let (known, used, uses) = (BTreeMap::new(), BTreeSet::new(), BTreeMap::new());
         let mut params = Self { loaded, names, forms, vocabulary, sources, known, used, uses };
         for (place, file) in loaded.files.iter().enumerate() {
             for index in 0..file.params.len() {
@@ -76,10 +76,9 @@ impl<'a> Params<'a> {
     /// Shows where a value comes from, in messages about places where a parameter stands.
     pub fn explain(&self, diagnostics: &mut [Diagnostic]) {
         for diagnostic in diagnostics {
-            let primary = diagnostic.primary.span;
-            let inside =
-                |span: &Span| span.source == primary.source && primary.start <= span.start && span.end <= primary.end;
-            if let Some((_, id)) = self.uses.iter().find(|(span, _)| inside(span)) {
+            let Span { source, start, end } = diagnostic.primary.span;
+            let first = self.uses.range((source, start)..=(source, end)).next();
+            if let Some((_, (_, id))) = first.filter(|(_, (span, _))| span.end <= end) {
                 let param = self.param(*id);
                 let text = format!("the parameter `{}`", param.name.text);
                 diagnostic.labels.push(crate::diagnostic::Label { span: param.name.span.to(param.ty.span), text });
@@ -106,8 +105,12 @@ impl<'a> Params<'a> {
     }
 
     fn param(&self, id: ParamId) -> &'a Param {
-        let file = self.loaded.files.iter().find(|file| file.source == id.0).expect("the file is loaded");
-        &file.params[id.1]
+        &self.loaded.files[self.place(id.0)].params[id.1]
+    }
+
+    /// The place of a file in the order of the files.
+    fn place(&self, source: SourceId) -> usize {
+        self.loaded.files.binary_search_by_key(&source, |file| file.source).expect("the file is loaded")
     }
 
     fn find(
@@ -134,8 +137,7 @@ impl<'a> Params<'a> {
         let mut needed = Vec::new();
         mentioned(&param.value, &self.names[place], &mut needed);
         for inner in needed {
-            let inner_place = self.loaded.files.iter().position(|file| file.source == inner.0).expect("loaded");
-            self.find(inner_place, inner, open, diagnostics);
+            self.find(self.place(inner.0), inner, open, diagnostics);
         }
         open.pop();
         if let Some(found) = self.known.get(&id) {
@@ -222,7 +224,7 @@ impl<'a> Params<'a> {
             ExpressionKind::Name(word) => {
                 if let Some(id) = self.names[place].param(word) {
                     self.used.insert(id);
-                    self.uses.push((span, id));
+                    self.uses.insert((span.source, span.start), (span, id));
                     let known = self.known.get(&id).cloned().flatten();
                     expression.kind = known.unwrap_or(ExpressionKind::Known(Known::Wrong));
                     relocate(&mut expression.kind, span);

@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 use super::ast::{
     Clause, Declaration, Entry, Expression, ExpressionKind, File, Import, Name, Operator, Param, Property,
 };
-use super::{brackets, codes};
+use super::{brackets, codes, repair};
 use crate::diagnostic::{Diagnostic, SourceId, Span};
 
 #[allow(missing_docs, reason = "the derive writes the enum; the grammar documents the rules")]
@@ -46,7 +46,7 @@ pub fn parse(source: SourceId, text: &str) -> (File, Vec<Diagnostic>) {
                 reader.item(pair, &mut file);
             }
         }
-        Err(error) => reader.diagnostics.push(reader.syntax_error(&error, 0)),
+        Err(error) => reader.diagnostics.push(reader.syntax_error(&error, 0, 0)),
     }
     (file, reader.diagnostics)
 }
@@ -60,7 +60,7 @@ pub(super) fn parse_value(source: SourceId, text: &str) -> Result<Expression, Bo
             let value = pairs.next().and_then(|whole| whole.into_inner().next()).expect("whole_value holds a value");
             Ok(reader.value(value))
         }
-        Err(error) => Err(Box::new(reader.syntax_error(&error, 0))),
+        Err(error) => Err(Box::new(reader.syntax_error(&error, 0, 0))),
     }
 }
 
@@ -199,13 +199,14 @@ impl Reader {
     }
 
     fn value(&mut self, pair: Pair<Rule>) -> Expression {
-        let span = self.span(&pair);
         let mut inner = pair.into_inner();
         let low = self.expression(inner.next().expect("a value has an expression"));
         match inner.next() {
             None => low,
             Some(high) => {
                 let high = self.expression(high);
+                // The rule's own span may end with blanks.
+                let span = low.span.to(high.span);
                 Expression { kind: ExpressionKind::Range(low.into(), high.into()), span }
             }
         }
@@ -302,18 +303,49 @@ impl Reader {
     fn junk(&mut self, pair: &Pair<Rule>, rule: Rule) {
         let start = pair.as_span().start();
         let text = pair.as_str().trim_end();
-        let diagnostic = match ScenarioParser::parse(rule, text) {
-            Err(error) => self.syntax_error(&error, start),
+        // Parentheses that cannot be read are left over from a declaration that can do without.
+        let before = if text.starts_with('(') { "form name = kind" } else { "" };
+        let whole = format!("{before}{text}");
+        let diagnostic = match ScenarioParser::parse(rule, &whole) {
+            Err(error) => match self.repaired(&whole, before.len(), start, rule) {
+                Some(diagnostic) => diagnostic,
+                None => self.syntax_error(&error, before.len(), start),
+            },
             Ok(_) => codes::syntax(self.span(pair), "this cannot stand here".into()),
         };
         self.diagnostics.push(diagnostic);
     }
 
-    fn syntax_error(&self, error: &pest::error::Error<Rule>, start: usize) -> Diagnostic {
+    /// What is wrong with a statement that a sign more or another sign would make readable.
+    fn repaired(&self, text: &str, added: usize, start: usize, rule: Rule) -> Option<Diagnostic> {
+        let place = |from: usize, to: usize| {
+            let offset = self.offset + start;
+            Span { source: self.source, start: offset + from - added, end: offset + to - added }
+        };
+        let reads = |text: &str| ScenarioParser::parse(rule, text).is_ok();
+        if let Some(sign) = repair::equals_sign(text).filter(|_| rule == Rule::whole_entry && added == 0)
+            && reads(&format!("{}:{}", &text[..sign], &text[sign + 1..]))
+        {
+            return Some(codes::equals_sign(place(sign, sign + 1)));
+        }
+        let commas = repair::missing_commas(text);
+        let first = *commas.first()?;
+        let (mut repaired, mut last) = (String::new(), 0);
+        for comma in &commas {
+            repaired.extend([&text[last..*comma], ","]);
+            last = *comma;
+        }
+        repaired.push_str(&text[last..]);
+        reads(&repaired).then(|| codes::missing_comma(place(first, first)))
+    }
+
+    /// What pest says about a text that begins at a place of the source, after so many bytes that were put before it.
+    fn syntax_error(&self, error: &pest::error::Error<Rule>, added: usize, start: usize) -> Diagnostic {
         let (from, to) = match error.location {
             InputLocation::Pos(at) => (at, at),
             InputLocation::Span((from, to)) => (from, to),
         };
+        let (from, to) = (from.saturating_sub(added), to.saturating_sub(added));
         let span = Span { source: self.source, start: self.offset + start + from, end: self.offset + start + to };
         let expected = match &error.variant {
             ErrorVariant::ParsingError { positives, .. } => {

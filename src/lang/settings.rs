@@ -2,6 +2,8 @@
 //!
 //! A setting is carried out on the tree, before anything is checked. So it is checked like what stands in a file.
 
+use std::collections::BTreeMap;
+
 use super::ast::{Declaration, Entry, Expression, ExpressionKind, Name, Property};
 use super::parse::parse_value;
 use super::{Loaded, codes};
@@ -10,8 +12,10 @@ use crate::signature::Form;
 
 /// The word of a block that multiplies a declaration.
 const MATRIX: &str = "matrix";
-/// Most combinations of one matrix.
+/// Most combinations of all matrices.
 const MOST_COMBINATIONS: usize = 1000;
+/// Most parameters and declarations that are checked again for combinations, in all: each combination checks all of them.
+const MOST_CHECKS: usize = 300_000;
 
 /// A value for a parameter, or for a key of a declaration.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,39 +79,54 @@ fn read(source: SourceId, text: &str) -> Result<Setting, Box<Diagnostic>> {
 
 /// Carries settings out, saying which lead nowhere.
 pub fn apply(settings: &[Setting], loaded: &mut Loaded) -> Vec<Diagnostic> {
-    settings.iter().filter_map(|setting| set(setting, loaded).err()).map(|diagnostic| *diagnostic).collect()
+    let mut params: BTreeMap<String, Vec<(usize, usize)>> = BTreeMap::new();
+    for (file, place) in loaded.files.iter().zip(0..) {
+        for (param, index) in file.params.iter().zip(0..) {
+            params.entry(param.name.text.clone()).or_default().push((place, index));
+        }
+    }
+    let mut said = Vec::new();
+    for setting in settings {
+        let done = match setting.path.as_slice() {
+            [] => unreachable!("a path has a word"),
+            [name] => match params.get(&name.text) {
+                Some(places) => {
+                    for (place, index) in places {
+                        loaded.files[*place].params[*index].value = setting.value.clone();
+                    }
+                    Ok(())
+                }
+                None => {
+                    let mut declared = loaded.files.iter().flat_map(|file| &file.declarations);
+                    if declared.any(|each| each.name.as_ref().is_some_and(|known| known.text == name.text)) {
+                        let reason = format!("`{}` is a declaration and no parameter; name one of its keys", name.text);
+                        said.push(codes::bad_setting(name.span, &reason));
+                        continue;
+                    }
+                    let known = params.keys().map(String::as_str);
+                    Err(codes::unknown_setting(name.span, &name.text, known).into())
+                }
+            },
+            [first, rest @ ..] => set(first, rest, setting, loaded),
+        };
+        said.extend(done.err().map(|diagnostic| *diagnostic));
+    }
+    said
 }
 
-fn set(setting: &Setting, loaded: &mut Loaded) -> Result<(), Box<Diagnostic>> {
-    let path = setting.path.as_slice();
-    let first = path.first().expect("a path has a word");
-    if path.len() == 1 {
-        let params = loaded.files.iter_mut().flat_map(|file| &mut file.params);
-        let mut found: Vec<_> = params.filter(|param| param.name.text == first.text).collect();
-        if found.is_empty() {
-            let declared = loaded.files.iter().flat_map(|file| &file.declarations);
-            if declared.clone().any(|each| each.name.as_ref().is_some_and(|name| name.text == first.text)) {
-                let reason = format!("`{}` is a declaration and no parameter; name one of its keys", first.text);
-                return Err(codes::bad_setting(first.span, &reason).into());
-            }
-            let params = loaded.files.iter().flat_map(|file| &file.params);
-            let known: Vec<&str> = params.map(|param| param.name.text.as_str()).collect();
-            return Err(codes::unknown_setting(first.span, &first.text, &known).into());
-        }
-        found.iter_mut().for_each(|param| param.value = setting.value.clone());
-        return Ok(());
-    }
+/// Sets a key of a declaration.
+fn set(first: &Name, path: &[Name], setting: &Setting, loaded: &mut Loaded) -> Result<(), Box<Diagnostic>> {
     let all = || loaded.files.iter().flat_map(|file| &file.declarations);
     let named = |declaration: &Declaration, name: &Name| declaration.name.as_ref().is_some_and(|n| n.text == name.text);
     let forms: Vec<String> = all().filter(|each| named(each, first)).map(|each| each.form.text.clone()).collect();
     let (form, name, rest) = match forms.as_slice() {
-        [form] => (form.clone(), first, &path[1..]),
-        [] if path.len() > 2 && all().any(|each| each.form.text == first.text && named(each, &path[1])) => {
-            (first.text.clone(), &path[1], &path[2..])
+        [form] => (form.clone(), first, path),
+        [] if path.len() > 1 && all().any(|each| each.form.text == first.text && named(each, &path[0])) => {
+            (first.text.clone(), &path[0], &path[1..])
         }
         [] => {
-            let known: Vec<&str> = all().filter_map(|each| each.name.as_ref()).map(|name| name.text.as_str()).collect();
-            return Err(codes::unknown_setting(first.span, &first.text, &known).into());
+            let known = all().filter_map(|each| each.name.as_ref()).map(|name| name.text.as_str());
+            return Err(codes::unknown_setting(first.span, &first.text, known).into());
         }
         several => {
             let forms: Vec<&str> = several.iter().map(String::as_str).collect();
@@ -149,14 +168,16 @@ fn enter(declaration: &mut Declaration, path: &[Name], value: &Expression) -> Re
             }
         }
     }
-    let words: Vec<&str> = words.iter().map(String::as_str).collect();
-    if found { Ok(()) } else { Err(codes::unknown_setting(word.span, &word.text, &words).into()) }
+    let words = words.iter().map(String::as_str);
+    if found { Ok(()) } else { Err(codes::unknown_setting(word.span, &word.text, words).into()) }
 }
 
 /// Takes the `matrix` blocks out of the declarations whose form they may multiply. A parameter that was set from outside keeps
 /// that one value.
 pub fn matrices(loaded: &mut Loaded, forms: &[Form], settings: &[Setting]) -> (Vec<Matrix>, Vec<Diagnostic>) {
     let (mut matrices, mut diagnostics) = (Vec::new(), Vec::new());
+    let size: usize = loaded.files.iter().map(|file| file.params.len() + file.declarations.len()).sum();
+    let mut left = MOST_COMBINATIONS.min(MOST_CHECKS / size.max(1));
     for file in &mut loaded.files {
         for (index, declaration) in file.declarations.iter_mut().enumerate() {
             if !forms.iter().any(|form| form.multiplies && form.name == declaration.form.text) {
@@ -164,20 +185,21 @@ pub fn matrices(loaded: &mut Loaded, forms: &[Form], settings: &[Setting]) -> (V
             }
             let is_matrix = |entry: &Entry| matches!(entry, Entry::Child(child) if child.form.text == MATRIX);
             let taken: Vec<Entry> = declaration.entries.extract_if(.., |entry| is_matrix(entry)).collect();
-            let mut axes: Vec<&Property> = Vec::new();
+            let (mut axes, mut seen) = (Vec::new(), BTreeMap::new());
             for block in &taken {
                 let Entry::Child(block) = block else { continue };
-                axis_of(block, &mut axes, &mut diagnostics);
+                axes_of(block, &mut axes, &mut seen, &mut diagnostics);
             }
             if taken.is_empty() {
                 continue;
             }
             axes.retain(|axis| !settings.iter().any(|set| matches!(&*set.path, [name] if name.text == axis.key.text)));
             let found = axes.iter().map(|axis| members(axis).len()).fold(1_usize, usize::saturating_mul);
-            if found > MOST_COMBINATIONS {
-                diagnostics.push(codes::too_many_combinations(declaration.head, found, MOST_COMBINATIONS));
+            if found > left {
+                diagnostics.push(codes::too_many_combinations(declaration.head, found, left));
                 continue;
             }
+            left -= found;
             matrices.push(Matrix { declaration: (file.source, index), combinations: product(&axes) });
         }
     }
@@ -185,20 +207,26 @@ pub fn matrices(loaded: &mut Loaded, forms: &[Form], settings: &[Setting]) -> (V
 }
 
 /// Collects the keys of a matrix.
-fn axis_of<'a>(block: &'a Declaration, axes: &mut Vec<&'a Property>, diagnostics: &mut Vec<Diagnostic>) {
+fn axes_of<'a>(
+    block: &'a Declaration,
+    axes: &mut Vec<&'a Property>,
+    seen: &mut BTreeMap<&'a str, Span>,
+    diagnostics: &mut Vec<Diagnostic>,
+) {
     for entry in &block.entries {
         match entry {
-            Entry::Property(property) => match axes.iter().find(|axis| axis.key.text == property.key.text) {
-                Some(first) => {
-                    diagnostics.push(codes::duplicate_key(property.key.span, &property.key.text, first.key.span));
-                }
+            Entry::Property(property) => match seen.get(property.key.text.as_str()) {
+                Some(first) => diagnostics.push(codes::duplicate_key(property.key.span, &property.key.text, *first)),
                 None if members(property).is_empty() => diagnostics.push(codes::empty_list(property.value.span)),
-                None => axes.push(property),
+                None => {
+                    seen.insert(&property.key.text, property.key.span);
+                    axes.push(property);
+                }
             },
             Entry::Bare(value) => diagnostics.push(codes::bare_argument(value.span, &[])),
             Entry::Clause(clause) => diagnostics.push(codes::unexpected_clause(clause.event.span, MATRIX)),
             Entry::Child(child) => {
-                diagnostics.push(codes::unknown_block(child.form.span, MATRIX, &child.form.text, &[]));
+                diagnostics.push(codes::unknown_block(child.form.span, MATRIX, &child.form.text, &[], &[]));
             }
         }
     }
@@ -212,15 +240,18 @@ fn members(axis: &Property) -> &[Expression] {
 }
 
 fn product(axes: &[&Property]) -> Vec<Vec<Setting>> {
-    let mut combinations = vec![Vec::new()];
-    for axis in axes {
-        let longer = combinations.iter().flat_map(|combination: &Vec<Setting>| {
-            members(axis).iter().map(move |value| {
-                let setting = Setting { path: vec![axis.key.clone()], value: value.clone() };
-                combination.iter().cloned().chain([setting]).collect()
-            })
-        });
-        combinations = longer.collect();
-    }
-    combinations
+    let count: usize = axes.iter().map(|axis| members(axis).len()).product();
+    let combination = |number: usize| {
+        let mut rest = number;
+        let mut settings: Vec<Setting> = Vec::new();
+        for axis in axes.iter().rev() {
+            let values = members(axis);
+            let value = values[rest % values.len()].clone();
+            rest /= values.len();
+            settings.push(Setting { path: vec![axis.key.clone()], value });
+        }
+        settings.reverse();
+        settings
+    };
+    (0..count).map(combination).collect()
 }

@@ -1,14 +1,44 @@
 //! "Did you mean".
 
+/// The longest word that is compared with others (bytes): the work grows with the product of both lengths.
+const LONGEST: usize = 64;
+
 /// The known word most like a given one, if any is alike enough.
 pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    if word.len() > LONGEST {
+        return None;
+    }
     let lower = word.to_lowercase();
+    let letters = letters(&lower);
     known
         .into_iter()
-        .map(|candidate| (candidate, strsim::damerau_levenshtein(&lower, &candidate.to_lowercase())))
-        .filter(|(candidate, distance)| *distance <= 1 + candidate.len().min(word.len()) / 4)
+        .filter_map(|candidate| {
+            let most = 1 + candidate.len().min(word.len()) / 4;
+            if candidate.len() > LONGEST || candidate.len().abs_diff(word.len()) > 4 * most {
+                return None;
+            }
+            let other = candidate.to_lowercase();
+            // Every edit changes one letter for one at most, so that most words need not be compared.
+            let differ =
+                |a: &Letters, b: &Letters| a.iter().zip(b).map(|(a, b)| a.saturating_sub(*b) as usize).sum::<usize>();
+            let others = self::letters(&other);
+            if differ(&letters, &others).max(differ(&others, &letters)) > most {
+                return None;
+            }
+            let distance = strsim::damerau_levenshtein(&lower, &other);
+            (distance <= most).then_some((candidate, distance))
+        })
         .min_by_key(|(_, distance)| *distance)
         .map(|(candidate, _)| candidate)
+}
+
+/// How often which letter occurs; letters beyond ASCII share places.
+type Letters = [u8; 128];
+
+fn letters(word: &str) -> Letters {
+    let mut counts = [0_u8; 128];
+    word.chars().for_each(|letter| counts[letter as usize % 128] = counts[letter as usize % 128].saturating_add(1));
+    counts
 }
 
 #[cfg(test)]
@@ -21,5 +51,22 @@ mod tests {
         assert_eq!(nearest("rewrd", known), Some("reward"));
         assert_eq!(nearest("Distence", known), Some("distance"));
         assert_eq!(nearest("banana", known), None);
+    }
+
+    #[test]
+    fn what_is_left_out_is_what_is_too_far() {
+        let words = [
+            "", "a", "ä", "ab", "ba", "abc", "acb", "cab", "reward", "rewrad", "drawer", "rewarded", "Äpfel", "aepfel",
+        ];
+        for word in words {
+            let far = |other: &str| strsim::damerau_levenshtein(&word.to_lowercase(), &other.to_lowercase());
+            let best = words
+                .into_iter()
+                .filter(|other| far(other) <= 1 + other.len().min(word.len()) / 4)
+                .min_by_key(|w| far(w));
+            assert_eq!(nearest(word, words), best, "{word}");
+        }
+        let long = "a".repeat(1 << 20);
+        assert_eq!(nearest(&long, [long.as_str()]), None);
     }
 }

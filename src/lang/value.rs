@@ -1,5 +1,7 @@
 //! Checks values against the types of their keys.
 
+use std::collections::BTreeMap;
+
 use super::ast::{Expression, ExpressionKind, Known};
 use super::codes;
 use super::formula::{Scope, Sort, formula, is_function};
@@ -38,10 +40,16 @@ pub(super) fn value(
                 members.iter().map(|member| value(member, item, context, diagnostics)).collect();
             let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
             if matches!(**item, Type::Reference(_) | Type::Choice(_)) {
-                for (index, again) in values.iter().enumerate() {
-                    if let Some(first) = values[..index].iter().position(|earlier| earlier == again) {
-                        let (place, before) = (members[index].span, members[first].span);
-                        diagnostics.push(codes::repeated_member(place, context.sources.text(place), before));
+                let mut seen = BTreeMap::new();
+                for (member, value) in members.iter().zip(&values) {
+                    let named = match value {
+                        Value::Reference(id) => (id.0, ""),
+                        Value::Choice(word) => (0, *word),
+                        _ => continue,
+                    };
+                    if let Some(first) = seen.insert(named, member.span) {
+                        let written = context.sources.text(member.span);
+                        diagnostics.push(codes::repeated_member(member.span, written, first));
                         return None;
                     }
                 }
@@ -103,7 +111,7 @@ pub(super) fn value(
         (Type::Reference(form), ExpressionKind::Name(word)) => match context.names.find(form, word) {
             Some(id) => Some(Value::Reference(id)),
             None => {
-                diagnostics.push(codes::unknown_name(span, form, word, &context.names.of_form(form)));
+                diagnostics.push(codes::unknown_name(span, form, word, context.names.of_form(form)));
                 None
             }
         },
@@ -124,7 +132,7 @@ pub(super) fn value(
         (Type::Condition(event), _) => {
             let known = context.vocabulary.events.iter().find(|known| known.name == *event);
             let available = known.map_or(&[][..], |event| event.variables);
-            let scope = Scope { vocabulary: context.vocabulary, available, event };
+            let scope = Scope { vocabulary: context.vocabulary, available, event, names: context.names };
             match formula(expression, &scope, diagnostics)? {
                 (formula, Sort::Truth) => Some(Value::Formula(formula)),
                 (_, Sort::Quantity(dimension)) => {
@@ -164,6 +172,11 @@ const DISTRIBUTIONS: &[(&str, &str)] = &[
     ("choice", "one distribution or more"),
     ("weighted", "one pair `(weight, distribution)` or more"),
 ];
+
+/// The names of the functions that make distributions.
+pub fn distributions() -> impl Iterator<Item = &'static str> {
+    DISTRIBUTIONS.iter().map(|(name, _)| *name)
+}
 
 /// A value, a range, or a call of one of [`DISTRIBUTIONS`].
 fn distribution(
@@ -278,7 +291,7 @@ fn quantity(
     context: &Context,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Option<f64> {
-    let scope = Scope { vocabulary: context.vocabulary, available: &[], event: "compile time" };
+    let scope = Scope { vocabulary: context.vocabulary, available: &[], event: "compile time", names: context.names };
     let (formula, sort) = formula(expression, &scope, diagnostics)?;
     match sort {
         Sort::Truth => {

@@ -2,29 +2,61 @@ use lsp_types::{CompletionItem, CompletionItemKind, Documentation, InsertTextFor
 
 use super::cursor::{Cursor, Place};
 use super::hover::{one_line, referred};
+use super::visible::{Visible, dimension as measured, fits};
 use crate::compile::Catalog;
-use crate::lang::{ast, functions, library};
+use crate::lang::{DIMENSIONS, OTHER_TYPES, ast, distributions, functions, library};
 use crate::signature::{Param, Signature, Type};
 use crate::units::{Dimension, UNIT_NAMES};
 
-/// What could stand at the cursor; `declared` are the declarations that can be seen.
-pub fn complete(cursor: &Cursor, catalog: &Catalog, declared: &[&ast::Declaration]) -> Vec<CompletionItem> {
+/// What could stand at the cursor.
+pub fn complete(cursor: &Cursor, catalog: &Catalog, visible: Visible) -> Vec<CompletionItem> {
     match cursor.place {
         Place::Form => {
             let forms = catalog.forms.iter().map(|form| {
                 let body = if form.plain.is_some() { "{\n  $0\n}" } else { "= $0" };
                 snippet(form.name, form.doc, format!("{} ${{1:name}} {body}", form.name))
             });
-            forms.chain(["edition", "import"].map(|word| item(word, CompletionItemKind::KEYWORD, ""))).collect()
+            let words = ["edition", "import"].map(|word| item(word, CompletionItemKind::KEYWORD, ""));
+            let param = snippet("param", "A value with a name.", "param ${1:name}: ${2:length} = $0".into());
+            forms.chain(words).chain([param]).collect()
         }
         Place::Kind(form) => {
             let kinds = catalog.forms.iter().filter(|each| each.name == form).flat_map(|form| &form.kinds);
             kinds.map(|kind| snippet(kind.name, kind.doc, format!("{}($0)", kind.name))).collect()
         }
-        Place::Key => cursor.signature.map_or_else(Vec::new, keys),
-        Place::Value(param) => values(param, catalog, declared),
+        Place::Key => {
+            let multiplied =
+                |signature: &Signature| catalog.forms.iter().any(|form| form.multiplies && form.name == signature.name);
+            let matrix = cursor.signature.filter(|signature| multiplied(signature)).map(|_| {
+                snippet("matrix", "Runs the campaign once for each combination of values.", "matrix { $0 }".into())
+            });
+            cursor.signature.map_or_else(Vec::new, keys).into_iter().chain(matrix).collect()
+        }
+        Place::Value(param) => values(param, catalog, visible),
         Place::Unit(param) => units(param),
-        Place::Formula => formula(catalog),
+        Place::Formula => {
+            let quantities = params(visible, |param| measured(&param.ty.text).is_some());
+            formula(catalog).into_iter().chain(quantities).collect()
+        }
+        Place::Type => {
+            let words = DIMENSIONS.iter().map(|(name, _)| *name).chain(OTHER_TYPES.iter().copied());
+            let forms = catalog.forms.iter().map(|form| item(form.name, CompletionItemKind::CLASS, form.doc));
+            words.map(|word| item(word, CompletionItemKind::TYPE_PARAMETER, "")).chain(forms).collect()
+        }
+        Place::ParamValue(ty) => of_type(ty, visible),
+        Place::AxisValue(name) => visible.param(name).map_or_else(Vec::new, |param| of_type(&param.ty.text, visible)),
+        Place::Axis => {
+            let axis = |param: CompletionItem| CompletionItem {
+                insert_text: Some(format!("{}: [$0]", param.label)),
+                insert_text_format: Some(InsertTextFormat::SNIPPET),
+                ..param
+            };
+            params(visible, |_| true).into_iter().map(axis).collect()
+        }
+        Place::Imported(_) => {
+            let named = visible.declarations().filter_map(declared).chain(params(visible, |_| true));
+            named.collect()
+        }
         Place::Event => {
             let events = &catalog.vocabulary.events;
             events.iter().map(|event| item(event.name, CompletionItemKind::EVENT, event.doc)).collect()
@@ -36,7 +68,7 @@ pub fn complete(cursor: &Cursor, catalog: &Catalog, declared: &[&ast::Declaratio
         Place::Import => {
             library::names().map(|name| item(&format!("std/{name}"), CompletionItemKind::FILE, "")).collect()
         }
-        Place::Nothing => Vec::new(),
+        Place::Param | Place::Nothing => Vec::new(),
     }
 }
 
@@ -65,25 +97,46 @@ fn keys(signature: &Signature) -> Vec<CompletionItem> {
     keys.chain(blocks).chain(clause).collect()
 }
 
-fn values(param: &Param, catalog: &Catalog, declared: &[&ast::Declaration]) -> Vec<CompletionItem> {
+/// A declaration by its name.
+fn declared(declaration: &ast::Declaration) -> Option<CompletionItem> {
+    let name = declaration.name.as_ref()?;
+    let item = item(&name.text, CompletionItemKind::VARIABLE, &declaration.docs.join("\n"));
+    Some(CompletionItem { detail: Some(declaration.form.text.clone()), ..item })
+}
+
+/// Parameters of some types.
+fn params(visible: Visible, wanted: impl Fn(&ast::Param) -> bool) -> Vec<CompletionItem> {
+    let named = visible.params().filter(|param| wanted(param)).map(|param| CompletionItem {
+        detail: Some(visible.declared(param)),
+        ..item(&param.name.text, CompletionItemKind::CONSTANT, &param.docs.join("\n"))
+    });
+    named.collect()
+}
+
+/// What may stand for a parameter, by the word for its type.
+fn of_type(word: &str, visible: Visible) -> Vec<CompletionItem> {
+    let own = if word == "boolean" { &["true", "false"][..] } else { &[] };
+    let own = own.iter().map(|word| item(word, CompletionItemKind::ENUM_MEMBER, ""));
+    let dimension = measured(word);
+    let alike =
+        params(visible, |param| param.ty.text == word || dimension.is_some() && measured(&param.ty.text).is_some());
+    own.chain(visible.of_form(word).filter_map(declared)).chain(alike).collect()
+}
+
+fn values(param: &Param, catalog: &Catalog, visible: Visible) -> Vec<CompletionItem> {
     let words = |words: &[&str]| words.iter().map(|word| item(word, CompletionItemKind::ENUM_MEMBER, "")).collect();
     let mut ty = &param.ty;
     while let Type::List(inner) = ty {
         ty = inner;
     }
-    match ty {
+    let own: Vec<CompletionItem> = match ty {
         Type::Boolean => words(&["true", "false"]),
         Type::Choice(choices) => words(choices),
         Type::Condition(_) => formula(catalog),
-        other => referred(other).map_or_else(Vec::new, |form| {
-            let named = declared.iter().filter(|each| each.form.text == form);
-            let items = named.filter_map(|each| {
-                let name = each.name.as_ref()?;
-                Some(item(&name.text, CompletionItemKind::VARIABLE, &each.docs.join("\n")))
-            });
-            items.collect()
-        }),
-    }
+        Type::Distribution { .. } => distributions().map(|name| item(name, CompletionItemKind::FUNCTION, "")).collect(),
+        other => referred(other).map_or_else(Vec::new, |form| visible.of_form(form).filter_map(declared).collect()),
+    };
+    own.into_iter().chain(params(visible, |param| fits(&param.ty.text, ty))).collect()
 }
 
 /// Units, those that fit the key first.

@@ -35,6 +35,18 @@ pub enum Place<'a> {
     EventWord(&'a str),
     /// The path of an import.
     Import,
+    /// A name that is imported from this path.
+    Imported(&'a str),
+    /// The name of a parameter, where it is declared.
+    Param,
+    /// The type of a parameter.
+    Type,
+    /// The value of a parameter of this type.
+    ParamValue(&'a str),
+    /// A parameter that a matrix varies.
+    Axis,
+    /// A value of this parameter in a matrix.
+    AxisValue(&'a str),
     /// In a comment, or nowhere in particular.
     Nothing,
 }
@@ -52,6 +64,8 @@ struct Token<'a> {
     text: &'a str,
     kind: Kind,
     end: usize,
+    /// Whether it is the first on its line.
+    first: bool,
 }
 
 /// An open bracket, or the file.
@@ -63,6 +77,9 @@ struct Frame<'a> {
     param: Option<&'a Param>,
     formula: bool,
     event: Option<&'a str>,
+    /// Whether it is a `matrix`, and the parameter whose values stand here.
+    matrix: bool,
+    axis: Option<&'a str>,
     tokens: Vec<Token<'a>>,
     /// The kind whose parentheses have just closed.
     closed: Option<&'a Signature>,
@@ -82,7 +99,7 @@ pub fn cursor<'a>(text: &'a str, byte: usize, catalog: &'a Catalog) -> Cursor<'a
             // The cursor is inside a text or a comment.
             Err(is_text) => {
                 let last = frames.last().and_then(|frame| frame.tokens.last());
-                let import = is_text && last.is_some_and(|last| last.text == "import");
+                let import = is_text && last.is_some_and(|last| matches!(last.text, "import" | "from"));
                 let place = if import { Place::Import } else { Place::Nothing };
                 return Cursor { word, place, signature: None };
             }
@@ -91,7 +108,35 @@ pub fn cursor<'a>(text: &'a str, byte: usize, catalog: &'a Catalog) -> Cursor<'a
     let top = frames.len() == 1;
     let frame = frames.last().expect("the file is never closed");
     let is_key = text[end..].trim_start_matches([' ', '\t']).starts_with(':');
-    Cursor { word, place: place(frame, top, is_key, &text[..start]), signature: frame.signature }
+    let place = match statement(frame, &text[..start], &text[end..]).filter(|_| top) {
+        Some(place) => place,
+        None => place(frame, top, is_key, &text[..start]),
+    };
+    Cursor { word, place, signature: frame.signature }
+}
+
+/// What a word of an `import` or a `param` is; none in other statements.
+fn statement<'a>(frame: &Frame<'a>, before: &str, behind: &'a str) -> Option<Place<'a>> {
+    let words: Vec<&str> = frame.tokens.iter().map(|token| token.text).collect();
+    let last = frame.tokens.last()?;
+    // On the next line another statement begins, unless this one is still open.
+    let open =
+        last.kind == Kind::Sign && !matches!(last.text, ")" | "]" | "}") || matches!(last.text, "import" | "param");
+    let next_line = before[last.end.min(before.len())..].contains('\n');
+    match words.as_slice() {
+        ["import" | "param", ..] | ["edition", _] if next_line && !open => Some(Place::Form),
+        ["import", ..] if last.text == "import" || last.text == "," => {
+            let path = behind.lines().next()?.split_once("from")?.1.split('"').nth(1)?;
+            Some(Place::Imported(path))
+        }
+        ["import", ..] => Some(Place::Nothing),
+        ["param"] => Some(Place::Param),
+        ["param", _, ":"] => Some(Place::Type),
+        ["param", _, ":", ty, "=", ..] if last.kind != Kind::Number => Some(Place::ParamValue(ty)),
+        ["param", _, ":", _, "=", ..] => Some(Place::Unit(None)),
+        ["param", ..] => Some(Place::Nothing),
+        _ => None,
+    }
 }
 
 fn place<'a>(frame: &Frame<'a>, top: bool, is_key: bool, before: &str) -> Place<'a> {
@@ -101,7 +146,7 @@ fn place<'a>(frame: &Frame<'a>, top: bool, is_key: bool, before: &str) -> Place<
         return Place::EventWord(event);
     }
     if is_key && frame.keys && !top {
-        return Place::Key;
+        return if frame.matrix { Place::Axis } else { Place::Key };
     }
     match last {
         Some(last) if last.kind == Kind::Number && before[last.end..].chars().all(|c| matches!(c, ' ' | '\t')) => {
@@ -117,6 +162,11 @@ fn place<'a>(frame: &Frame<'a>, top: bool, is_key: bool, before: &str) -> Place<
     });
     if frame.formula && (open || !frame.keys) {
         return Place::Formula;
+    }
+    match frame.axis {
+        Some(axis) if open || !frame.keys => return Place::AxisValue(axis),
+        _ if frame.matrix && frame.keys => return Place::Axis,
+        _ => {}
     }
     match frame.param {
         Some(param) if open || !frame.keys => Place::Value(param),
@@ -135,11 +185,22 @@ fn take<'a>(frames: &mut Vec<Frame<'a>>, token: Token<'a>, catalog: &'a Catalog)
     if token.text != "{" {
         frame.closed = None;
     }
+    if top && token.first && token.kind == Kind::Word {
+        let opens = |form: &crate::signature::Form| form.name == token.text;
+        if matches!(token.text, "edition" | "import" | "param") || catalog.forms.iter().any(opens) {
+            *frame = Frame { keys: true, ..Frame::default() };
+        }
+    }
     if token.kind == Kind::Sign {
         match token.text {
             "{" => {
                 let signature = opened(frame, top, catalog);
-                frames.push(Frame { signature, keys: true, ..Frame::default() });
+                let multiplies = |signature: &Signature| {
+                    catalog.forms.iter().any(|form| form.multiplies && form.name == signature.name)
+                };
+                let matrix = frame.tokens.last().is_some_and(|last| last.text == "matrix")
+                    && frame.signature.is_some_and(multiplies);
+                frames.push(Frame { signature, keys: true, matrix, ..Frame::default() });
                 return;
             }
             "(" | "[" => {
@@ -151,7 +212,12 @@ fn take<'a>(frames: &mut Vec<Frame<'a>>, token: Token<'a>, catalog: &'a Catalog)
                 let closed = if frames.len() > 1 { frames.pop() } else { None };
                 let frame = frames.last_mut().expect("the file is never closed");
                 if token.text == "}" {
-                    *frame = Frame { signature: frame.signature, keys: frame.keys, ..Frame::default() };
+                    *frame = Frame {
+                        signature: frame.signature,
+                        keys: frame.keys,
+                        matrix: frame.matrix,
+                        ..Frame::default()
+                    };
                 } else {
                     frame.closed = closed.filter(|closed| closed.keys).and_then(|closed| closed.signature);
                     frame.tokens.push(token);
@@ -162,6 +228,7 @@ fn take<'a>(frames: &mut Vec<Frame<'a>>, token: Token<'a>, catalog: &'a Catalog)
                 let key = frame.tokens.last().map_or("", |last| last.text);
                 frame.param = frame.signature.and_then(|s| s.params.iter().find(|param| param.name == key));
                 frame.formula = false;
+                frame.axis = Some(key).filter(|_| frame.matrix);
             }
             "=>" => {
                 frame.param = None;
@@ -169,9 +236,12 @@ fn take<'a>(frames: &mut Vec<Frame<'a>>, token: Token<'a>, catalog: &'a Catalog)
             }
             "," | ";" if frame.keys => {
                 frame.param = None;
+                frame.axis = None;
                 frame.formula = false;
-                frame.tokens.clear();
-                return;
+                if !top {
+                    frame.tokens.clear();
+                    return;
+                }
             }
             _ => {}
         }
@@ -212,7 +282,8 @@ fn bracket<'a>(frame: &Frame<'a>, token: Token<'a>, catalog: &'a Catalog) -> Fra
         return Frame { signature, keys: true, ..Frame::default() };
     }
     let event = if token.text == "(" && behind(2) == Some("on") { behind(1) } else { None };
-    Frame { signature: frame.signature, param: frame.param, formula: frame.formula, event, ..Frame::default() }
+    let Frame { signature, param, formula, matrix, axis, .. } = *frame;
+    Frame { signature, param, formula, matrix, axis, event, ..Frame::default() }
 }
 
 fn is_word(byte: u8) -> bool {
@@ -222,11 +293,13 @@ fn is_word(byte: u8) -> bool {
 /// The next token that ends before a limit; an error when the limit lies inside a text (true) or a comment (false).
 fn next<'a>(text: &'a str, at: &mut usize, limit: usize) -> Option<Result<Token<'a>, bool>> {
     let bytes = text.as_bytes();
+    let mut first = *at == 0;
     while *at < limit {
         let start = *at;
         let rest = &text[start..];
         let (end, kind) = match bytes[start] {
             byte if byte.is_ascii_whitespace() => {
+                first |= byte == b'\n';
                 *at += 1;
                 continue;
             }
@@ -269,7 +342,7 @@ fn next<'a>(text: &'a str, at: &mut usize, limit: usize) -> Option<Result<Token<
         if end > limit {
             return None;
         }
-        return Some(Ok(Token { text: &text[start..end], kind, end }));
+        return Some(Ok(Token { text: &text[start..end], kind, end, first }));
     }
     None
 }

@@ -1,33 +1,31 @@
 use lsp_types::{Hover, HoverContents, MarkupContent, MarkupKind};
 
 use super::cursor::{Cursor, Place};
+use super::visible::Visible;
 use crate::compile::Catalog;
-use crate::lang::ast;
+use crate::lang::{DIMENSIONS, ast};
 use crate::signature::{Param, Type};
 use crate::units::{UNIT_NAMES, parse_unit};
 
-/// What is to be said about the word at the cursor; `declared` are the declarations that can be seen.
-pub fn hover<'a>(
-    cursor: &Cursor,
-    catalog: &Catalog,
-    declared: impl Iterator<Item = &'a ast::Declaration>,
-) -> Option<Hover> {
-    let text = describe(cursor, catalog, declared)?;
+/// What is to be said about the word at the cursor.
+pub fn hover(cursor: &Cursor, catalog: &Catalog, visible: Visible) -> Option<Hover> {
+    let text = describe(cursor, catalog, visible)?;
     Some(Hover {
         contents: HoverContents::Markup(MarkupContent { kind: MarkupKind::Markdown, value: text }),
         range: None,
     })
 }
 
-fn describe<'a>(
-    cursor: &Cursor,
-    catalog: &Catalog,
-    mut declared: impl Iterator<Item = &'a ast::Declaration>,
-) -> Option<String> {
+fn describe(cursor: &Cursor, catalog: &Catalog, visible: Visible) -> Option<String> {
     let word = cursor.word;
     if word.is_empty() {
         return None;
     }
+    let declared = |form: Option<&str>| visible.declaration(form, word).map(declaration);
+    let param = || {
+        let found = visible.param(word)?;
+        Some(format!("```scn\n{}\n```\n\n{}", visible.declared(found), found.docs.join("\n")))
+    };
     match cursor.place {
         Place::Form => {
             let form = catalog.forms.iter().find(|form| form.name == word)?;
@@ -48,20 +46,29 @@ fn describe<'a>(
             let child = signature.children.iter().find(|child| child.name == word)?;
             Some(format!("**{word}** {}", child.doc))
         }
-        Place::Value(param) => match referred(&param.ty) {
-            Some(form) => {
-                let found = declared.find(|each| each.form.text == form && has_name(each, word))?;
-                let kind = found.kind.as_ref().map_or(String::new(), |kind| format!(" = {}", kind.text));
-                Some(format!("```scn\n{form} {word}{kind}\n```\n\n{}", found.docs.join("\n")))
-            }
-            None => Some(key(param)),
+        Place::Value(wanted) => match referred(&wanted.ty) {
+            Some(form) => declared(Some(form)).or_else(param),
+            None => param().or_else(|| Some(key(wanted))),
         },
+        Place::ParamValue(_) | Place::AxisValue(_) => param().or_else(|| declared(None)),
+        Place::Imported(_) => declared(None).or_else(param),
+        Place::Param | Place::Axis => param(),
+        Place::Type => {
+            if let Some(form) = catalog.forms.iter().find(|form| form.name == word) {
+                return Some(format!("**{word}** The name of one: {}", form.doc));
+            }
+            let (_, dimension) = DIMENSIONS.iter().find(|(name, _)| *name == word)?;
+            let units: Vec<String> = dimension.usual_units().iter().map(|unit| format!("`{unit}`")).collect();
+            Some(format!("**{word}** {}", if units.is_empty() { "without a unit".into() } else { units.join(", ") }))
+        }
         Place::Unit(_) => {
             let unit = parse_unit(word).ok()?;
             Some(format!("**{word}**: {}", unit.dimension)).filter(|_| UNIT_NAMES.iter().any(|(name, _)| *name == word))
         }
         Place::Formula => {
-            let variable = catalog.vocabulary.variables.iter().find(|variable| variable.name == word)?;
+            let Some(variable) = catalog.vocabulary.variables.iter().find(|variable| variable.name == word) else {
+                return param();
+            };
             Some(format!("**{word}** ({}): {}", variable.dimension, variable.doc))
         }
         Place::Event => {
@@ -81,9 +88,11 @@ pub fn referred(ty: &Type) -> Option<&'static str> {
     }
 }
 
-/// Whether a declaration has this name.
-pub fn has_name(declaration: &ast::Declaration, name: &str) -> bool {
-    declaration.name.as_ref().is_some_and(|known| known.text == name)
+/// A declaration's head and documentation.
+fn declaration(found: &ast::Declaration) -> String {
+    let name = found.name.as_ref().map_or("", |name| name.text.as_str());
+    let kind = found.kind.as_ref().map_or(String::new(), |kind| format!(" = {}", kind.text));
+    format!("```scn\n{} {name}{kind}\n```\n\n{}", found.form.text, found.docs.join("\n"))
 }
 
 /// A key with its type, units and default.

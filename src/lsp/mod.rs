@@ -7,6 +7,7 @@
 mod wire;
 mod documents;
 mod cursor;
+mod visible;
 mod complete;
 mod hover;
 mod navigate;

@@ -4,7 +4,8 @@ use lsp_types::{DocumentSymbol, Location, SymbolKind};
 
 use super::cursor::{Cursor, Place};
 use super::documents::{Documents, range};
-use super::hover::{has_name, referred};
+use super::hover::referred;
+use super::visible::Visible;
 use crate::diagnostic::{Lines, Sources, Span};
 use crate::lang::{Loaded, ast};
 
@@ -18,30 +19,25 @@ pub fn definition(
 ) -> Option<Location> {
     let root = loaded.files.iter().find(|file| loaded.roots.contains(&file.source))?;
     let import = root.imports.iter().find(|import| (import.span.start..=import.span.end).contains(&byte));
+    let visible = Visible { loaded, sources };
+    let word = cursor.word;
+    let declared = |form: Option<&str>| Some(visible.declaration(form, word)?.name.as_ref()?.span);
+    let param = || Some(visible.param(word)?.name.span);
     let target = match (import, cursor.place) {
         (Some(import), _) => Span { source: import.source?, start: 0, end: 0 },
-        (None, Place::Value(param)) => {
-            let form = referred(&param.ty);
-            let all = loaded.files.iter().flat_map(|file| &file.declarations);
-            let named = |each: &&ast::Declaration| has_name(each, cursor.word);
-            // A word of another type may still name something, such as a parameter.
-            let found = match form {
-                Some(form) => all.clone().find(|each| each.form.text == form && has_name(each, cursor.word)),
-                None => all.clone().find(named),
-            };
-            found?.name.as_ref()?.span
-        }
-        (None, Place::Formula) => {
-            let mut all = loaded.files.iter().flat_map(|file| &file.declarations);
-            all.find(|each| has_name(each, cursor.word))?.name.as_ref()?.span
-        }
+        (None, Place::Value(wanted)) => match referred(&wanted.ty) {
+            Some(form) => declared(Some(form)).or_else(param),
+            None => param(),
+        }?,
+        (None, Place::Imported(_) | Place::ParamValue(_) | Place::AxisValue(_)) => declared(None).or_else(param)?,
+        (None, Place::Formula | Place::Param | Place::Axis) => param()?,
         _ => return None,
     };
     let source = sources.get(target.source);
     Some(Location { uri: documents.uri(&source.path)?, range: range(&Lines::new(&source.text), target) })
 }
 
-/// The declarations of a file.
+/// The declarations and parameters of a file, in order.
 #[expect(deprecated, reason = "the protocol's type has a field that is not to be used and cannot be left out")]
 pub fn symbols(file: &ast::File, text: &str) -> Vec<DocumentSymbol> {
     let lines = Lines::new(text);
@@ -59,5 +55,21 @@ pub fn symbols(file: &ast::File, text: &str) -> Vec<DocumentSymbol> {
             children: None,
         }
     };
-    file.declarations.iter().map(symbol).collect()
+    let param = |param: &ast::Param| {
+        let place = range(&lines, param.name.span.to(param.value.span));
+        DocumentSymbol {
+            name: param.name.text.clone(),
+            detail: Some(format!("param {}", param.ty.text)),
+            kind: SymbolKind::CONSTANT,
+            tags: None,
+            deprecated: None,
+            range: place,
+            selection_range: range(&lines, param.name.span),
+            children: None,
+        }
+    };
+    let mut all: Vec<DocumentSymbol> =
+        file.params.iter().map(param).chain(file.declarations.iter().map(symbol)).collect();
+    all.sort_by_key(|symbol| symbol.range.start);
+    all
 }

@@ -20,13 +20,17 @@ use lsp_types::{
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::cursor::cursor;
+use super::cursor::{Place, cursor};
 use super::documents::{Documents, path, position, range};
+use super::visible::Visible;
 use super::wire::{self, WireError};
 use super::{complete, hover, navigate};
 use crate::compile::{Catalog, compile};
 use crate::diagnostic::{Diagnostic, Lines, Severity, Sources};
 use crate::lang::{self, Loaded};
+
+/// Most diagnostics of a file that one root leads to; nobody reads more in an editor.
+const SHOWN: usize = 500;
 
 /// How a session came to its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -113,17 +117,22 @@ impl<W: Write> Server<W> {
             HoverRequest::METHOD => {
                 let params: HoverParams = read(params)?;
                 let at = params.text_document_position_params;
-                json(&self.at(&at, |text, byte, loaded, _| {
+                json(&self.at(&at, |text, byte, loaded, sources| {
                     let here = cursor(text, byte, &self.catalog);
-                    hover::hover(&here, &self.catalog, loaded.files.iter().flat_map(|file| &file.declarations))
+                    hover::hover(&here, &self.catalog, Visible { loaded, sources })
                 }))
             }
             Completion::METHOD => {
                 let params: CompletionParams = read(params)?;
-                json(&self.at(&params.text_document_position, |text, byte, loaded, _| {
+                let at = params.text_document_position;
+                json(&self.at(&at, |text, byte, loaded, sources| {
                     let here = cursor(text, byte, &self.catalog);
-                    let declared: Vec<_> = loaded.files.iter().flat_map(|file| &file.declarations).collect();
-                    Some(complete::complete(&here, &self.catalog, &declared))
+                    if let Place::Imported(import) = here.place {
+                        let (loaded, sources) = self.imported(&at.text_document.uri, import)?;
+                        let visible = Visible { loaded: &loaded, sources: &sources };
+                        return Some(complete::complete(&here, &self.catalog, visible));
+                    }
+                    Some(complete::complete(&here, &self.catalog, Visible { loaded, sources }))
                 }))
             }
             GotoDefinition::METHOD => {
@@ -200,6 +209,16 @@ impl<W: Write> Server<W> {
         ask(text, byte, &loaded, &sources)
     }
 
+    /// What a file that is being imported offers; the statement itself may not be readable yet.
+    fn imported(&self, uri: &Uri, import: &str) -> Option<(Loaded, Sources)> {
+        let root = path(uri);
+        let statement = format!("edition 1\nimport \"{import}\"\n");
+        let read = |path: &Path| if path == root { Ok(statement.clone()) } else { self.documents.read(path) };
+        let mut sources = Sources::default();
+        let loaded = lang::load(std::slice::from_ref(&root), &read, &mut sources).ok()?;
+        Some((loaded, sources))
+    }
+
     fn layout(&self, uri: &Uri) -> Option<Vec<TextEdit>> {
         let text = self.documents.text(uri)?;
         let source = Sources::default().add("", text);
@@ -225,7 +244,8 @@ impl<W: Write> Server<W> {
             for (index, (id, source)) in sources.iter().enumerate() {
                 let Some(uri) = self.documents.uri(&source.path) else { continue };
                 let here = by_file.entry(uri).or_default();
-                for each in compiled.diagnostics.iter().filter(|each| each.primary.span.source == id) {
+                let about = compiled.diagnostics.iter().filter(|each| each.primary.span.source == id);
+                for each in about.take(SHOWN) {
                     let each = shown(each, &lines[index]);
                     if !here.contains(&each) {
                         here.push(each);

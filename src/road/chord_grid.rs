@@ -19,6 +19,8 @@ const BEYOND: f64 = 12.0;
 
 /// How many cells wide and high a block is whose candidates are found together.
 const BLOCK: usize = 8;
+/// How many cells wide and high a part of a block is; blocks are whole numbers of them.
+const PART: usize = 2;
 
 /// How far a chord may be from the middle of a square to be the nearest one to some point in it, given the distance of the chord
 /// nearest to the middle: from anywhere in the square that one is at most half a diagonal farther.
@@ -75,20 +77,23 @@ impl ChordGrid {
         self.columns = (size.x / self.cell).ceil() as usize;
         self.rows = (size.y / self.cell).ceil() as usize;
         let mut blocks = vec![Vec::new(); self.columns.div_ceil(BLOCK)];
+        let mut parts = vec![Vec::new(); self.columns.div_ceil(PART)];
         let mut distances = Vec::new();
         for row in 0..self.rows {
             if row % BLOCK == 0 && !self.fill_blocks(row, &mut blocks) {
                 return self.give_up();
             }
+            // Few of a block's candidates are left in a part of it, so that most cells look at few.
+            if row % PART == 0 {
+                for (part, column) in parts.iter_mut().zip((0..).step_by(PART)) {
+                    part.clear();
+                    self.sift(chords, &blocks[column / BLOCK], (column, row), PART, &mut distances, part);
+                }
+            }
             for column in 0..self.columns {
-                let middle = self.origin + Vector::new(column as f64 + 0.5, row as f64 + 0.5) * self.cell;
-                let block = &blocks[column / BLOCK];
-                distances.clear();
-                distances.extend(block.iter().map(|index| chords[*index as usize].distance_squared(middle)));
-                let nearest = distances.iter().copied().fold(f64::INFINITY, f64::min).sqrt();
-                let reach = reach(nearest, self.cell);
-                let near = block.iter().zip(&distances).filter(|(_, distance)| **distance <= reach * reach);
-                self.candidates.extend(near.map(|(index, _)| *index));
+                let mut candidates = std::mem::take(&mut self.candidates);
+                self.sift(chords, &parts[column / PART], (column, row), 1, &mut distances, &mut candidates);
+                self.candidates = candidates;
                 self.starts.push(self.candidates.len() as u32);
             }
             if self.candidates.len() > MOST_CANDIDATES {
@@ -96,6 +101,26 @@ impl ChordGrid {
             }
         }
         self.candidates.shrink_to_fit();
+    }
+
+    /// Takes over those of some candidates that may be nearest to a point in a square of cells, in order.
+    fn sift(
+        &self,
+        chords: &[Chord],
+        from: &[u32],
+        (column, row): (usize, usize),
+        cells: usize,
+        distances: &mut Vec<f64>,
+        into: &mut Vec<u32>,
+    ) {
+        let half = cells as f64 / 2.0;
+        let middle = self.origin + Vector::new(column as f64 + half, row as f64 + half) * self.cell;
+        distances.clear();
+        distances.extend(from.iter().map(|index| chords[*index as usize].distance_squared(middle)));
+        let nearest = distances.iter().copied().fold(f64::INFINITY, f64::min).sqrt();
+        let reach = reach(nearest, cells as f64 * self.cell);
+        let near = from.iter().zip(&*distances).filter(|(_, distance)| **distance <= reach * reach);
+        into.extend(near.map(|(index, _)| *index));
     }
 
     /// Finds the candidates of each block of cells from a row on, in order, so that of two chords equally near the first one

@@ -148,6 +148,17 @@ fn compilation() -> Plan {
     plan()
 }
 
+/// `falsify check` of two hundred lines as a process of its own: loading the program, reading, checking, two towns, four spawns.
+#[divan::bench(sample_count = 200)]
+fn startup(bencher: Bencher<'_, '_>) {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bench/two_hundred_lines.scn");
+    bencher.bench_local(|| {
+        let output = std::process::Command::new(env!("CARGO_BIN_EXE_falsify")).arg("check").arg(&file).output();
+        let output = output.expect("the program starts");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    });
+}
+
 /// The beginning of an episode: spawn, driver's first route.
 #[divan::bench]
 fn spawn(bencher: Bencher<'_, '_>) {

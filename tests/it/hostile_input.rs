@@ -41,7 +41,9 @@ fn shipped() -> Vec<String> {
 fn huge_and_deep_files_get_an_answer() {
     let edition = "edition 1\n";
     for (name, text, code) in [
-        ("junk", "§$%&? \n".repeat(50 << 17), Some("too-large")),
+        ("junk beyond reason", "§$%&? \n".repeat(50 << 17), Some("too-large")),
+        ("junk", "§$%&? \n".repeat((4 << 20) / 8), Some("syntax")),
+        ("a name without end", format!("{edition}{0} a {{}}\n{0} b {{}}", "a".repeat(1 << 20)), Some("unknown-form")),
         ("brackets", format!("{edition}reward r {{ on hit => {}", "(".repeat(10_000)), Some("too-deep")),
         (
             "pairs of brackets",
@@ -69,26 +71,71 @@ fn huge_and_deep_files_get_an_answer() {
     }
 }
 
-#[test]
-fn a_hundred_thousand_declarations_are_read() {
-    let many: String = (0..100_000).map(|n| format!("reward r{n} {{ on hit => {n} }}\n")).collect();
-    let text = format!("edition 1\n{many}");
-    let (sender, receiver) = mpsc::channel();
-    std::thread::spawn(move || {
-        let (file, said) = lang::parse(Sources::default().add("", ""), &text);
-        sender.send((file.declarations.len(), said.len()))
-    });
-    assert_eq!(receiver.recv_timeout(Duration::from_secs(100)), Ok((100_000, 0)));
-    let wrong: String = (0..2_000).map(|n| format!("rewrd r{n} {{}}\n")).collect();
-    assert_eq!(survive_in_time("wrong declarations", format!("edition 1\n{wrong}")), Some("unknown-form"));
+/// As many lines as asked for, each with its number in place of `#`.
+fn lines(count: usize, line: &str) -> String {
+    (0..count).map(|number| line.replace('#', &number.to_string()) + "\n").collect()
 }
 
 #[test]
-fn many_names_that_lead_nowhere_are_not_compared_with_many_that_do() {
-    let known: String = (0..1_000).map(|n| format!("reward r{n} {{ on hit => 1 }}\n")).collect();
-    let names: String = (0..1_000).map(|n| format!("s{n}, ")).collect();
-    let text = format!("edition 1\n{known}campaign c {{ train {{ rewards: [{names}] }} }}\n");
-    assert!(survive_in_time("names", text).is_some());
+fn a_hundred_thousand_declarations_are_checked() {
+    let text = format!("edition 1\n{}", lines(100_000, "reward r# { on hit => # }"));
+    let (sender, receiver) = mpsc::channel();
+    std::thread::spawn(move || {
+        let root = Path::new("hostile.scn");
+        let read = |_: &Path| Ok(text.clone());
+        let compiled = compile(&[root.to_path_buf()], &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
+        sender.send((compiled.plan.is_some(), compiled.diagnostics.len()))
+    });
+    assert_eq!(receiver.recv_timeout(Duration::from_secs(100)), Ok((true, 0)));
+}
+
+#[test]
+fn as_many_mistakes_as_there_are_lines_are_found() {
+    let edition = "edition 1\n";
+    let names = lines(10_000, "s#, ");
+    for (name, text, code) in [
+        ("forms", format!("{edition}{}", lines(5_000, "rewrd r# {}")), "unknown-form"),
+        ("statements", format!("{edition}{}", lines(5_000, "? x = # m m")), "syntax"),
+        ("equal names", format!("{edition}{}", lines(5_000, "reward r {}")), "duplicate-declaration"),
+        ("imported names", format!("{edition}import {names}s from \"std/paper.scn\"\n"), "unknown-import"),
+        ("missing commas", format!("{edition}policy p = idm({})\n", lines(5_000, "margin: #")), "syntax"),
+        (
+            "names that lead nowhere, among many that do",
+            format!(
+                "{edition}{}campaign c {{ train {{ rewards: [{names}] }} }}\n",
+                lines(10_000, "reward r# { on hit => 1 }")
+            ),
+            "unknown-name",
+        ),
+        (
+            "parameters in the wrong place",
+            format!(
+                "{edition}{}{}",
+                lines(10_000, "param p#: length = # m"),
+                lines(10_000, "spawn s# { distance: p# .. 7 s }")
+            ),
+            "wrong-unit",
+        ),
+    ] {
+        assert_eq!(survive_in_time(name, text), Some(code), "{name}");
+    }
+}
+
+#[test]
+fn what_multiplies_is_bounded() {
+    let params = lines(5_000, "param p#: length = # m");
+    let axes = lines(5_000, "p#: # m");
+    let pieces = "import \"std/paper.scn\"\nimport \"std/drivers.scn\"\n";
+    let one_row = format!("edition 1\n{pieces}{params}campaign c {{ matrix {{ {axes} }} }}\n");
+    assert_eq!(survive_in_time("a row of many values", one_row), Some("missing-key"));
+    let ten = "[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]";
+    let many = format!("edition 1\n{params}campaign c {{ matrix {{ p0: {ten} p1: {ten} p2: {ten} }} }}\n");
+    assert_eq!(survive_in_time("many rows of much", many), Some("too-many-combinations"));
+    let runs =
+        "train { towns: [harbour, village] policies: [behavior, careful, blind] rewards: [r1, r2] runs: 10_000 }";
+    let keys = "vehicle: model3 adversary: suicidal spawn: ahead episode: thirty_seconds training: ppo_paper";
+    let text = format!("edition 1\n{pieces}import \"std/towns.scn\"\n{params}campaign c {{ {keys} {runs} {runs} }}\n");
+    assert!(survive_in_time("many trainings", text).is_some());
 }
 
 proptest! {

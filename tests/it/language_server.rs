@@ -349,3 +349,107 @@ fn the_program_serves_on_its_standard_streams() {
     assert_eq!(answers[0]["result"]["serverInfo"]["name"], "falsify");
     assert_eq!(answers.len(), 2);
 }
+
+const NAMED: &str = "edition 1
+import suicidal, near_you from \"part.scn\"
+import \"std/paper.scn\"
+/// How far.
+param far: length = 30 m
+param who: adversary = suicidal
+param lit: boolean = true
+spawn s { distance: 7 m .. far }
+reward r { on step => distance / far }
+campaign c {
+  adversary: who
+  matrix { far: [20 m, far] }
+}
+";
+
+/// A folder with `part.scn`, and the name of a file beside it.
+fn with_part() -> (tempfile::TempDir, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let part = "edition 1\n/// Near.\nparam near_you: length = 7 m\n/// Someone.\nadversary suicidal {}\n";
+    std::fs::write(folder.path().join("part.scn"), part).unwrap();
+    let uri = format!("file://{}/whole.scn", folder.path().display());
+    (folder, uri)
+}
+
+#[test]
+fn parameters_and_imported_names_are_explained_and_found() {
+    let (_folder, uri) = with_part();
+    let mut session = Session::new();
+    session.open(&uri, NAMED);
+    let mut wanted = Vec::new();
+    for (mark, part, line) in [
+        ("far: length", "param far: length = 30 m", Some(4)),
+        ("length =", "`m`", None),
+        ("adversary =", "The name of one", None),
+        ("suicidal, near", "Someone.", Some(4)),
+        ("near_you from", "param near_you: length = 7 m", Some(2)),
+        ("suicidal\nparam", "Someone.", Some(4)),
+        ("far }\nreward", "How far.", Some(4)),
+        ("far }\ncampaign", "How far.", Some(4)),
+        ("who\n  matrix", "param who: adversary = suicidal", Some(5)),
+        ("far: [", "How far.", Some(4)),
+        ("far] }", "How far.", Some(4)),
+    ] {
+        let hover = session.ask_at("textDocument/hover", &uri, NAMED, mark);
+        wanted.push((mark, part, line, hover, session.ask_at("textDocument/definition", &uri, NAMED, mark)));
+    }
+    let symbols = session.ask("textDocument/documentSymbol", json!({ "textDocument": { "uri": uri } }));
+    let answers = session.hold();
+    for (mark, part, line, hover, definition) in wanted {
+        let text = result(&answers, hover)["contents"]["value"].as_str().unwrap_or_default();
+        assert!(text.contains(part), "{mark}: {text}");
+        assert_eq!(result(&answers, definition)["range"]["start"]["line"], json!(line), "{mark}");
+    }
+    let names: Vec<&str> =
+        result(&answers, symbols).as_array().unwrap().iter().map(|each| each["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["far", "who", "lit", "s", "r", "c"]);
+}
+
+#[test]
+fn parameters_types_and_imported_names_are_offered() {
+    let (_folder, uri) = with_part();
+    let mut session = Session::new();
+    let mut wanted = Vec::new();
+    for (after, some, not) in [
+        ("param far: ", "turn_rate", "far"),
+        ("param x: ", "adversary", "far"),
+        ("param x: length = ", "far", "who"),
+        ("param x: adversary = ", "suicidal", "far"),
+        ("param x: boolean = ", "true", "far"),
+        ("param x: length = 3 ", "km", "far"),
+        ("param x: length = 3 m\n", "param", "far"),
+        ("import ", "near_you", "far"),
+        ("import suicidal, ", "near_you", "far"),
+        ("import suicidal from \"", "std/towns.scn", "far"),
+        ("spawn t { distance: ", "truncated", "who"),
+        ("spawn t { distance: truncated(", "normal", "who"),
+        ("spawn t { distance: 7 m .. ", "far", "who"),
+        ("reward q { on step => distance / ", "far", "who"),
+        ("campaign d {\n  adversary: ", "who", "far"),
+        ("episode e { traffic_lights: ", "lit", "far"),
+        ("campaign d {\n  ", "matrix", "far"),
+        ("episode e {\n  ", "ticks", "matrix"),
+        ("campaign d {\n  matrix { ", "far", "adversary"),
+        ("campaign d {\n  matrix { who: [", "suicidal", "far"),
+        ("campaign d {\n  matrix { far: 3 m  ", "lit", "adversary"),
+    ] {
+        // What is being written stands in the middle of a file.
+        let head = NAMED.split_once("spawn s").unwrap().0;
+        let rest = if after.contains("import") { " from \"part.scn\"\n" } else { "" };
+        let text = format!("{head}{after}{rest}");
+        session.open(&uri, &text);
+        let (line, column) = falsify::diagnostic::Lines::new(&text).utf16(head.len() + after.len());
+        let position = json!({ "line": line, "character": column });
+        let params = json!({ "textDocument": { "uri": uri }, "position": position });
+        wanted.push((after, some, not, session.ask("textDocument/completion", params)));
+    }
+    let answers = session.hold();
+    for (after, some, not, id) in wanted {
+        let labels = labels(&answers, id);
+        assert!(labels.iter().any(|label| label == some), "{after:?} lacks {some}: {labels:?}");
+        assert!(!labels.iter().any(|label| label == not), "{after:?} has {not}: {labels:?}");
+    }
+}

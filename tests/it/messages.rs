@@ -16,6 +16,13 @@ const TRAPS: &[(&str, &str)] = &[
     ("a property nobody knows", "edition 1\nspawn s { with_wind: 5 }\n"),
     ("a forgotten deg", "edition 1\nspawn s { bearing: -60 .. 60 }\n"),
     ("a unit spelt out", "edition 1\nspawn s { distance: 7 meters .. 30 m }\n"),
+    ("a forgotten comma in a list", "edition 1\nspawn s { ego_poses: [(1 m, 2 m, 3 deg) (4 m, 5 m, 6 deg)] }\n"),
+    (
+        "a condition that contradicts the rest",
+        "edition 1\nspawn s { distance: 7 m .. 30 m  require: distance > 40 m }\n",
+    ),
+    ("a condition that never holds", "edition 1\nspawn s { require: 7 m > 30 m }\n"),
+    ("a parameter nobody declared", "edition 1\nparam far: length = 30 m\nspawn s { distance: 7 m .. fra }\n"),
     ("a unit in another's place", "edition 1\nepisode e { tick: 0.05 m }\n"),
     ("a reversed range", "edition 1\nspawn s { distance: 30 m .. 7 m }\n"),
     ("a trailing comma", "edition 1\nspawn s { distance: 7 m .. 30 m, }\nreward r { on hit => max(1, 2,) }\n"),
@@ -32,7 +39,8 @@ const TRAPS: &[(&str, &str)] = &[
 ];
 
 fn drawn(text: &str) -> String {
-    let root = Path::new("my.scn");
+    // Under this name an example of the page of mistakes imports itself.
+    let root = Path::new(if text.contains("import \"mistake.scn\"") { "mistake.scn" } else { "my.scn" });
     let maps = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite/files");
     let read = |path: &Path| if path == root { Ok(text.to_string()) } else { std::fs::read_to_string(maps.join(path)) };
     let mut sources = Sources::default();

@@ -1,0 +1,73 @@
+//! What a file can name: declarations and parameters, its own and imported ones.
+
+use crate::diagnostic::Sources;
+use crate::lang::{DIMENSIONS, Loaded, ast};
+use crate::signature::Type;
+use crate::units::Dimension;
+
+/// A file with all that it imports.
+#[derive(Clone, Copy)]
+pub struct Visible<'a> {
+    /// The trees.
+    pub loaded: &'a Loaded,
+    /// Their texts.
+    pub sources: &'a Sources,
+}
+
+impl<'a> Visible<'a> {
+    /// All declarations.
+    pub fn declarations(self) -> impl Iterator<Item = &'a ast::Declaration> {
+        self.loaded.files.iter().flat_map(|file| &file.declarations)
+    }
+
+    /// The declarations of a form.
+    pub fn of_form(self, form: &str) -> impl Iterator<Item = &'a ast::Declaration> {
+        self.declarations().filter(move |each| each.form.text == form)
+    }
+
+    /// The declaration of this name, of a form if one is given.
+    pub fn declaration(self, form: Option<&str>, name: &str) -> Option<&'a ast::Declaration> {
+        let named = |each: &&ast::Declaration| each.name.as_ref().is_some_and(|known| known.text == name);
+        self.declarations().filter(named).find(|each| form.is_none_or(|form| each.form.text == form))
+    }
+
+    /// All parameters.
+    pub fn params(self) -> impl Iterator<Item = &'a ast::Param> {
+        self.loaded.files.iter().flat_map(|file| &file.params)
+    }
+
+    /// The parameter of this name.
+    pub fn param(self, name: &str) -> Option<&'a ast::Param> {
+        self.params().find(|param| param.name.text == name)
+    }
+
+    /// A parameter as it is declared.
+    pub fn declared(self, param: &ast::Param) -> String {
+        format!("param {}: {} = {}", param.name.text, param.ty.text, self.sources.text(param.value.span))
+    }
+}
+
+/// Whether a parameter with this word for its type may stand for a value of a type, or for a part of one.
+pub fn fits(word: &str, ty: &Type) -> bool {
+    match ty {
+        Type::List(inner) => fits(word, inner),
+        Type::Reference(form) => word == *form,
+        Type::Boolean => word == "boolean",
+        Type::Text | Type::Path => word == "text",
+        Type::Choice(_) => matches!(word, "word" | "text"),
+        Type::Integer { .. } => matches!(word, "integer" | "number"),
+        Type::Condition(_) => dimension(word).is_some(),
+        Type::Point | Type::Pose => matches!(dimension(word), Some(Dimension::LENGTH | Dimension::ANGLE)),
+        Type::Quantity { dimension: wanted, .. }
+        | Type::Range { dimension: wanted, .. }
+        | Type::Distribution { dimension: wanted, .. } => dimension(word) == Some(*wanted),
+    }
+}
+
+/// What a parameter measures, by the word for its type.
+pub fn dimension(word: &str) -> Option<Dimension> {
+    if word == "integer" {
+        return Some(Dimension::RATIO);
+    }
+    DIMENSIONS.iter().find(|(name, _)| *name == word).map(|(_, dimension)| *dimension)
+}
