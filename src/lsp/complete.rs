@@ -74,7 +74,7 @@ fn values(param: &Param, catalog: &Catalog, declared: &[&ast::Declaration]) -> V
     match ty {
         Type::Boolean => words(&["true", "false"]),
         Type::Choice(choices) => words(choices),
-        Type::Condition(_) => formula(catalog),
+        Type::Condition(_) | Type::Formula(_) => formula(catalog),
         other => referred(other).map_or_else(Vec::new, |form| {
             let named = declared.iter().filter(|each| each.form.text == form);
             let items = named.filter_map(|each| {
