@@ -17,7 +17,8 @@ impl RunningEpisode {
     /// Encodes it as 64-bit words, least significant byte first: number, hash, width, heading and speed of each command.
     pub(super) fn to_bytes(&self) -> Vec<u8> {
         let commands = self.decisions.iter().flat_map(|command| [command.heading, command.speed]);
-        let words = [self.next_episode, self.digest, self.width.to_bits()].into_iter().chain(commands.map(f64::to_bits));
+        let words =
+            [self.next_episode, self.digest, self.width.to_bits()].into_iter().chain(commands.map(f64::to_bits));
         words.flat_map(u64::to_le_bytes).collect()
     }
 

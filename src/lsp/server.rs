@@ -187,7 +187,8 @@ impl<W: Write> Server<W> {
         let root = path(&at.text_document.uri);
         let mut sources = Sources::default();
         let mut loaded =
-            lang::load(std::slice::from_ref(&root), &|path: &std::path::Path| self.documents.read(path), &mut sources).ok()?;
+            lang::load(std::slice::from_ref(&root), &|path: &std::path::Path| self.documents.read(path), &mut sources)
+                .ok()?;
         let is_root = |file: &&lang::ast::File| loaded.roots.contains(&file.source);
         if loaded.files.iter().find(is_root).is_some_and(|file| file.edition.is_none()) {
             // A bracket that is still open hides the whole file; what stands before its statement is seen all the same.
