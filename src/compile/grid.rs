@@ -290,7 +290,7 @@ impl Lowering<'_> {
 
     fn reward(&self, id: DeclarationId) -> Axis<RewardRule> {
         let declaration = self.program.get(id);
-        Axis { name: declaration.name.clone(), value: reward::lower(&declaration.block.clauses) }
+        Axis { name: declaration.name.clone(), value: reward::lower(&declaration.block) }
     }
 
     fn spawn(&mut self, campaign: &Block, block: &Block) -> Option<SpawnRule> {

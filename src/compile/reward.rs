@@ -1,6 +1,6 @@
 use crate::env::RewardRule;
-use crate::lang::hir::Clause;
-use crate::signature::{Form, Signature};
+use crate::lang::hir::Block;
+use crate::signature::{Form, Param, Signature, Type};
 
 /// The form `reward`.
 pub fn form() -> Form {
@@ -8,16 +8,25 @@ pub fn form() -> Form {
         name: "reward",
         doc: "What the pedestrian is paid for: `on event => formula`, a plain number each. \
               An event without a clause is worth nothing.",
-        plain: Some(Signature { clauses: true, ..Signature::new("reward", "", Vec::new()) }),
+        plain: Some(Signature { clauses: true, ..Signature::new("reward", "", vec![potential()]) }),
         multiplies: false,
         kinds: Vec::new(),
     }
 }
 
+fn potential() -> Param {
+    Param::optional(
+        "potential",
+        Type::Formula("step"),
+        "Potential Φ of a state, by which a learner finds its way: a decision earns it γ Φ(after) − Φ(before) more, and Φ is 0 once \
+         the episode has ended. Shifts what is optimal nowhere; every reward in reports is without it.",
+    )
+}
+
 /// The rule. A clause for `hit` without a word holds for every zone that has no clause of its own.
-pub fn lower(clauses: &[Clause]) -> RewardRule {
+pub fn lower(block: &Block) -> RewardRule {
     let find = |event: &str, word: Option<&str>| {
-        let found = clauses.iter().find(|clause| clause.event == event && clause.word == word);
+        let found = block.clauses.iter().find(|clause| clause.event == event && clause.word == word);
         found.map(|clause| clause.formula.clone())
     };
     RewardRule {
@@ -26,5 +35,6 @@ pub fn lower(clauses: &[Clause]) -> RewardRule {
         step: find("step", None),
         lost: find("lost", None),
         timeout: find("timeout", None),
+        potential: block.arguments.condition("potential").cloned(),
     }
 }

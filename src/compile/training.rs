@@ -92,6 +92,12 @@ fn params() -> Vec<Param> {
             "Last states that the pedestrian sees, the newest included; zeros stand for those before the first.",
         ),
         Param::with_default(
+            "curriculum",
+            Type::share(),
+            "0",
+            "Share of the training over which pedestrians begin nearer at first: from the nearest tenth of the spawn's distances to all of them. A `search` has no curriculum.",
+        ),
+        Param::with_default(
             "normalize_observations",
             Type::Boolean,
             "false",
@@ -160,6 +166,7 @@ pub fn lower(arguments: &Arguments) -> (PpoConfig, usize) {
         clip_schedule: schedule("clip_schedule"),
         target_kl: arguments.has("target_kl").then(|| arguments.number("target_kl")),
         clip_range_vf: arguments.has("value_clip").then(|| arguments.number("value_clip")),
+        curriculum: arguments.number("curriculum"),
         frame_stack: count("frame_stack"),
         adam_eps: arguments.number("adam_epsilon"),
         stats_window: count("statistics_window"),
@@ -200,7 +207,7 @@ mod tests {
             "ppo(steps: 1000, steps_per_update: 100, environments: 3, epochs: 4, batch_size: 32, learning_rate: 0.001,
             gamma: 0.9, gae_lambda: 0.8, clip: 0.1, value_coefficient: 0.25, entropy_coefficient: 0.02,
             max_gradient_norm: 1, normalize_advantages: false, initial_log_std: -1, learning_rate_schedule: linear,
-            clip_schedule: linear, target_kl: 0.03, value_clip: 0.3, frame_stack: 4, normalize_observations: true,
+            clip_schedule: linear, target_kl: 0.03, value_clip: 0.3, frame_stack: 4, curriculum: 0.5, normalize_observations: true,
             normalize_rewards: true, adam_epsilon: 1e-8, statistics_window: 50, threads: 2, portable_bits: true,
             hidden: [32, 16])";
         let config = PpoConfig {
@@ -223,6 +230,7 @@ mod tests {
             norm_adv: false,
             normalize_obs: true,
             normalize_reward: true,
+            curriculum: 0.5,
             frame_stack: 4,
             stats_window: 50,
             threads: Some(2),

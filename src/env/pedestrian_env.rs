@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use super::running::RunningEpisode;
-use super::{Ending, Observation, Outcome, RewardRule, Scenario, Situation, Spawn};
+use super::{Ending, Observation, Outcome, RewardRule, Scenario, Situation, Spawn, SpawnRule};
 use crate::av::{DrivingMode, DrivingPolicy, Fault, Sensors};
 use crate::geometry::{Pose, wrap_angle};
 use crate::rl::{Env, Step};
@@ -23,8 +23,12 @@ pub struct PedestrianEnv {
     episode: Episode,
     faults_in_a_row: u32,
     last_fault: Option<Fault>,
-    /// The commands of the running episode so far. With the episode's number they are all that its state hangs on.
+    /// The commands of the running episode so far. With the episode's number and width they are all that its state hangs on.
     decisions: Vec<WalkCommand>,
+    /// How much of the spawn's distances the coming episodes are drawn from; 1 for all.
+    width: f64,
+    /// The spawn rule with as much of the distances, where that is not all.
+    near: Option<SpawnRule>,
 }
 
 /// Episodes in a row in which a driver may fail before it is given up.
@@ -36,6 +40,8 @@ const MOST_ROOM: u32 = 4096;
 #[derive(Debug, Clone, Copy)]
 struct Episode {
     spawn: Spawn,
+    /// The environment's width when it began.
+    width: f64,
     command: WalkCommand,
     /// Ticks for which the command has been held.
     held: u32,
@@ -72,6 +78,7 @@ impl PedestrianEnv {
         let nowhere = Spawn { ego: Pose::default(), ego_speed: 0.0, pedestrian: Pose::default() };
         let episode = Episode {
             spawn: nowhere,
+            width: 1.0,
             command: WalkCommand::default(),
             held: 0,
             contact: None,
@@ -95,6 +102,8 @@ impl PedestrianEnv {
             faults_in_a_row: 0,
             last_fault: None,
             decisions,
+            width: 1.0,
+            near: None,
         }
     }
 
@@ -114,7 +123,9 @@ impl PedestrianEnv {
         let scenario = &self.scenario;
         let mut stream = seed.child("spawn").stream();
         let first = scenario.adversary.first_heading;
-        let spawn = scenario.spawn.sample(&scenario.town, &scenario.obstacles, first, &mut stream);
+        let (town, obstacles) = (&scenario.town, &scenario.obstacles);
+        let near = self.near.as_ref().and_then(|near| near.sample_if_easy(town, obstacles, first, &mut stream));
+        let spawn = near.unwrap_or_else(|| scenario.spawn.sample(town, obstacles, first, &mut stream));
         // A whole number of cycles of groups with up to four turns.
         let light_phase = stream.random_range(0.0..12.0 * LightCycle::default().turn());
         self.world.begin(&Scene {
@@ -126,6 +137,7 @@ impl PedestrianEnv {
         self.policy.reset(&self.sensors.perceive(&self.world), seed.child("policy").stream());
         self.episode = Episode {
             spawn,
+            width: self.width,
             command: WalkCommand { heading: spawn.pedestrian.yaw, speed: 0.0 },
             held: 0,
             contact: None,
@@ -143,7 +155,8 @@ impl PedestrianEnv {
     /// Returns the episode in hand: its number and what the pedestrian has decided.
     fn running(&self) -> RunningEpisode {
         let digest = self.trace();
-        RunningEpisode { next_episode: self.next_episode, decisions: self.decisions.clone(), digest }
+        let (next_episode, width) = (self.next_episode, self.episode.width);
+        RunningEpisode { next_episode, width, decisions: self.decisions.clone(), digest }
     }
 
     /// Walks an episode again up to where it was, and tells whether it led there.
@@ -154,6 +167,7 @@ impl PedestrianEnv {
         let Some(number) = running.next_episode.checked_sub(1) else {
             return self.next_episode == 0 && running.decisions.is_empty();
         };
+        self.widen(running.width);
         self.begin(number);
         let (slowest, fastest) = self.scenario.adversary.speed;
         for command in &running.decisions {
@@ -424,6 +438,20 @@ impl Env for PedestrianEnv {
         };
         state.copy_from_slice(&self.state());
         step
+    }
+
+    fn potential(&self) -> f64 {
+        match &self.scenario.reward.potential {
+            Some(formula) => RewardRule::worth(Some(formula), &self.situation(self.contact())),
+            None => 0.0,
+        }
+    }
+
+    fn widen(&mut self, share: f64) {
+        if self.width.to_bits() != share.to_bits() {
+            self.width = share;
+            self.near = self.scenario.spawn.nearest(share);
+        }
     }
 
     fn save(&self) -> Option<Vec<u8>> {

@@ -177,6 +177,8 @@ pub struct RewardRule {
     pub lost: Option<Formula>,
     /// The end of the time.
     pub timeout: Option<Formula>,
+    /// The potential of a state, which shapes what a learner is paid and is no part of the reward.
+    pub potential: Option<Formula>,
 }
 
 impl RewardRule {

@@ -6,7 +6,8 @@ use crate::signature::{Param, Signature, Type};
 /// A pedestrian that learns by PPO, as a falsifier: the failures are those of its training.
 ///
 /// The budget takes the place of the training's number of steps; schedules run down over the decisions that fit into it.
-/// Several environments have equal shares of it. The update in which the first share runs out is not made.
+/// Several environments have equal shares of it. The update in which the first share runs out is not made. A curriculum is
+/// ignored: all falsifiers meet the same beginnings.
 #[derive(Debug, Clone)]
 pub struct Learning {
     config: PpoConfig,
@@ -61,6 +62,10 @@ impl Env for Ground<'_> {
         let step = self.share.walk(command);
         state.copy_from_slice(&self.share.env().state());
         step.unwrap_or(Step { reward: 0.0, terminated: true, truncated: false })
+    }
+
+    fn potential(&self) -> f64 {
+        self.share.env().potential()
     }
 }
 

@@ -3,11 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::ast::{self, Entry, Name};
-use super::formula::{Scope, Sort, formula};
+use super::formula::Scope;
 use super::hir::{Block, Clause, Declaration, Program};
 use super::names::{Names, names_of_all};
 use super::params::Params;
-use super::value::{Context, value};
+use super::value::{Context, plain_number, value};
 use super::{Loaded, codes, parse};
 use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
 use crate::signature::{Arguments, DeclarationId, Form, Param, Signature, Type, Value, Vocabulary};
@@ -223,28 +223,8 @@ impl<'f> Checker<'_, '_, 'f> {
         }
         let Context { vocabulary, names, .. } = *self.context;
         let scope = Scope { vocabulary, available: event.variables, event: event.name, names };
-        let (formula, sort) = formula(&written.formula, &scope, self.diagnostics)?;
-        match sort {
-            Sort::Quantity(crate::units::Dimension::RATIO) => {
-                Some(Clause { event: event.name, word, formula, span: name.span })
-            }
-            Sort::Quantity(dimension) => {
-                let ratio = crate::units::Dimension::RATIO;
-                let mut diagnostic = codes::wrong_unit(written.formula.span, ratio, dimension);
-                diagnostic.help = dimension
-                    .usual_units()
-                    .first()
-                    .map(|unit| format!("a reward is a plain number: write `… in {unit}`"))
-                    .into_iter()
-                    .collect();
-                self.diagnostics.push(diagnostic);
-                None
-            }
-            Sort::Truth => {
-                self.diagnostics.push(codes::not_a(written.formula.span, "plain number", "condition"));
-                None
-            }
-        }
+        let formula = plain_number(&written.formula, &scope, self.diagnostics)?;
+        Some(Clause { event: event.name, word, formula, span: name.span })
     }
 }
 

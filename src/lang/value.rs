@@ -7,7 +7,7 @@ use super::codes;
 use super::formula::{Scope, Sort, formula, is_function};
 use super::names::Names;
 use crate::diagnostic::{Diagnostic, Sources, Span};
-use crate::signature::{Distribution, Type, Value, VariableId, Vocabulary};
+use crate::signature::{Distribution, Formula, Type, Value, VariableId, Vocabulary};
 use crate::units::Dimension;
 
 /// What a value is checked against.
@@ -129,10 +129,11 @@ pub(super) fn value(
             let numbers: Vec<Option<f64>> = numbers.collect();
             Some(Value::Pose(numbers[0]?, numbers[1]?, numbers[2]?))
         }
+        (Type::Formula(event), _) => {
+            plain_number(expression, &scope_of(event, context), diagnostics).map(Value::Formula)
+        }
         (Type::Condition(event), _) => {
-            let known = context.vocabulary.events.iter().find(|known| known.name == *event);
-            let available = known.map_or(&[][..], |event| event.variables);
-            let scope = Scope { vocabulary: context.vocabulary, available, event, names: context.names };
+            let scope = scope_of(event, context);
             match formula(expression, &scope, diagnostics)? {
                 (formula, Sort::Truth) => Some(Value::Formula(formula)),
                 (_, Sort::Quantity(dimension)) => {
@@ -142,6 +143,36 @@ pub(super) fn value(
             }
         }
         _ => wrong(diagnostics),
+    }
+}
+
+/// The scope of formulas about an event.
+fn scope_of<'a>(event: &'a str, context: &Context<'a>) -> Scope<'a> {
+    let known = context.vocabulary.events.iter().find(|known| known.name == event);
+    let available = known.map_or(&[][..], |event| event.variables);
+    Scope { vocabulary: context.vocabulary, available, event, names: context.names }
+}
+
+/// A formula whose value is a plain number, as rewards are.
+pub(super) fn plain_number(
+    expression: &Expression,
+    scope: &Scope,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Option<Formula> {
+    match formula(expression, scope, diagnostics)? {
+        (formula, Sort::Quantity(Dimension::RATIO)) => Some(formula),
+        (_, Sort::Quantity(dimension)) => {
+            let mut diagnostic = codes::wrong_unit(expression.span, Dimension::RATIO, dimension);
+            let unit = dimension.usual_units().first();
+            diagnostic.help =
+                unit.map(|unit| format!("a reward is a plain number: write `… in {unit}`")).into_iter().collect();
+            diagnostics.push(diagnostic);
+            None
+        }
+        (_, Sort::Truth) => {
+            diagnostics.push(codes::not_a(expression.span, "plain number", "condition"));
+            None
+        }
     }
 }
 

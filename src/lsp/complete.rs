@@ -132,7 +132,7 @@ fn values(param: &Param, catalog: &Catalog, visible: Visible) -> Vec<CompletionI
     let own: Vec<CompletionItem> = match ty {
         Type::Boolean => words(&["true", "false"]),
         Type::Choice(choices) => words(choices),
-        Type::Condition(_) => formula(catalog),
+        Type::Condition(_) | Type::Formula(_) => formula(catalog),
         Type::Distribution { .. } => distributions().map(|name| item(name, CompletionItemKind::FUNCTION, "")).collect(),
         other => referred(other).map_or_else(Vec::new, |form| visible.of_form(form).filter_map(declared).collect()),
     };

@@ -78,11 +78,11 @@ impl Collector {
             let policy = &*policy;
             side_by_side(self.threads, envs, &mut self.lanes, rollouts, |env, lane, rollout| {
                 for t in 0..steps {
-                    if let Err(quantity) = lane.step(env, policy, rollout, t) {
+                    if let Err(quantity) = lane.step(env, policy, rollout, t, gamma) {
                         lane.failure = Some((t, quantity));
                         return;
                     }
-                    lane.settle(policy, rollout, t, lane.outcome.reward, gamma);
+                    lane.settle(policy, rollout, t, lane.earned, gamma);
                 }
                 lane.finish(policy, rollout, gamma, lambda, path);
             });
@@ -90,7 +90,7 @@ impl Collector {
         } else {
             for t in 0..steps {
                 side_by_side(self.threads, envs, &mut self.lanes, rollouts, |env, lane, rollout| {
-                    lane.failure = lane.step(env, policy, rollout, t).err().map(|quantity| (t, quantity));
+                    lane.failure = lane.step(env, policy, rollout, t, gamma).err().map(|quantity| (t, quantity));
                 });
                 self.failure()?;
                 observe(policy, &self.lanes);
@@ -107,12 +107,12 @@ impl Collector {
     fn settle(&mut self, policy: &ActorCritic, rollouts: &mut [Rollout], t: usize) {
         if let Some(moments) = &mut self.return_moments {
             for lane in &mut self.lanes {
-                lane.discounted = lane.discounted * self.gamma + lane.outcome.reward;
+                lane.discounted = lane.discounted * self.gamma + lane.earned;
             }
             moments.update(self.lanes.iter().map(|lane| std::slice::from_ref(&lane.discounted)));
         }
         for (lane, rollout) in self.lanes.iter_mut().zip(rollouts) {
-            let reward = lane.outcome.reward;
+            let reward = lane.earned;
             let reward = self.return_moments.as_ref().map_or(reward, |moments| moments.scaled(0, reward));
             lane.settle(policy, rollout, t, reward, self.gamma);
         }

@@ -54,6 +54,8 @@ pub struct PpoConfig {
     pub normalize_obs: bool,
     /// Whether rewards are divided by the running deviation of the discounted return, with the discount γ.
     pub normalize_reward: bool,
+    /// The share of the training over which beginnings widen from the easiest to all; 0 for all from the start.
+    pub curriculum: f64,
     /// The number of last observations that the policy sees, the newest included.
     pub frame_stack: usize,
     /// The number of ended episodes over which reward and length are averaged in the report of an update.
@@ -95,6 +97,7 @@ impl PpoConfig {
             norm_adv: true,
             normalize_obs: false,
             normalize_reward: false,
+            curriculum: 0.0,
             frame_stack: 1,
             stats_window: 100,
             threads: None,
@@ -102,6 +105,13 @@ impl PpoConfig {
             initial_log_std: 0.0,
             hidden: vec![64, 64],
         }
+    }
+
+    /// The share of all beginnings from which episodes are drawn after so many steps, from 0 for the easiest to 1 for all;
+    /// none without a curriculum.
+    pub(super) fn widening(&self, steps: u64) -> Option<f64> {
+        let whole = self.curriculum * self.total_steps as f64;
+        (self.curriculum > 0.0).then(|| (steps as f64 / whole).min(1.0))
     }
 
     /// Writes the settings as a JSON object.

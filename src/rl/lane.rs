@@ -8,6 +8,7 @@ use super::gaussian::{Gaussian, Spread};
 use super::log::FinishedEpisode;
 use super::normal::standard_normal;
 use super::rollout::Rollout;
+use super::shaping::shaping;
 use super::train_error::Quantity;
 use crate::seed::Stream;
 
@@ -27,6 +28,10 @@ pub(super) struct Lane {
     pub(super) discounted: f64,
     /// The outcome of the last step.
     pub(super) outcome: Step,
+    /// What the last step is worth to the learner: its reward, shaped.
+    pub(super) earned: f64,
+    /// The potential of the present state.
+    pub(super) potential: f64,
     /// The episodes of this rollout with the step in which each ended.
     pub(super) finished: Vec<(usize, FinishedEpisode)>,
     /// What was not finite, and in which step.
@@ -55,6 +60,8 @@ impl Lane {
             running: FinishedEpisode { reward: 0.0, length: 0 },
             discounted: 0.0,
             outcome: Step { reward: 0.0, terminated: false, truncated: false },
+            earned: 0.0,
+            potential: 0.0,
             finished: Vec::new(),
             failure: None,
             frame: vec![0.0; frame_dim],
@@ -73,6 +80,7 @@ impl Lane {
         self.start = true;
         self.running = FinishedEpisode { reward: 0.0, length: 0 };
         self.discounted = 0.0;
+        self.potential = env.potential();
         representable(&self.frame)
     }
 
@@ -90,6 +98,7 @@ impl Lane {
         policy: &ActorCritic,
         rollout: &mut Rollout,
         t: usize,
+        gamma: f64,
     ) -> Result<(), Quantity> {
         let input = &mut rollout.obs[t * rollout.obs_dim..(t + 1) * rollout.obs_dim];
         policy.prepare(self.stack.as_slice(), input);
@@ -106,7 +115,10 @@ impl Lane {
         }
 
         self.outcome = env.step(&self.clipped, &mut self.frame);
-        finite(&[self.outcome.reward], Quantity::Reward)?;
+        let potential = env.potential();
+        self.earned = self.outcome.reward + shaping(self.potential, potential, self.outcome, gamma);
+        self.potential = potential;
+        finite(&[self.earned], Quantity::Reward)?;
         representable(&self.frame)?;
         self.running.reward += self.outcome.reward;
         self.running.length += 1;
@@ -118,6 +130,7 @@ impl Lane {
             self.running = FinishedEpisode { reward: 0.0, length: 0 };
             env.reset(&mut self.frame);
             self.stack.begin(&self.frame);
+            self.potential = env.potential();
             representable(&self.frame)?;
         } else {
             self.stack.push(&self.frame);

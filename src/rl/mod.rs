@@ -19,6 +19,7 @@ mod config;
 mod schedule;
 mod env;
 mod frame_stack;
+mod shaping;
 
 mod actor_critic;
 mod moments;
@@ -62,5 +63,6 @@ pub use ppo::{Trained, train};
 pub use real::Real;
 pub use recorded::{RecordedRollout, RecordedUpdate, update_on_recorded};
 pub use schedule::Schedule;
+pub use shaping::shaping;
 pub use train_error::{Quantity, TrainError};
 pub use trainer::{Experience, Trainer};

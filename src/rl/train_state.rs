@@ -117,6 +117,7 @@ impl Trainer {
         if others.is_ok() {
             return Err(CheckpointError::Env { env: envs.len() });
         }
+        this.widen(envs);
         let mut anew = false;
         for (i, (env, lane)) in envs.iter_mut().zip(&mut this.collector.lanes).enumerate() {
             lane.noise = read_stream(tensors, &format!("env.{i}.noise"))?;
@@ -130,6 +131,7 @@ impl Trainer {
             if !env.load(&read::<u8>(tensors, &name)?.values) {
                 return Err(CheckpointError::Env { env: i });
             }
+            lane.potential = env.potential();
             lane.stack.restore(&read_vector(tensors, &format!("env.{i}.obs"), obs_dim)?);
             let episode: Vec<f64> = read_vector(tensors, &format!("env.{i}.episode"), 2)?;
             let length: Vec<u64> = read_vector(tensors, &format!("env.{i}.length"), 2)?;

@@ -56,6 +56,8 @@ pub enum Type {
     List(Box<Type>),
     /// A condition over the variables that have a value at this event of the vocabulary.
     Condition(&'static str),
+    /// A plain number over the variables that have a value at this event of the vocabulary.
+    Formula(&'static str),
 }
 
 impl Type {
@@ -99,6 +101,7 @@ impl Type {
             Type::Reference(form) => format!("name of a {form}"),
             Type::List(item) => format!("list, each {}", item.describe()),
             Type::Condition(_) => "condition".into(),
+            Type::Formula(_) => "formula of a plain number".into(),
         }
     }
 }

@@ -41,6 +41,7 @@ mod routes_reference;
 mod sb3_curves;
 mod scenarios;
 mod senses;
+mod shaping;
 mod searches;
 mod spawns;
 mod suite;

@@ -19,15 +19,19 @@ import "lib/paper.scn"
 import "lib/drivers.scn"
 import "lib/towns.scn"
 training plain = ppo(steps: 360, steps_per_update: 30, epochs: 2, environments: 3)
-training rich = ppo(steps: 360, steps_per_update: 30, epochs: 2, environments: 3, frame_stack: 3, normalize_observations: true,
+training rich = ppo(steps: 360, steps_per_update: 30, epochs: 2, environments: 3, frame_stack: 3, curriculum: 0.8, normalize_observations: true,
                     normalize_rewards: true, learning_rate_schedule: linear, target_kl: 0.05, value_clip: 0.3)
 campaign plain {
   vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: plain
   train { towns: [harbour] policies: [behavior, careful] rewards: [r2] runs: 1 }
 }
+reward led {
+  potential: -distance / 30 m
+  on hit(front) => max(3, 1.5 * v_c in m/s)
+}
 campaign rich {
   vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: rich
-  train { towns: [harbour] policies: [behavior, careful] rewards: [r2] runs: 1 }
+  train { towns: [harbour] policies: [behavior, careful] rewards: [led] runs: 1 }
 }
 "#;
 

@@ -16,11 +16,13 @@ struct Walk {
     stream: Stream,
     place: [f64; 2],
     saves: bool,
+    /// What the curriculum has told it, in order.
+    widths: Vec<f64>,
 }
 
 impl Walk {
     fn new(number: u64) -> Self {
-        Self { stream: Seed::root(50).index(number).stream(), place: [0.0; 2], saves: true }
+        Self { stream: Seed::root(50).index(number).stream(), place: [0.0; 2], saves: true, widths: Vec::new() }
     }
 
     fn uniform(&mut self) -> f64 {
@@ -52,6 +54,14 @@ impl Env for Walk {
         Step { reward: -self.place[0].abs() + self.place[1], terminated: luck < 0.05, truncated: luck > 0.9 }
     }
 
+    fn potential(&self) -> f64 {
+        self.place[0]
+    }
+
+    fn widen(&mut self, share: f64) {
+        self.widths.push(share);
+    }
+
     fn save(&self) -> Option<Vec<u8>> {
         let at = self.stream.get_word_pos() as u64;
         let numbers = [at, self.place[0].to_bits(), self.place[1].to_bits()];
@@ -79,6 +89,7 @@ fn configs() -> [PpoConfig; 2] {
         normalize_obs: true,
         normalize_reward: true,
         frame_stack: 3,
+        curriculum: 0.5,
         portable_bits: true,
         ..paper.clone()
     };
@@ -205,4 +216,21 @@ fn the_header_tells_how_far_a_training_has_come() {
     assert_eq!((header["update"].as_str(), header["steps"].as_str()), ("1", "150"));
     assert_eq!(header["town"], "harbour");
     assert!(header["settings"].contains("\"gamma\":0.98"), "{}", header["settings"]);
+}
+
+#[test]
+fn a_curriculum_widens_over_its_share_of_the_training() {
+    let config = PpoConfig { curriculum: 0.5, ..configs()[0].clone() };
+    let mut envs = walks();
+    let mut trainer = Trainer::new(&mut envs, &config, &Seed::root(1)).unwrap();
+    while !trainer.is_done() {
+        trainer.update(&mut envs).unwrap();
+    }
+    // Before the first episode and before each of 6 rollouts of 150 of 900 steps.
+    let thirds = [0.0, 0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0, 1.0, 1.0];
+    assert!(envs.iter().all(|env| env.widths == thirds), "{:?}", envs[0].widths);
+
+    let mut plain = walks();
+    Trainer::new(&mut plain, &configs()[0], &Seed::root(1)).unwrap().update(&mut plain).unwrap();
+    assert!(plain.iter().all(|env| env.widths.is_empty()));
 }
