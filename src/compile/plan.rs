@@ -87,10 +87,8 @@ pub struct Driver {
     pub name: String,
     /// Its kind.
     pub kind: &'static str,
-    /// Its documentation, one string a line.
-    pub docs: Vec<String>,
-    /// Name and documentation of its sensors, if it has any.
-    pub sensors: Option<(String, Vec<String>)>,
+    /// The name of its sensors, if it has any.
+    pub sensors: Option<String>,
     /// See [`Signature::surrogate`](crate::signature::Signature::surrogate).
     pub surrogate: &'static str,
 }

@@ -85,8 +85,7 @@ pub fn describe(declaration: &Declaration, lowering: &Lowering<'_>) -> Driver {
     Driver {
         name: declaration.name.clone(),
         kind: declaration.kind,
-        docs: declaration.docs.clone(),
-        sensors: sensors.map(|sensors| (sensors.name.clone(), sensors.docs.clone())),
+        sensors: sensors.map(|sensors| sensors.name.clone()),
         surrogate: kind.map_or("", |kind| kind.surrogate),
     }
 }

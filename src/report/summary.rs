@@ -41,15 +41,14 @@ pub fn summary(campaign: &Campaign, cells: &[Cell], manifest: &Manifest) -> Stri
     page
 }
 
-/// What the scenario says of the other things that are named above.
+/// What the scenario says of the things that are named above.
 fn words(campaign: &Campaign) -> String {
     let mut text = String::new();
-    let others = || campaign.words.iter().filter(|word| !["policy", "sensors"].contains(&word.form));
-    if others().next().is_none() {
+    if campaign.words.is_empty() {
         return text;
     }
     text.push_str("## What is what\n\n");
-    for word in others() {
+    for word in &campaign.words {
         let _ = writeln!(text, "- {} **{}**: {}", word.form, word.name, word.docs);
     }
     text.push('\n');
@@ -99,15 +98,12 @@ fn episodes(page: &mut String, cells: &[Cell]) {
 fn drivers(drivers: &[Driver]) -> String {
     let mut text = String::from("\n## Who drives\n\n");
     for driver in drivers {
-        let _ = write!(text, "- `{}` (`{}`): {}", driver.name, driver.kind, driver.docs.join(" "));
-        match &driver.sensors {
-            Some((name, docs)) => {
-                let _ = write!(text, " Behind the sensors `{name}`: {}", docs.join(" "));
-            }
-            None => text.push_str(" No sensors: exact and at once."),
-        }
-        let surrogate = if driver.surrogate.is_empty() { "" } else { " **A surrogate.**" };
-        let _ = writeln!(text, "{surrogate}");
+        let sensors = match &driver.sensors {
+            Some(name) => format!("behind the sensors `{name}`"),
+            None => "without sensors: exact and at once".into(),
+        };
+        let surrogate = if driver.surrogate.is_empty() { "" } else { ". **A surrogate**" };
+        let _ = writeln!(text, "- `{}` (`{}`), {sensors}{surrogate}", driver.name, driver.kind);
     }
     let mut said = BTreeSet::new();
     for driver in drivers.iter().filter(|driver| !driver.surrogate.is_empty()) {
