@@ -159,7 +159,9 @@ impl Formula {
                     Function::Abs if high <= 0.0 => (-high, -low),
                     Function::Abs => (0.0, high.max(-low)),
                     Function::Exp => (libm::exp(low), libm::exp(high)),
-                    Function::Sqrt => (low.max(0.0).sqrt(), high.max(0.0).sqrt()),
+                    // Of a negative number there is none.
+                    Function::Sqrt if low < 0.0 => (f64::NEG_INFINITY, f64::INFINITY),
+                    Function::Sqrt => (low.sqrt(), high.sqrt()),
                     Function::LogLikelihood => (f64::NEG_INFINITY, 0.0),
                 }
             }
