@@ -35,27 +35,54 @@ struct Rival {
     falsifier: Arc<dyn Falsifier>,
 }
 
-/// One point of the grid without its reward.
-struct Point<'a> {
-    town: &'a BuiltTown,
-    policy: &'a PolicyMaker,
-    vehicle: &'a VehicleBlueprint,
-    adversary: &'a Adversary,
-    spawn: &'a SpawnRule,
-    episode: &'a EpisodeRule,
+/// What all blocks of a campaign have in common unless they say otherwise.
+struct Usual {
+    car: Axis<VehicleBlueprint>,
+    walker: Axis<Adversary>,
+    rule: EpisodeRule,
+    training: (PpoConfig, usize),
 }
 
-impl Point<'_> {
-    fn scenario(&self, reward: &RewardRule) -> Arc<Scenario> {
+/// Where the episodes of a block happen, against whom, and how they begin.
+struct Ground {
+    towns: Vec<Axis<BuiltTown>>,
+    policies: Vec<Axis<PolicyMaker>>,
+    spawn: SpawnRule,
+}
+
+impl Ground {
+    /// Every town with every policy.
+    fn places(&self) -> impl Iterator<Item = Place<'_>> {
+        let place = |town, policy| Place { town, policy, spawn: &self.spawn };
+        self.towns.iter().flat_map(move |town| self.policies.iter().map(move |policy| place(town, policy)))
+    }
+}
+
+/// A town with a policy.
+#[derive(Clone, Copy)]
+struct Place<'a> {
+    town: &'a Axis<BuiltTown>,
+    policy: &'a Axis<PolicyMaker>,
+    spawn: &'a SpawnRule,
+}
+
+impl Place<'_> {
+    fn scenario(
+        &self,
+        car: &VehicleBlueprint,
+        walker: &Adversary,
+        rule: &EpisodeRule,
+        reward: &RewardRule,
+    ) -> Arc<Scenario> {
         Arc::new(Scenario {
-            town: self.town.town.clone(),
-            obstacles: self.town.obstacles.clone(),
-            vehicle: self.vehicle.clone(),
-            policy: self.policy.clone(),
-            adversary: self.adversary.clone(),
+            town: self.town.value.town.clone(),
+            obstacles: self.town.value.obstacles.clone(),
+            vehicle: car.clone(),
+            policy: self.policy.value.clone(),
+            adversary: walker.clone(),
             spawn: self.spawn.clone(),
             reward: reward.clone(),
-            episode: self.episode.clone(),
+            episode: rule.clone(),
         })
     }
 }
@@ -65,9 +92,12 @@ impl Lowering<'_> {
     pub fn campaign(&mut self, declaration: &Declaration) -> Campaign {
         let block = &declaration.block;
         let referred = |key: &str| block.arguments.reference(key);
-        let car = self.vehicle(referred("vehicle"));
-        let walker = self.adversary(referred("adversary"));
-        let rule = episode::lower(&self.program.get(referred("episode")).block.arguments);
+        let usual = Usual {
+            car: self.vehicle(referred("vehicle")),
+            walker: self.adversary(referred("adversary")),
+            rule: episode::lower(&self.program.get(referred("episode")).block.arguments),
+            training: self.training(referred("training")),
+        };
         let mut campaign = Campaign {
             name: declaration.name.clone(),
             docs: declaration.docs.clone(),
@@ -79,41 +109,9 @@ impl Lowering<'_> {
             evaluations: Vec::new(),
             searches: Vec::new(),
         };
-        let mut rewards: BTreeMap<String, RewardRule> = BTreeMap::new();
-        let usual = self.training(referred("training"));
-        let (config, environments) = usual.clone();
+        let mut rewards = BTreeMap::new();
         for train in block.nested("train") {
-            let Some(spawn) = self.spawn(block, train) else { continue };
-            let (towns, policies) = (self.towns(train), self.policies(train));
-            self.probe(block, train, &towns, &spawn, &[(&car.value, &walker.value)]);
-            let rewards_here = train.arguments.references("rewards").len();
-            let runs = train.arguments.integer("runs") as usize;
-            if !self.fits(train, [towns.len(), policies.len(), rewards_here, runs]) {
-                continue;
-            }
-            for town in &towns {
-                note_town(&mut campaign.towns, town);
-                for policy in &policies {
-                    let point = Point {
-                        town: &town.value,
-                        policy: &policy.value,
-                        vehicle: &car.value,
-                        adversary: &walker.value,
-                        spawn: &spawn,
-                        episode: &rule,
-                    };
-                    for reward in self.rewards(train) {
-                        let scenario = point.scenario(&reward.value);
-                        for run in 0..train.arguments.integer("runs") as u32 {
-                            let (town, policy) = (town.name.clone(), policy.name.clone());
-                            let key = TrainingKey { town, policy, reward: reward.name.clone(), run };
-                            let scenario = scenario.clone();
-                            campaign.trainings.push(Training { key, scenario, config: config.clone(), environments });
-                        }
-                        rewards.insert(reward.name, reward.value);
-                    }
-                }
-            }
+            self.train(block, train, &usual, &mut campaign, &mut rewards);
         }
         self.forbid_repeated_trainings(block, &campaign);
         let searches = block.nested("search").next().is_some() && block.nested("evaluate").next().is_none();
@@ -121,91 +119,133 @@ impl Lowering<'_> {
             let message = "this campaign has no `train` block, so there is nobody to try".to_string();
             self.said.push(codes::contradiction(block.head, message));
         }
-        for (number, evaluate) in block.nested("evaluate").enumerate() {
-            let Some(spawn) = self.spawn(block, evaluate) else { continue };
-            let (towns, policies) = (self.towns(evaluate), self.policies(evaluate));
-            let named = |key: &str| evaluate.arguments.has(key).then(|| evaluate.arguments.references(key));
-            let cars = named("vehicles").map(|ids| ids.into_iter().map(|id| self.vehicle(id)).collect());
-            let walkers = named("adversaries").map(|ids| ids.into_iter().map(|id| self.adversary(id)).collect());
-            let (cars, walkers): (Vec<_>, Vec<_>) =
-                (cars.unwrap_or_else(|| vec![car.clone()]), walkers.unwrap_or_else(|| vec![walker.clone()]));
-            let bodies: Vec<_> = cars.iter().flat_map(|c| walkers.iter().map(|w| (&c.value, &w.value))).collect();
-            self.probe(block, evaluate, &towns, &spawn, &bodies);
-            let who = pedestrians(evaluate.arguments.list("pedestrians"), &campaign.trainings);
-            if !self.fits(evaluate, [towns.len(), policies.len(), bodies.len(), who.len().max(rewards.len())]) {
-                continue;
-            }
-            for town in &towns {
-                note_town(&mut campaign.towns, town);
-                for policy in &policies {
-                    for (car, walker) in cars.iter().flat_map(|car| walkers.iter().map(move |walker| (car, walker))) {
-                        let point = Point {
-                            town: &town.value,
-                            policy: &policy.value,
-                            vehicle: &car.value,
-                            adversary: &walker.value,
-                            spawn: &spawn,
-                            episode: &rule,
-                        };
-                        let scenarios: BTreeMap<&String, Arc<Scenario>> =
-                            rewards.iter().map(|(name, reward)| (name, point.scenario(reward))).collect();
-                        campaign.evaluations.extend(who.iter().map(|(pedestrian, trained)| Evaluation {
-                            pedestrian: *pedestrian,
-                            trained: trained.clone(),
-                            town: town.name.clone(),
-                            policy: policy.name.clone(),
-                            vehicle: car.name.clone(),
-                            adversary: walker.name.clone(),
-                            block: number as u32,
-                            scenario: scenarios[&trained.reward].clone(),
-                            episodes: evaluate.arguments.integer("episodes") as u32,
-                        }));
-                    }
-                }
-            }
+        for (number, evaluate) in (0..).zip(block.nested("evaluate")) {
+            self.evaluate(block, evaluate, number, &usual, &mut campaign, &rewards);
         }
-        for (number, search) in block.nested("search").enumerate() {
-            let Some(spawn) = self.spawn(block, search) else { continue };
-            let (towns, policies) = (self.towns(search), self.policies(search));
-            self.probe(block, search, &towns, &spawn, &[(&car.value, &walker.value)]);
-            let falsifiers = self.falsifiers(search, &usual);
-            let runs = search.arguments.integer("runs") as usize;
-            if !self.fits(search, [towns.len(), policies.len(), falsifiers.len(), runs]) {
-                continue;
-            }
-            for town in &towns {
-                note_town(&mut campaign.towns, town);
-                for policy in &policies {
-                    let point = Point {
-                        town: &town.value,
-                        policy: &policy.value,
-                        vehicle: &car.value,
-                        adversary: &walker.value,
-                        spawn: &spawn,
-                        episode: &rule,
-                    };
-                    for rival in &falsifiers {
-                        let scenario = point.scenario(&rival.reward.value);
-                        campaign.searches.extend((0..search.arguments.integer("runs") as u32).map(|run| Search {
-                            key: SearchKey {
-                                falsifier: rival.name.clone(),
-                                method: rival.method,
-                                reward: rival.reward.name.clone(),
-                                town: town.name.clone(),
-                                policy: policy.name.clone(),
-                                block: number as u32,
-                                run,
-                            },
-                            scenario: scenario.clone(),
-                            falsifier: rival.falsifier.clone(),
-                            budget: search.arguments.integer("budget") as u64,
-                            tries: search.arguments.integer("episodes") as u32,
-                        }));
-                    }
-                }
-            }
+        for (number, search) in (0..).zip(block.nested("search")) {
+            self.search(block, search, number, &usual, &mut campaign);
         }
         campaign
+    }
+
+    /// The trainings of a `train` block; its rewards are noted for those who are tried later.
+    fn train(
+        &mut self,
+        campaign_block: &Block,
+        block: &Block,
+        usual: &Usual,
+        campaign: &mut Campaign,
+        rewards: &mut BTreeMap<String, RewardRule>,
+    ) {
+        let (car, walker) = (&usual.car.value, &usual.walker.value);
+        let Some(ground) = self.ground(campaign_block, block, &[(car, walker)]) else { return };
+        let (paid, runs) = (self.rewards(block), block.arguments.integer("runs") as u32);
+        if !self.fits(block, [ground.towns.len(), ground.policies.len(), paid.len(), runs as usize]) {
+            return;
+        }
+        note_towns(&mut campaign.towns, &ground.towns);
+        let (config, environments) = &usual.training;
+        for place in ground.places() {
+            for reward in &paid {
+                let scenario = place.scenario(car, walker, &usual.rule, &reward.value);
+                campaign.trainings.extend((0..runs).map(|run| Training {
+                    key: TrainingKey {
+                        town: place.town.name.clone(),
+                        policy: place.policy.name.clone(),
+                        reward: reward.name.clone(),
+                        run,
+                    },
+                    scenario: scenario.clone(),
+                    config: config.clone(),
+                    environments: *environments,
+                }));
+            }
+        }
+        rewards.extend(paid.into_iter().map(|reward| (reward.name, reward.value)));
+    }
+
+    fn evaluate(
+        &mut self,
+        campaign_block: &Block,
+        block: &Block,
+        number: u32,
+        usual: &Usual,
+        campaign: &mut Campaign,
+        rewards: &BTreeMap<String, RewardRule>,
+    ) {
+        let named = |key: &str| block.arguments.has(key).then(|| block.arguments.references(key));
+        let cars = named("vehicles").map(|ids| ids.into_iter().map(|id| self.vehicle(id)).collect());
+        let walkers = named("adversaries").map(|ids| ids.into_iter().map(|id| self.adversary(id)).collect());
+        let cars: Vec<_> = cars.unwrap_or_else(|| vec![usual.car.clone()]);
+        let walkers: Vec<_> = walkers.unwrap_or_else(|| vec![usual.walker.clone()]);
+        let bodies = || cars.iter().flat_map(|car| walkers.iter().map(move |walker| (car, walker)));
+        let values: Vec<_> = bodies().map(|(car, walker)| (&car.value, &walker.value)).collect();
+        let Some(ground) = self.ground(campaign_block, block, &values) else { return };
+        let who = pedestrians(block.arguments.list("pedestrians"), &campaign.trainings);
+        let each = who.len().max(rewards.len());
+        if !self.fits(block, [ground.towns.len(), ground.policies.len(), values.len(), each]) {
+            return;
+        }
+        note_towns(&mut campaign.towns, &ground.towns);
+        for (place, (car, walker)) in ground.places().flat_map(|place| bodies().map(move |body| (place, body))) {
+            let scenario = |reward| place.scenario(&car.value, &walker.value, &usual.rule, reward);
+            let scenarios: BTreeMap<&String, _> =
+                rewards.iter().map(|(name, reward)| (name, scenario(reward))).collect();
+            campaign.evaluations.extend(who.iter().map(|(pedestrian, trained)| Evaluation {
+                pedestrian: *pedestrian,
+                trained: trained.clone(),
+                town: place.town.name.clone(),
+                policy: place.policy.name.clone(),
+                vehicle: car.name.clone(),
+                adversary: walker.name.clone(),
+                block: number,
+                scenario: scenarios[&trained.reward].clone(),
+                episodes: block.arguments.integer("episodes") as u32,
+            }));
+        }
+    }
+
+    fn search(&mut self, campaign_block: &Block, block: &Block, number: u32, usual: &Usual, campaign: &mut Campaign) {
+        let (car, walker) = (&usual.car.value, &usual.walker.value);
+        let Some(ground) = self.ground(campaign_block, block, &[(car, walker)]) else { return };
+        let falsifiers = self.falsifiers(block, &usual.training);
+        let runs = block.arguments.integer("runs") as u32;
+        if !self.fits(block, [ground.towns.len(), ground.policies.len(), falsifiers.len(), runs as usize]) {
+            return;
+        }
+        note_towns(&mut campaign.towns, &ground.towns);
+        for (place, rival) in ground.places().flat_map(|place| falsifiers.iter().map(move |rival| (place, rival))) {
+            let scenario = place.scenario(car, walker, &usual.rule, &rival.reward.value);
+            campaign.searches.extend((0..runs).map(|run| Search {
+                key: SearchKey {
+                    falsifier: rival.name.clone(),
+                    method: rival.method,
+                    reward: rival.reward.name.clone(),
+                    town: place.town.name.clone(),
+                    policy: place.policy.name.clone(),
+                    block: number,
+                    run,
+                },
+                scenario: scenario.clone(),
+                falsifier: rival.falsifier.clone(),
+                budget: block.arguments.integer("budget") as u64,
+                tries: block.arguments.integer("episodes") as u32,
+            }));
+        }
+    }
+
+    /// The ground of a block, on which somebody can be placed beside each of these bodies; none after saying what is wrong
+    /// with how episodes begin.
+    fn ground(
+        &mut self,
+        campaign: &Block,
+        block: &Block,
+        bodies: &[(&VehicleBlueprint, &Adversary)],
+    ) -> Option<Ground> {
+        let spawn = self.spawn(campaign, block)?;
+        let ground = Ground { towns: self.towns(block), policies: self.policies(block), spawn };
+        self.probe(campaign, block, &ground.towns, &ground.spawn, bodies);
+        Some(ground)
     }
 
     /// Whether the axes of a block make no more cells than can be run, saying so otherwise.
@@ -342,9 +382,12 @@ impl Lowering<'_> {
     }
 }
 
-fn note_town(towns: &mut Vec<NamedTown>, town: &Axis<BuiltTown>) {
-    if towns.iter().all(|known| known.name != town.name) {
-        towns.push(NamedTown { name: town.name.clone(), town: town.value.town.clone() });
+/// Notes towns, each once.
+fn note_towns(noted: &mut Vec<NamedTown>, towns: &[Axis<BuiltTown>]) {
+    for town in towns {
+        if noted.iter().all(|known| known.name != town.name) {
+            noted.push(NamedTown { name: town.name.clone(), town: town.value.town.clone() });
+        }
     }
 }
 

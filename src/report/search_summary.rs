@@ -88,6 +88,8 @@ fn average((mean, interval): Average, digits: usize) -> String {
     match (mean, interval) {
         (None, _) => "–".into(),
         (Some(mean), None) => format!("{mean:.digits$}"),
+        // Runs that are all alike, as those of pedestrians that draw nothing, say nothing about a spread.
+        (Some(mean), Some((low, high))) if low == high => format!("{mean:.digits$} (all alike)"),
         (Some(mean), Some((low, high))) => format!("{mean:.digits$} ({low:.digits$}..{high:.digits$})"),
     }
 }

@@ -3,15 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-fn falsify(arguments: &[&str], folder: &Path) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_falsify"))
-        .args(arguments)
-        .current_dir(folder)
-        .env_remove("FALSIFY_OUT")
-        .env_remove("FALSIFY_THREADS")
-        .output()
-        .unwrap()
-}
+use crate::program::falsify;
 
 fn error(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).unwrap()

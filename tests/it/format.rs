@@ -1,27 +1,12 @@
 //! The layout of files: the same meaning, the same comments, and the same again when it is laid out once more.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use falsify::diagnostic::{Severity, Sources};
 use falsify::lang::{format, outline, parse};
 use proptest::prelude::*;
 
-fn files(folder: &str) -> Vec<PathBuf> {
-    let mut open = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join(folder)];
-    let mut all = Vec::new();
-    while let Some(folder) = open.pop() {
-        for entry in std::fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                open.push(path);
-            } else if path.extension().is_some_and(|extension| extension == "scn") {
-                all.push(path);
-            }
-        }
-    }
-    all.sort();
-    all
-}
+use crate::shipped::shipped;
 
 /// What a text means, places apart; none when it cannot be read.
 fn meaning(text: &str) -> Option<String> {
@@ -48,7 +33,7 @@ fn holds(text: &str) -> bool {
 
 #[test]
 fn every_shipped_file_is_laid_out() {
-    let mut files = files("scenarios");
+    let mut files = shipped("scenarios");
     files.push(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/cli/starter.scn"));
     for file in files {
         let text = std::fs::read_to_string(&file).unwrap();
@@ -60,7 +45,7 @@ fn every_shipped_file_is_laid_out() {
 #[test]
 fn every_file_and_every_readable_section_of_the_suite_keeps_its_meaning() {
     let mut read = 0;
-    for file in files("scenarios").into_iter().chain(files("tests/suite")) {
+    for file in shipped("scenarios").into_iter().chain(shipped("tests/suite")) {
         let text = std::fs::read_to_string(&file).unwrap();
         for section in text.split("//# ") {
             // The rest of a section's first line is its name.

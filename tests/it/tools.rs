@@ -6,15 +6,7 @@ use std::process::{Command, Output, Stdio};
 
 use serde_json::Value;
 
-fn falsify(arguments: &[&str], folder: &Path) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_falsify"))
-        .args(arguments)
-        .current_dir(folder)
-        .env_remove("FALSIFY_OUT")
-        .env_remove("FALSIFY_THREADS")
-        .output()
-        .unwrap()
-}
+use crate::program::falsify;
 
 fn said(output: &Output) -> (String, String) {
     (String::from_utf8(output.stdout.clone()).unwrap(), String::from_utf8(output.stderr.clone()).unwrap())
