@@ -4,6 +4,7 @@
 
 mod row;
 mod observer;
+mod watch;
 mod search;
 mod run;
 
@@ -11,3 +12,4 @@ pub use observer::{Observer, Silent};
 pub use row::EpisodeRow;
 pub use run::{Finished, TrainingResult, run, smoke};
 pub use search::SearchResult;
+pub use watch::watch;

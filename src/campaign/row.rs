@@ -1,4 +1,4 @@
-use crate::compile::TrainingKey;
+use crate::compile::{Evaluation, TrainingKey};
 use crate::env::Outcome;
 use crate::judge::Verdict;
 
@@ -25,4 +25,22 @@ pub struct EpisodeRow {
     pub outcome: Outcome,
     /// What reference drivers make of it; none without a collision.
     pub verdict: Option<Verdict>,
+}
+
+impl EpisodeRow {
+    /// Makes the row of an episode of an evaluation.
+    pub fn new(evaluation: &Evaluation, episode: u32, outcome: Outcome, verdict: Option<Verdict>) -> Self {
+        Self {
+            trained: evaluation.trained.clone(),
+            pedestrian: evaluation.pedestrian.name(),
+            town: evaluation.town.clone(),
+            policy: evaluation.policy.clone(),
+            vehicle: evaluation.vehicle.clone(),
+            adversary: evaluation.adversary.clone(),
+            block: evaluation.block,
+            episode,
+            outcome,
+            verdict,
+        }
+    }
 }

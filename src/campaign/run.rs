@@ -3,9 +3,9 @@ use std::ops::ControlFlow;
 use rayon::prelude::*;
 
 use super::search::{SearchResult, search};
-use super::{EpisodeRow, Observer};
+use super::{EpisodeRow, Observer, watch};
 use crate::compile::{Campaign, Evaluation, Pedestrian, Training, TrainingKey};
-use crate::falsifier::{Choosing, Homing, Intercept, Random, TrainError, TrainedWalker, Walker, train, watch_walker};
+use crate::falsifier::{TrainError, train};
 use crate::judge::judge;
 use crate::rl::Trained;
 use crate::seed::Seed;
@@ -95,48 +95,29 @@ fn evaluate(
     seed: &Seed,
     observer: &dyn Observer,
 ) -> Vec<EpisodeRow> {
-    let mut walker: Box<dyn Walker> = match evaluation.pedestrian {
-        Pedestrian::Random => Box::new(Random::default()),
-        Pedestrian::Homing => Box::new(Homing),
-        Pedestrian::Intercept => Box::new(Intercept),
+    let trained = match evaluation.pedestrian {
         Pedestrian::Trained(training) | Pedestrian::Sampled(training) => {
             let Some(TrainingResult { result: Ok(trained), .. }) = &trainings[training] else { return Vec::new() };
-            let sampling = matches!(evaluation.pedestrian, Pedestrian::Sampled(_));
-            let choosing = if sampling { Choosing::Sampling } else { Choosing::Mean };
-            Box::new(TrainedWalker::new(trained.actor_critic.clone(), choosing))
+            Some(&trained.actor_critic)
         }
+        _ => None,
     };
     if observer.stop() {
         return Vec::new();
     }
-    let place = |branch: &str| seed.child(branch).child(&evaluation.town).child(&evaluation.policy);
-    let walker_seed = place("walker").child(evaluation.pedestrian.name()).index(evaluation.trained.run.into());
-    let scenario = &evaluation.scenario;
-    let noted = watch_walker(
-        walker.as_mut(),
-        scenario,
-        evaluation.episodes,
-        &place("evaluate"),
-        &walker_seed,
-        &mut |outcome, recording| (*outcome, judge(scenario, recording)),
+    let noted = watch(
+        evaluation,
+        trained,
+        0..evaluation.episodes,
+        seed,
+        &mut |outcome, recording| (*outcome, judge(&evaluation.scenario, recording)),
         &mut |_| {
             observer.tried(index, evaluation);
             flow(observer)
         },
     );
-    let row = |(episode, (outcome, verdict))| EpisodeRow {
-        trained: evaluation.trained.clone(),
-        pedestrian: evaluation.pedestrian.name(),
-        town: evaluation.town.clone(),
-        policy: evaluation.policy.clone(),
-        vehicle: evaluation.vehicle.clone(),
-        adversary: evaluation.adversary.clone(),
-        block: evaluation.block,
-        episode: episode as u32,
-        outcome,
-        verdict,
-    };
-    noted.into_iter().enumerate().map(row).collect()
+    let row = |(episode, (outcome, verdict))| EpisodeRow::new(evaluation, episode, outcome, verdict);
+    (0..).zip(noted).map(row).collect()
 }
 
 pub(super) fn flow(observer: &dyn Observer) -> ControlFlow<()> {

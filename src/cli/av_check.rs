@@ -79,7 +79,7 @@ pub fn check(options: &AvCheckOptions) -> ExitCode {
             *outcome
         };
         let go_on = &mut |_| if fell.get() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-        let outcomes = watch_walker(&mut walker, &scenario, EPISODES, &seed, &seed.child("walker"), note, go_on);
+        let outcomes = watch_walker(&mut walker, &scenario, 0..EPISODES, &seed, &seed.child("walker"), note, go_on);
         let ticks: u32 = outcomes.iter().map(|outcome| outcome.ticks).sum();
         (outcomes, f64::from(ticks) / began.elapsed().as_secs_f64())
     };

@@ -5,8 +5,7 @@ use std::time::Instant;
 use super::args::RunOptions;
 use super::progress::Progress;
 use super::{ExitCode, front, interrupt};
-use crate::analysis::failure_modes;
-use crate::campaign::{self, EpisodeRow, Finished};
+use crate::campaign::{self, Finished};
 use crate::compile::{Campaign, Pedestrian};
 use crate::report::{self, FileRecord, Manifest, ReportFolder, TrainingRecord, WriteError};
 use crate::seed::Seed;
@@ -121,7 +120,7 @@ fn carry_out(campaign: &Campaign, options: &RunOptions, files: &[FileRecord]) ->
     }
     say_errors(&finished);
     interrupt::hold(true);
-    let written = write(&folder, campaign, &finished, &manifest);
+    let written = report::write(&folder, campaign, &finished, &manifest);
     let kept =
         |error: WriteError, place: PathBuf| format!("{error}\n  what was written is kept in `{}`", place.display());
     let place = match written {
@@ -169,7 +168,11 @@ fn manifest(
             run: key.run,
             decisions: curve.map_or(0, |log| log.steps),
             wall_time_s: times[place],
-            pedestrian: if training.result.is_ok() { pedestrian_file(key, "safetensors") } else { String::new() },
+            pedestrian: if training.result.is_ok() {
+                report::pedestrian_file(key, "safetensors")
+            } else {
+                String::new()
+            },
             error: training.result.as_ref().err().map_or(String::new(), ToString::to_string),
         }
     });
@@ -225,70 +228,6 @@ fn vector_instructions() -> &'static str {
         }
     }
     std::env::consts::ARCH
-}
-
-fn pedestrian_file(key: &crate::compile::TrainingKey, format: &str) -> String {
-    format!("pedestrians/{}-{}-{}-{}.{format}", key.reward, key.town, key.policy, key.run)
-}
-
-fn write(
-    folder: &ReportFolder,
-    campaign: &Campaign,
-    finished: &Finished,
-    manifest: &Manifest,
-) -> Result<(), WriteError> {
-    let failed = |name: &str| {
-        let name = name.to_string();
-        move |source| WriteError::Table { name, source }
-    };
-    let episodes = report::episodes(&finished.rows);
-    let metrics = report::metrics(&episodes).map_err(failed("cells"))?;
-    folder.table("episodes", &episodes)?;
-    folder.table("runs", &metrics.runs)?;
-    folder.table("cells", &metrics.cells)?;
-    folder.table("failure_modes", &report::failure_modes(&failure_modes(&finished.rows)))?;
-    folder.table("learning_curve", &report::learning_curve(&finished.trainings))?;
-    for (name, svg) in report::learning_figures(&finished.trainings) {
-        folder.file(&format!("{name}.svg"), svg.as_bytes())?;
-    }
-    for town in &campaign.towns {
-        let here = |row: &&EpisodeRow| row.town == town.name && row.pedestrian == "trained";
-        let rows: Vec<&EpisodeRow> = finished.rows.iter().filter(here).collect();
-        folder.file(&format!("town-{}.svg", town.name), report::town_map(&town.town, &rows).as_bytes())?;
-    }
-    for training in &finished.trainings {
-        let Ok(trained) = &training.result else { continue };
-        let key = &training.key;
-        let planned = campaign.trainings.iter().find(|planned| planned.key == *key).expect("it was planned");
-        let bounds = planned.scenario.adversary.action_bounds();
-        let metadata: BTreeMap<String, String> = [
-            ("falsify", manifest.version.clone()),
-            ("campaign", campaign.name.clone()),
-            ("town", key.town.clone()),
-            ("policy", key.policy.clone()),
-            ("reward", key.reward.clone()),
-            ("run", key.run.to_string()),
-            ("seed", manifest.seed.to_string()),
-            ("states_stacked", planned.config.frame_stack.to_string()),
-            ("action_low", format!("{:?}", bounds.map(|bound| bound.0))),
-            ("action_high", format!("{:?}", bounds.map(|bound| bound.1))),
-        ]
-        .map(|(name, value)| (name.to_string(), value))
-        .into();
-        folder.file(&pedestrian_file(key, "safetensors"), &trained.actor_critic.to_safetensors(&metadata))?;
-        folder.file(&pedestrian_file(key, "onnx"), &trained.actor_critic.to_onnx(&bounds, &metadata))?;
-    }
-    let cells = metrics.cells().map_err(failed("cells"))?;
-    let mut page = report::summary(campaign, &cells, manifest);
-    if !finished.searches.is_empty() {
-        let cells = report::search_cells(&finished.searches);
-        folder.table("searches", &report::searches(&finished.searches))?;
-        folder.table("search_cells", &report::search_cell_table(&cells))?;
-        folder.table("search_failures", &report::search_failures(&finished.searches))?;
-        page.push_str(&report::search_summary(&cells));
-    }
-    folder.file("summary.md", page.as_bytes())?;
-    folder.file("manifest.toml", manifest.to_toml().as_bytes())
 }
 
 /// Prints the cells, narrow enough for a terminal.

@@ -26,25 +26,27 @@ pub fn try_walker(
     observer: &mut dyn FnMut(u32) -> ControlFlow<()>,
 ) -> Vec<Outcome> {
     let note = &mut |outcome: &Outcome, _: &Recording| *outcome;
-    watch_walker(walker, scenario, episodes, episodes_seed, walker_seed, note, observer)
+    watch_walker(walker, scenario, 0..episodes, episodes_seed, walker_seed, note, observer)
 }
 
-/// Tries a pedestrian as [`try_walker`] does, and keeps what is noted of each episode when it is over: what became of it, and
-/// what happened.
+/// Tries a pedestrian as [`try_walker`] does in the episodes with these numbers, and keeps what is noted of each when it is
+/// over: what became of it, and what happened.
+///
+/// An episode is the same in every range that holds it.
 pub fn watch_walker<T>(
     walker: &mut dyn Walker,
     scenario: &Arc<Scenario>,
-    episodes: u32,
+    episodes: Range<u32>,
     episodes_seed: &Seed,
     walker_seed: &Seed,
     note: &mut dyn FnMut(&Outcome, &Recording) -> T,
     observer: &mut dyn FnMut(u32) -> ControlFlow<()>,
 ) -> Vec<T> {
     let mut env = PedestrianEnv::new(scenario.clone(), *episodes_seed);
-    let mut places = company(&env, walker, episodes);
-    let notes = (0..episodes).map(|_| None).collect();
-    let mut trial = Trial { walker_seed, note, observer, notes, done: 0, settled: 0, faults: 0 };
-    let mut numbers = 0..u64::from(episodes);
+    let mut places = company(&env, walker, episodes.len());
+    let notes = episodes.clone().map(|_| None).collect();
+    let mut numbers = u64::from(episodes.start)..u64::from(episodes.end);
+    let mut trial = Trial { walker_seed, note, observer, first: numbers.start, notes, done: 0, settled: 0, faults: 0 };
     let _ = if places.is_empty() {
         let mut recording = Recording::new(&scenario.episode);
         numbers.try_for_each(|episode| trial.alone(&mut env, walker, &mut recording, episode))
@@ -71,8 +73,8 @@ impl Place {
 }
 
 /// As many places as the driver wants and there are episodes for; none when one after another is as good.
-fn company(env: &PedestrianEnv, walker: &dyn Walker, episodes: u32) -> Vec<Place> {
-    let wanted = env.company().min(episodes as usize);
+fn company(env: &PedestrianEnv, walker: &dyn Walker, episodes: usize) -> Vec<Place> {
+    let wanted = env.company().min(episodes);
     let recording = Recording::new(&env.scenario().episode);
     let place =
         || Some(Place { env: env.twin()?, walker: walker.twin()?, recording: recording.clone(), episode: None });
@@ -83,6 +85,8 @@ struct Trial<'a, T> {
     walker_seed: &'a Seed,
     note: &'a mut dyn FnMut(&Outcome, &Recording) -> T,
     observer: &'a mut dyn FnMut(u32) -> ControlFlow<()>,
+    /// Number of the first episode.
+    first: u64,
     /// What was noted of each episode, and whether the driver failed in it.
     notes: Vec<Option<(T, bool)>>,
     done: u32,
@@ -163,7 +167,7 @@ impl<T> Trial<'_, T> {
 
     fn record(&mut self, episode: u64, outcome: &Outcome, recording: &Recording) -> ControlFlow<()> {
         let noted = (self.note)(outcome, recording);
-        self.notes[episode as usize] = Some((noted, outcome.fault().is_some()));
+        self.notes[(episode - self.first) as usize] = Some((noted, outcome.fault().is_some()));
         self.done += 1;
         while let Some(Some((_, failed))) = self.notes.get(self.settled) {
             self.settled += 1;

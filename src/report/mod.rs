@@ -19,6 +19,7 @@ mod summary;
 mod avoidable;
 mod manifest;
 mod folder;
+mod write;
 
 pub use figure::learning_figures;
 pub use folder::{ReportFolder, WriteError, write_csv, write_file};
@@ -33,3 +34,4 @@ pub use tables::{episodes, failure_modes};
 pub use town_map::{spawn_map, town_map};
 pub use waypoints::waypoints;
 pub use wilson::wilson;
+pub use write::{pedestrian_file, write};

@@ -38,15 +38,9 @@ fn scenario(policy: &str) -> Arc<Scenario> {
 fn episodes(scenario: &Arc<Scenario>, count: u32) -> Vec<(Outcome, Recording)> {
     let seed = Seed::root(5);
     let note = &mut |outcome: &Outcome, recording: &Recording| (*outcome, recording.clone());
-    watch_walker(
-        &mut Intercept,
-        scenario,
-        count,
-        &seed,
-        &seed.child("walker"),
-        note,
-        &mut |_| ControlFlow::Continue(()),
-    )
+    watch_walker(&mut Intercept, scenario, 0..count, &seed, &seed.child("walker"), note, &mut |_| {
+        ControlFlow::Continue(())
+    })
 }
 
 /// Does not touch the brake.

@@ -1,0 +1,41 @@
+use std::ops::{ControlFlow, Range};
+
+use crate::compile::{Evaluation, Pedestrian};
+use crate::env::{Outcome, Recording};
+use crate::falsifier::{Choosing, Homing, Intercept, Random, TrainedWalker, Walker, watch_walker};
+use crate::rl::ActorCritic;
+use crate::seed::Seed;
+
+/// Tries the pedestrian of an evaluation in the episodes with these numbers, and keeps what is noted of each.
+///
+/// An episode hangs on the user's seed, the names of the evaluation and its own number alone: it is the same in every range,
+/// and the same again when a failure is replayed. `trained` is what the evaluation's training has brought forth; untrained
+/// pedestrians need none.
+///
+/// Ends early, with the first episodes up to there, as [`watch_walker`] does.
+///
+/// # Panics
+/// When the evaluation is of a trained pedestrian and there is none.
+pub fn watch<T>(
+    evaluation: &Evaluation,
+    trained: Option<&ActorCritic>,
+    episodes: Range<u32>,
+    seed: &Seed,
+    note: &mut dyn FnMut(&Outcome, &Recording) -> T,
+    observer: &mut dyn FnMut(u32) -> ControlFlow<()>,
+) -> Vec<T> {
+    let learnt = |choosing| -> Box<dyn Walker> {
+        let trained = trained.expect("a trained pedestrian comes with its networks");
+        Box::new(TrainedWalker::new(trained.clone(), choosing))
+    };
+    let mut walker: Box<dyn Walker> = match evaluation.pedestrian {
+        Pedestrian::Random => Box::new(Random::default()),
+        Pedestrian::Homing => Box::new(Homing),
+        Pedestrian::Intercept => Box::new(Intercept),
+        Pedestrian::Trained(_) => learnt(Choosing::Mean),
+        Pedestrian::Sampled(_) => learnt(Choosing::Sampling),
+    };
+    let place = |branch: &str| seed.child(branch).child(&evaluation.town).child(&evaluation.policy);
+    let own = place("walker").child(evaluation.pedestrian.name()).index(evaluation.trained.run.into());
+    watch_walker(walker.as_mut(), &evaluation.scenario, episodes, &place("evaluate"), &own, note, observer)
+}
