@@ -20,6 +20,7 @@ mod reward;
 mod episode;
 mod training;
 mod falsifier;
+mod published;
 mod campaign;
 mod plan;
 mod lower;
@@ -28,5 +29,6 @@ mod grid;
 pub use catalog::Catalog;
 pub use lower::{Compiled, Overrides, compile, compile_with};
 pub use plan::{
-    Campaign, Documented, Driver, Evaluation, NamedTown, Pedestrian, Plan, Search, SearchKey, Training, TrainingKey,
+    Campaign, Documented, Driver, Evaluation, NamedTown, Pedestrian, Plan, Published, PublishedCell, PublishedFigure,
+    Search, SearchKey, Training, TrainingKey,
 };

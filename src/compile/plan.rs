@@ -58,6 +58,43 @@ pub struct Campaign {
     pub evaluations: Vec<Evaluation>,
     /// The searches, in order of block, town, policy, falsifier, run.
     pub searches: Vec<Search>,
+    /// What others have published, to stand beside its figures.
+    pub published: Vec<Published>,
+}
+
+/// A published table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Published {
+    /// Where it is from.
+    pub source: String,
+    /// How many trainings its figures are averaged over.
+    pub runs: u32,
+    /// Its cells.
+    pub cells: Vec<PublishedCell>,
+}
+
+/// A cell of a published table: it stands beside every cell of ours with one of these rewards, towns and policies.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PublishedCell {
+    /// Names of rewards.
+    pub rewards: Vec<String>,
+    /// Names of towns.
+    pub towns: Vec<String>,
+    /// Names of driving policies.
+    pub policies: Vec<String>,
+    /// Its figures.
+    pub figures: Vec<PublishedFigure>,
+}
+
+/// A published figure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PublishedFigure {
+    /// Our column for it, without `_mean`.
+    pub column: &'static str,
+    /// The mean over the published runs.
+    pub mean: f64,
+    /// Their sample standard deviation, if it is given.
+    pub sd: Option<f64>,
 }
 
 /// A declaration that a campaign uses, with its documentation.

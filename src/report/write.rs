@@ -1,8 +1,9 @@
 use std::collections::BTreeMap;
 
 use super::{
-    Manifest, ReportFolder, WriteError, episodes, failure_modes, learning_curve, learning_figures, metrics,
-    search_cell_table, search_cells, search_failures, search_summary, searches, summary, town_map,
+    Manifest, ReportFolder, WriteError, beside, episodes, failure_modes, learning_curve, learning_figures, metrics,
+    published, published_summary, search_cell_table, search_cells, search_failures, search_summary, searches, summary,
+    town_map,
 };
 use crate::analysis;
 use crate::campaign::{EpisodeRow, Finished};
@@ -66,6 +67,11 @@ pub fn write(
     }
     let cells = metrics.cells().map_err(failed("cells"))?;
     let mut page = summary(campaign, &cells, manifest);
+    if !campaign.published.is_empty() {
+        let all = beside(&campaign.published, &cells);
+        folder.table("published", &published(&all))?;
+        page.push_str(&published_summary(&all));
+    }
     if !finished.searches.is_empty() {
         let cells = search_cells(&finished.searches);
         folder.table("searches", &searches(&finished.searches))?;
