@@ -5,8 +5,17 @@
 use std::path::{Path, PathBuf};
 
 /// Sources without influence on any number.
-const ONLY_SHOWS: [&str; 9] =
-    ["src/analysis", "src/cli", "src/diagnostic", "src/lang/format", "src/lsp", "src/main.rs", "src/process", "src/report", "src/store"];
+const ONLY_SHOWS: [&str; 9] = [
+    "src/analysis",
+    "src/cli",
+    "src/diagnostic",
+    "src/lang/format",
+    "src/lsp",
+    "src/main.rs",
+    "src/process",
+    "src/report",
+    "src/store",
+];
 
 fn main() {
     let mut files = Vec::new();
@@ -33,7 +42,9 @@ fn gather(place: &Path, files: &mut Vec<PathBuf>) {
                 gather(&path, files);
             }
         }
-    } else if place.extension().is_some_and(|end| end != "md") && place.file_name().is_some_and(|name| name != "tests.rs") {
+    } else if place.extension().is_some_and(|end| end != "md")
+        && place.file_name().is_some_and(|name| name != "tests.rs")
+    {
         files.push(place.to_path_buf());
     }
 }
