@@ -6,6 +6,7 @@ mod front;
 mod interrupt;
 mod progress;
 mod run;
+mod list;
 mod check;
 mod fmt;
 mod explain;

@@ -23,6 +23,7 @@ mod falsifier;
 mod published;
 mod campaign;
 mod plan;
+mod recipe;
 mod lower;
 mod grid;
 
@@ -32,3 +33,4 @@ pub use plan::{
     Campaign, Documented, Driver, Evaluation, NamedTown, Pedestrian, Plan, Published, PublishedCell, PublishedFigure,
     Search, SearchKey, Training, TrainingKey,
 };
+pub use recipe::Recipe;
