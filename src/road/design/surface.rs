@@ -63,8 +63,12 @@ impl Surfaces {
 
     /// Finds roads on top of each other that have no node in common.
     pub fn find_overlaps(&self, network: &Network, faults: &mut Vec<DesignError>) {
+        let around: Vec<_> = self.roads.iter().map(|road| around(road)).collect();
         for first in 0..self.roads.len() {
             for second in first + 1..self.roads.len() {
+                if apart(around[first], around[second]) {
+                    continue;
+                }
                 let nodes = network.nodes[second];
                 if network.nodes[first].iter().any(|node| nodes.contains(node)) {
                     continue;
@@ -104,6 +108,19 @@ fn is_known(faults: &[DesignError], names: [&str; 2]) -> bool {
         }
         _ => false,
     })
+}
+
+/// Opposite corners of an upright rectangle around tiles.
+fn around(tiles: &[Tile]) -> (Point, Point) {
+    let none = (Point::new(f64::INFINITY, f64::INFINITY), Point::new(f64::NEG_INFINITY, f64::NEG_INFINITY));
+    tiles.iter().fold(none, |(low, high), tile| {
+        let reach = Vector::new(tile.radius, tile.radius);
+        (low.inf(&(tile.centre - reach)), high.sup(&(tile.centre + reach)))
+    })
+}
+
+fn apart(first: (Point, Point), second: (Point, Point)) -> bool {
+    (0..2).any(|axis| first.1[axis] < second.0[axis] || second.1[axis] < first.0[axis])
 }
 
 fn common_place(first: &[Tile], second: &[Tile]) -> Option<Point> {
