@@ -46,8 +46,13 @@ impl ChordTree {
 
     /// The nearest of the chords, by its place in the list; of two equally near the first one.
     pub fn nearest(&self, chords: &[Chord], point: Point) -> Option<u32> {
-        let near = self.within(point, self.distance(point)? + SLACK);
-        let distances = near.map(|index| (chords[index as usize].distance_squared(point), index));
-        distances.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).map(|(_, index)| index)
+        let reach = self.distance(point)? + SLACK;
+        first_nearest(chords, self.within(point, reach), point)
     }
+}
+
+/// The nearest of some chords, given by their places in the list; of two equally near the first one in the list.
+pub(super) fn first_nearest(chords: &[Chord], some: impl Iterator<Item = u32>, point: Point) -> Option<u32> {
+    let distances = some.map(|index| (chords[index as usize].distance_squared(point), index));
+    distances.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).map(|(_, index)| index)
 }

@@ -8,7 +8,7 @@ use rstar::primitives::{GeomWithData, Line};
 
 use super::chord::{Chord, chords};
 use super::chord_grid::ChordGrid;
-use super::chord_tree::ChordTree;
+use super::chord_tree::{ChordTree, first_nearest};
 use super::lane_network::LaneNetwork;
 use super::{LaneKind, Road, Waypoint};
 use crate::geometry::Point;
@@ -37,6 +37,8 @@ impl LaneFilter {
 
 type LeafInSpace = GeomWithData<Line<[f64; 3]>, u32>;
 
+/// How many questions make a tree worth its price: those before look at all chords.
+const WORTH_A_TREE: u32 = 50;
 /// How many questions make a grid worth its price; it costs as much as some thousand answers of the tree.
 const WORTH_A_GRID: u32 = 4000;
 
@@ -58,7 +60,7 @@ struct Chords {
     level: bool,
 }
 
-/// What there is to find the chords of one filter with. Tree and grid give the same answers.
+/// What there is to find the chords of one filter with. All ways give the same answers.
 #[derive(Default)]
 struct Filtered {
     tree: OnceLock<ChordTree>,
@@ -105,13 +107,19 @@ impl LaneIndex {
         if !point.x.is_finite() || !point.y.is_finite() {
             return None;
         }
-        let (tree, chords) = self.tree(lanes, filter);
         let found = &self.filters[filter as usize];
-        if found.grid.get().is_none() && found.questions.fetch_add(1, Ordering::Relaxed) >= WORTH_A_GRID {
-            self.prepare(lanes, filter);
-        }
-        let known = found.grid.get().and_then(|grid| grid.nearest(chords, point));
-        let index = known.or_else(|| tree.nearest(chords, point))?;
+        let chords = &self.chords(lanes).all;
+        let index = match found.grid.get() {
+            Some(grid) => grid.nearest(chords, point).or_else(|| self.tree(lanes, filter).0.nearest(chords, point))?,
+            None => match found.questions.fetch_add(1, Ordering::Relaxed) {
+                ..WORTH_A_TREE => first_nearest(chords, admitted(chords, lanes, filter).map(|(_, index)| index), point)?,
+                WORTH_A_TREE..WORTH_A_GRID => self.tree(lanes, filter).0.nearest(chords, point)?,
+                WORTH_A_GRID.. => {
+                    self.prepare(lanes, filter);
+                    return self.nearest(lanes, point, filter);
+                }
+            },
+        };
         Some(place(&chords[index as usize], lanes, point))
     }
 

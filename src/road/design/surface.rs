@@ -47,26 +47,31 @@ impl Tile {
 #[derive(Debug)]
 pub(super) struct Surfaces {
     roads: Vec<Vec<Tile>>,
+    /// Upright rectangles around the roads: opposite corners.
+    around: Vec<(Point, Point)>,
     /// The middles of the junctions, with the node's place in the design.
     middles: Vec<(usize, Tile)>,
 }
 
 impl Surfaces {
     pub fn new(design: &TownDesign, layout: &Layout, network: &Network) -> Self {
-        Self { roads: network.roads.iter().map(tiles).collect(), middles: middles(design, layout) }
+        let roads: Vec<Vec<Tile>> = network.roads.iter().map(tiles).collect();
+        Self { around: roads.iter().map(|road| around(road)).collect(), roads, middles: middles(design, layout) }
     }
 
     /// Whether anything that is a road or the middle of a junction lies under a tile.
     pub fn lie_under(&self, tile: &Tile) -> bool {
-        self.roads.iter().flatten().chain(self.middles.iter().map(|(_, middle)| middle)).any(|own| own.overlaps(tile))
+        let here = around(std::slice::from_ref(tile));
+        let near = self.roads.iter().zip(&self.around).filter(|(_, around)| !apart(here, **around));
+        near.flat_map(|(road, _)| road).any(|own| own.overlaps(tile))
+            || self.middles.iter().any(|(_, middle)| middle.overlaps(tile))
     }
 
     /// Finds roads on top of each other that have no node in common.
     pub fn find_overlaps(&self, network: &Network, faults: &mut Vec<DesignError>) {
-        let around: Vec<_> = self.roads.iter().map(|road| around(road)).collect();
         for first in 0..self.roads.len() {
             for second in first + 1..self.roads.len() {
-                if apart(around[first], around[second]) {
+                if apart(self.around[first], self.around[second]) {
                     continue;
                 }
                 let nodes = network.nodes[second];
