@@ -11,7 +11,7 @@ use crate::diagnostic::{Diagnostic, Severity, Sources};
 use crate::env::{PolicyMaker, SpawnRule};
 use crate::geometry::Obstacles;
 use crate::lang::hir::{Block, Declaration, Program};
-use crate::lang::{self, Matrix, Reader, codes};
+use crate::lang::{self, Defaults, Matrix, Reader, codes};
 use crate::road::Town;
 use crate::signature::{Arguments, DeclarationId, Value};
 
@@ -108,8 +108,9 @@ fn variants(
     sources: &Sources,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Vec<Variant> {
+    let mut defaults = Defaults::new(&catalog.vocabulary);
     let mut check = |loaded: &lang::Loaded| {
-        let (program, said) = lang::check(loaded, sources, &catalog.forms, &catalog.vocabulary);
+        let (program, said) = lang::check(loaded, sources, &catalog.forms, &mut defaults);
         diagnostics.extend(said);
         program
     };

@@ -67,6 +67,8 @@ impl PedestrianEnv {
 
     fn with_policy(scenario: Arc<Scenario>, seed: Seed, policy: Box<dyn DrivingPolicy>) -> Self {
         let lights = scenario.episode.traffic_lights.then(LightCycle::default);
+        // No tick is to wait for it.
+        scenario.town.prepare();
         let world = World::new(
             scenario.town.clone(),
             scenario.obstacles.clone(),

@@ -19,6 +19,7 @@ mod repair;
 mod names;
 mod params;
 mod settings;
+mod defaults;
 mod check;
 mod formula;
 mod value;
@@ -30,6 +31,7 @@ mod format;
 mod outline;
 
 pub use check::{check, once};
+pub use defaults::Defaults;
 pub use format::format;
 pub use formula::functions;
 pub use load::{Loaded, Reader, load, reason};

@@ -2,6 +2,7 @@
 //!
 //! A parameter is checked against its type once, where it is declared; what takes its place elsewhere is a known value.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::ast::{Clause, Declaration, Entry, Expression, ExpressionKind, Known, Param, Property};
@@ -65,12 +66,14 @@ impl<'a> Params<'a> {
     }
 
     /// The declaration with known values in place of parameters; `place` is its file's in the order of the files.
-    pub fn replace(&mut self, declaration: &Declaration, place: usize) -> Declaration {
-        let mut copy = declaration.clone();
-        if self.names[place].has_params() {
-            self.entries(&mut copy.entries, place);
+    pub fn replace<'d>(&mut self, declaration: &'d Declaration, place: usize) -> Cow<'d, Declaration> {
+        let names = &self.names[place];
+        if !names.has_params() || !declaration.entries.iter().any(|entry| entry_mentions(entry, names)) {
+            return Cow::Borrowed(declaration);
         }
-        copy
+        let mut copy = declaration.clone();
+        self.entries(&mut copy.entries, place);
+        Cow::Owned(copy)
     }
 
     /// Shows where a value comes from, in messages about places where a parameter stands.
@@ -244,6 +247,20 @@ impl<'a> Params<'a> {
             }
             ExpressionKind::Number { .. } | ExpressionKind::Text(_) | ExpressionKind::Known(_) => {}
         }
+    }
+}
+
+/// Whether anything in an entry names a parameter.
+fn entry_mentions(entry: &Entry, names: &Names) -> bool {
+    let any = |value: &Expression| {
+        let mut found = Vec::new();
+        mentioned(value, names, &mut found);
+        !found.is_empty()
+    };
+    match entry {
+        Entry::Property(Property { value, .. }) | Entry::Bare(value) => any(value),
+        Entry::Clause(Clause { formula, .. }) => any(formula),
+        Entry::Child(child) => child.entries.iter().any(|entry| entry_mentions(entry, names)),
     }
 }
 

@@ -73,8 +73,9 @@ impl SpawnRule {
     pub fn probe(&self, town: &Town, obstacles: &Obstacles, stream: &mut Stream) -> Result<(), SpawnError> {
         self.ego_start.check(town)?;
         let mut around = |ego: &mut dyn FnMut(&mut Stream) -> Pose| {
-            let survey = self.survey_from(ego, town, obstacles, FirstHeading::Random, PROBES, stream);
-            if survey.accepted * ONE_IN >= PROBES {
+            let count = (PROBES, PROBES / ONE_IN);
+            let survey = self.survey_from(ego, town, obstacles, FirstHeading::Random, count, stream);
+            if survey.accepted >= PROBES / ONE_IN {
                 return Ok(());
             }
             let (worst, worst_passed) = survey.worst().unwrap_or_default();
