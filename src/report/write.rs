@@ -4,7 +4,7 @@ use super::gathered::MOST_COLLISIONS;
 use super::{
     Gathered, Manifest, Metrics, ReportFolder, WriteError, beside, failure_modes, learning_curve, learning_figures,
     published, published_summary, search_cell_table, search_cells, search_failures, search_summary, searches, summary,
-    town_map,
+    town_map, trainings_summary,
 };
 use crate::analysis;
 use crate::campaign::Finished;
@@ -67,6 +67,7 @@ pub fn write(
     }
     let cells = metrics.cells().map_err(failed("cells"))?;
     let mut page = summary(campaign, &cells, manifest);
+    page.push_str(&trainings_summary(&finished.trainings));
     if !campaign.published.is_empty() {
         let all = beside(&campaign.published, &cells);
         folder.table("published", &published(&all))?;
