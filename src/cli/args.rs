@@ -2,6 +2,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::compile::Overrides;
+
 const EXAMPLES: &str = "\
 Examples:
   falsify run scenarios/*.scn                run all campaigns, reports go to reports/
@@ -124,7 +126,8 @@ pub struct CheckOptions {
     /// What replaces parts of the files.
     #[command(flatten)]
     pub given: GivenOptions,
-    /// Also draw so many beginnings of every spawn in every town, and say how many satisfy each constraint.
+    /// Also draw so many beginnings of every spawn in every town, and say how many satisfy each constraint; also where nobody
+    /// can be placed, to see what stands in the way. Not with SARIF, which has no place for it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     pub sample: Option<u32>,
     /// Folder for the pictures of `--sample`, `spawn-CAMPAIGN-SPAWN-TOWN.svg`.
@@ -149,6 +152,14 @@ pub struct GivenOptions {
     pub allow_external: bool,
 }
 
+impl GivenOptions {
+    /// What they replace.
+    pub fn overrides(&self) -> Overrides {
+        let (maps, settings) = (self.map.iter().cloned().collect(), self.set.clone());
+        Overrides { maps, settings, ..Overrides::default() }
+    }
+}
+
 fn town_and_file(text: &str) -> Result<(String, PathBuf), String> {
     let (town, file) = text.split_once('=').ok_or("write TOWN=FILE")?;
     Ok((town.to_string(), PathBuf::from(file)))
@@ -159,6 +170,8 @@ Examples:
   falsify check my.scn                       draw every mistake under its line
   falsify check --format json my.scn         one JSON object a line, for programs
   falsify check --format sarif my.scn        SARIF 2.1.0, which code hosts show beside the lines
+  falsify check --sample 1000 --format json my.scn
+                                             where episodes would begin, for programs
 
 Exit codes: 0 no errors   2 missing file   3 errors";
 
@@ -178,12 +191,14 @@ Examples:
   falsify explain                            list everything
   falsify explain missing-unit               a diagnostic, with a bad and a good example
   falsify explain policy idm                 the keys of a kind, with types, units and defaults
-  falsify explain training ppo gamma         one key";
+  falsify explain training ppo gamma         one key
+  falsify explain matrix                     a word of the language, with an example";
 
 /// Options of `falsify explain`.
 #[derive(Debug, Args)]
 pub struct ExplainOptions {
-    /// A code; a form, a form and a kind, and a key of it; or `events`, `variables`, `units`.
+    /// A code; a form, a form and a kind, and a key of it; a word such as `param` or `normal`; an event, a variable; or `events`,
+    /// `variables`, `units`.
     #[arg(value_name = "WORD")]
     pub words: Vec<String>,
 }
@@ -205,7 +220,8 @@ const DEBUG_EXAMPLES: &str = "\
 Examples:
   falsify debug ast my.scn                   what was written
   falsify debug hir my.scn                   what is meant: names resolved, SI values, defaults filled in
-  falsify debug plan my.scn                  what would be run, with every figure";
+  falsify debug plan my.scn                  what would be run, with every figure
+  falsify debug hir --set 'far=20 m' my.scn  the same with another value";
 
 /// Options of `falsify debug`.
 #[derive(Debug, Args)]
@@ -216,6 +232,9 @@ pub struct DebugOptions {
     /// A scenario file.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
+    /// What replaces parts of the file; maps matter to the plan alone.
+    #[command(flatten)]
+    pub given: GivenOptions,
 }
 
 /// What can be shown of a file.
@@ -240,7 +259,7 @@ Examples:
 const MAP_EXAMPLES: &str = "\
 Examples:
   falsify map Town02.xodr                    Town02.svg, and what the map holds
-  falsify map my.scn --out maps              every town of a scenario";
+  falsify map my.scn --out maps              every town of a scenario, imported ones, too";
 
 const FMT_EXAMPLES: &str = "\
 Examples:

@@ -8,6 +8,7 @@ mod progress;
 mod run;
 mod list;
 mod check;
+mod beginnings;
 mod fmt;
 mod explain;
 mod new;

@@ -28,8 +28,9 @@ impl Campaign {
     pub fn beginnings(&self) -> Vec<(&str, &Arc<Scenario>)> {
         let trained = self.trainings.iter().map(|training| (training.key.town.as_str(), &training.scenario));
         let tried = self.evaluations.iter().map(|evaluation| (evaluation.town.as_str(), &evaluation.scenario));
+        let searched = self.searches.iter().map(|search| (search.key.town.as_str(), &search.scenario));
         let mut all: Vec<(&str, &Arc<Scenario>)> = Vec::new();
-        for (town, scenario) in trained.chain(tried) {
+        for (town, scenario) in trained.chain(tried).chain(searched) {
             if all.iter().all(|(other, known)| *other != town || known.spawn != scenario.spawn) {
                 all.push((town, scenario));
             }

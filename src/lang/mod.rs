@@ -27,6 +27,7 @@ pub mod codes;
 pub mod hir;
 mod suggest;
 pub mod mistakes;
+pub mod words;
 mod format;
 mod outline;
 

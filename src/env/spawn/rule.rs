@@ -88,6 +88,11 @@ impl SpawnRule {
         }
     }
 
+    /// Whether the ego has somewhere to begin in a town; else nothing can be drawn there.
+    pub fn begins_in(&self, town: &Town) -> bool {
+        self.ego_start.check(town).is_ok()
+    }
+
     /// The rule with the nearest of its distances only: a tenth of them at a share of 0, all at 1, for which it gives none. It
     /// gives none as well where the distances have no end.
     ///
