@@ -27,6 +27,10 @@ const MAX_BYTES: usize = 4 << 20;
 /// Most terms and operators of one expression; later phases walk it recursively.
 const MAX_TERMS: usize = 500;
 
+/// Most statements of no known shape that are read once more to tell what is wrong with them; a file with more of them is no
+/// scenario.
+const MOST_REREAD: usize = 1000;
+
 /// Reads a file's text into a tree, with everything that could be read and one diagnostic for each statement that
 /// could not.
 pub fn parse(source: SourceId, text: &str) -> (File, Vec<Diagnostic>) {
@@ -307,6 +311,9 @@ impl Reader {
 
     /// Reads a statement of no known shape once more, on its own, to find out where it goes wrong.
     fn junk(&mut self, pair: &Pair<Rule>, rule: Rule) {
+        if self.diagnostics.len() >= MOST_REREAD {
+            return self.diagnostics.push(codes::syntax(self.span(pair), String::new()));
+        }
         let start = pair.as_span().start();
         let text = pair.as_str().trim_end();
         // Parentheses that cannot be read are left over from a declaration that can do without.
@@ -434,6 +441,7 @@ fn describe(rule: Rule) -> Option<&'static str> {
         | Rule::piece
         | Rule::dark
         | Rule::gap
+        | Rule::plain
         | Rule::line
         | Rule::remark
         | Rule::prefix => return None,

@@ -48,4 +48,5 @@ mod shipped;
 mod spawns;
 mod suite;
 mod tidy;
+mod sarif;
 mod tools;
