@@ -182,6 +182,8 @@ fn enter(declaration: &mut Declaration, path: &[Name], value: &Expression) -> Re
         rest
     };
     if blocks.is_empty() {
+        words.sort_unstable();
+        words.dedup();
         return Err(codes::unknown_setting(word.span, &word.text, words.iter().map(String::as_str)).into());
     }
     blocks.into_iter().try_for_each(|block| enter(block, rest, value))
