@@ -66,8 +66,7 @@ fn code(gathered: &Gathered) -> ExitCode {
 
 /// Prints objects, one a line; in one piece, since there may be very many.
 pub fn lines(objects: &[impl Serialize]) {
-    let lines: Vec<String> =
-        objects.iter().map(|object| serde_json::to_string(object).expect(PLAIN) + "\n").collect();
+    let lines: Vec<String> = objects.iter().map(|object| serde_json::to_string(object).expect(PLAIN) + "\n").collect();
     // A reader that has gone away is no mistake.
     let _ = std::io::stdout().write_all(lines.concat().as_bytes());
 }

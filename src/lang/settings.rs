@@ -166,7 +166,8 @@ fn enter(declaration: &mut Declaration, path: &[Name], value: &Expression) -> Re
         }
     }
     let named = |block: &Declaration, name: &Name| block.name.as_ref().is_some_and(|known| known.text == name.text);
-    let (by_form, by_name) = (|block: &Declaration| block.form.text == word.text, |block: &Declaration| named(block, word));
+    let (by_form, by_name) =
+        (|block: &Declaration| block.form.text == word.text, |block: &Declaration| named(block, word));
     let rest = if blocks.iter().any(|block| by_form(block)) {
         blocks.retain(|block| by_form(block));
         match rest.split_first() {

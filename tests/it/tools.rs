@@ -176,9 +176,14 @@ fn beginnings_are_sampled_for_programs_too_and_where_nobody_can_be_placed() {
     let output = falsify(&[&["check", "--format", "json"], &wide[..]].concat(), folder.path());
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     let sample: Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert_eq!((&sample["campaign"], &sample["spawn"], &sample["town"]), (&"c".into(), &"there".into(), &"harbour".into()));
+    assert_eq!(
+        (&sample["campaign"], &sample["spawn"], &sample["town"]),
+        (&"c".into(), &"there".into(), &"harbour".into())
+    );
     assert_eq!((&sample["tried"], sample["constraints"].as_array().unwrap().len()), (&50.into(), 2));
-    assert!(sample["accepted"].as_u64().unwrap() > 5 && folder.path().join(sample["picture"].as_str().unwrap()).exists());
+    assert!(
+        sample["accepted"].as_u64().unwrap() > 5 && folder.path().join(sample["picture"].as_str().unwrap()).exists()
+    );
     // Nobody can be placed, which is an error, and shown with what stands in the way.
     let output = falsify(&["check", "--sample", "50", "a.scn"], folder.path());
     let (text, errors) = said(&output);
@@ -187,8 +192,14 @@ fn beginnings_are_sampled_for_programs_too_and_where_nobody_can_be_placed() {
     assert!(text.contains("there in harbour: ") && text.contains("%  require: facing"), "{text}");
     let output = falsify(&["check", "--format", "json", "--sample", "50", "a.scn"], folder.path());
     let lines: Vec<Value> = said(&output).0.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
-    assert_eq!((output.status.code(), &lines[0]["code"], &lines[1]["tried"]), (Some(3), &"unplaceable".into(), &50.into()));
-    assert_eq!(falsify(&["check", "--format", "sarif", "--sample", "5", "a.scn"], folder.path()).status.code(), Some(2));
+    assert_eq!(
+        (output.status.code(), &lines[0]["code"], &lines[1]["tried"]),
+        (Some(3), &"unplaceable".into(), &50.into())
+    );
+    assert_eq!(
+        falsify(&["check", "--format", "sarif", "--sample", "5", "a.scn"], folder.path()).status.code(),
+        Some(2)
+    );
 }
 
 #[test]
