@@ -294,7 +294,17 @@ mod tests {
             adversary: "w".into(),
             block: 0,
             episode,
-            outcome: Outcome { spawn, ending, reward, ticks: 10, duration: 0.5, least_gap, last_mode, digest: 7 },
+            outcome: Outcome {
+                spawn,
+                ending,
+                reward,
+                ticks: 10,
+                duration: 0.5,
+                least_gap,
+                last_mode,
+                digest: 7,
+                trail: Default::default(),
+            },
             verdict,
         }
     }
