@@ -1,6 +1,6 @@
 use super::{EpisodeRule, Scenario};
 use crate::av::DrivingMode;
-use crate::geometry::{OrientedBox, Vector};
+use crate::geometry::{OrientedBox, Point, Vector};
 use crate::sim::{Contact, Control, PedestrianState, VehicleState, WalkCommand, World};
 
 /// From the bumper back to the driver's eye (m).
@@ -20,10 +20,15 @@ pub struct Moment {
 }
 
 impl Moment {
-    /// Whether the middle or an edge of the pedestrian is in sight from the driver's eye, 1.9 m behind the bumper, on the axis.
+    /// Where the driver's eye is: 1.9 m behind the bumper, on the axis.
+    pub fn eye(&self, scenario: &Scenario) -> Point {
+        self.ego.pose.to_world(Vector::new(scenario.vehicle.half_length - EYE, 0.0))
+    }
+
+    /// Whether the middle or an edge of the pedestrian is in sight from the driver's eye.
     pub fn in_sight(&self, scenario: &Scenario) -> bool {
         let (radius, position) = (scenario.adversary.body.radius, self.pedestrian.pose.position());
-        let eye = self.ego.pose.to_world(Vector::new(scenario.vehicle.half_length - EYE, 0.0));
+        let eye = self.eye(scenario);
         let sight = (position - eye).try_normalize(1e-9).unwrap_or_else(Vector::x);
         let edge = Vector::new(-sight.y, sight.x) * radius;
         [Vector::zeros(), edge, -edge].iter().any(|offset| !scenario.obstacles.blocks_sight(eye, position + offset))
