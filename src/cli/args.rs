@@ -1,5 +1,9 @@
 use std::path::PathBuf;
 
+use super::repeat_args::{
+    GateOptions, RENDER_EXAMPLES, REPLAY_EXAMPLES, RenderOptions, ReplayOptions, TickChoice, VERIFY_EXAMPLES,
+    VerifyOptions,
+};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::compile::Overrides;
@@ -11,6 +15,9 @@ Examples:
   falsify run --list scenarios/*.scn         see what would be run
   falsify run --set 'ppo_paper.steps=10000' my.scn
                                              change a value without touching the file
+  falsify run --fail-if 'preventable_rate > 0.05' --junit out.xml my.scn
+                                             pass or fail, for continuous integration
+  falsify replay 1a2b3c4d:17                 see a failure again, `render` draws it
   falsify check my.scn                       find mistakes without running anything
   falsify check --sample 1000 my.scn         see where episodes would begin, and what is rejected
   falsify av check -- python3 my_av.py       see whether a driver of your own speaks the protocol
@@ -20,7 +27,8 @@ Examples:
 
 Exit codes:
   0 done   1 internal error   2 wrong usage or missing file   3 errors in a scenario
-  4 nothing to run   5 a run or a driver failed   6 a report cannot be written   130 stopped by Ctrl-C";
+  4 nothing to run   5 a run or a driver failed   6 a report cannot be written   7 a --fail-if holds
+  8 what was repeated came out differently   130 stopped by Ctrl-C";
 
 /// Finds the ways a self-driving car hits a pedestrian.
 #[derive(Debug, Parser)]
@@ -40,6 +48,15 @@ pub enum Command {
     /// Train pedestrians and try them, as the campaigns of the files say.
     #[command(after_help = EXAMPLES)]
     Run(RunOptions),
+    /// Repeat an episode of a report, tell what happened in it and whether it is the same.
+    #[command(after_help = REPLAY_EXAMPLES)]
+    Replay(ReplayOptions),
+    /// Draw an episode of a report, as a strip of six pictures or as one that moves.
+    #[command(after_help = RENDER_EXAMPLES)]
+    Render(RenderOptions),
+    /// Repeat a sample of what a report holds and compare it byte for byte.
+    #[command(after_help = VERIFY_EXAMPLES)]
+    Verify(VerifyOptions),
     /// Find mistakes in scenario files without running anything.
     #[command(after_help = CHECK_EXAMPLES)]
     Check(CheckOptions),
@@ -112,6 +129,12 @@ pub struct RunOptions {
     /// Give them up after so many simulator ticks.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub max_ticks: Option<u64>,
+    /// Which episodes are also written tick by tick, as ticks.parquet; they are simulated once more for it.
+    #[arg(long, value_enum, default_value_t = TickChoice::None, value_name = "WHICH")]
+    pub ticks: TickChoice,
+    /// What makes it pass or fail.
+    #[command(flatten)]
+    pub gate: GateOptions,
 }
 
 /// Options of `falsify check`.

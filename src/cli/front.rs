@@ -14,7 +14,7 @@ use crate::compile::{Catalog, Compiled, Overrides, Plan, compile_with};
 use crate::diagnostic::{Colour, Diagnostic, Severity, Sources, render};
 use crate::lang::{Reader, library, reason};
 use crate::process::ProcessOpener;
-use crate::report::FileRecord;
+use crate::report::{Call, FileRecord};
 
 const ERROR: Style = AnsiColor::Red.on_default().bold();
 const WARNING: Style = AnsiColor::Yellow.on_default().bold();
@@ -95,6 +95,18 @@ pub struct Gathered {
     pub sources: Sources,
     /// A record of every file that was read.
     pub records: Vec<FileRecord>,
+}
+
+/// What the program was given, for whoever repeats it.
+pub fn call(files: &[PathBuf], given: &GivenOptions) -> Call {
+    let text = |path: &PathBuf| path.display().to_string();
+    Call {
+        folder: std::env::current_dir().map_or_else(|_| String::new(), |folder| text(&folder)),
+        scenarios: files.iter().map(text).collect(),
+        maps: given.map.iter().map(|(town, file)| format!("{town}={}", file.display())).collect(),
+        set: given.set.clone(),
+        allow_external: given.allow_external,
+    }
 }
 
 /// Reads, checks and compiles files, and says nothing about their contents.

@@ -1,12 +1,18 @@
 //! The command line: arguments, commands, progress, exit codes.
 
 mod args;
+mod repeat_args;
 mod exit_code;
 mod front;
 mod interrupt;
 mod progress;
 mod run;
 mod list;
+mod gate;
+mod repeat;
+mod replay;
+mod render;
+mod verify;
 mod check;
 mod beginnings;
 mod fmt;
@@ -48,6 +54,9 @@ fn run_command() -> ExitCode {
     arguments.color.apply();
     match arguments.command {
         args::Command::Run(options) => run::run(&options),
+        args::Command::Replay(options) => replay::replay(&options),
+        args::Command::Render(options) => render::render(&options),
+        args::Command::Verify(options) => verify::verify(&options),
         args::Command::Check(options) => check::check(&options),
         args::Command::Explain(options) => explain::explain(&options),
         args::Command::New(options) => new::new(&options),

@@ -2,18 +2,24 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use super::args::RunOptions;
+use super::gate::Gates;
 use super::progress::Progress;
+use super::repeat_args::TickChoice;
 use super::{ExitCode, front, interrupt, list};
 use crate::campaign::{self, Finished};
 use crate::compile::Campaign;
 use crate::report::{
-    self, Episodes, FileRecord, Gathered, Manifest, Metrics, ReportFolder, TrainingRecord, WriteError,
+    self, Episodes, FileRecord, Gathered, Manifest, Metrics, ReportFolder, TrainingRecord, Wanted, WriteError,
 };
 use crate::seed::Seed;
 use crate::store::{CODE, Ids, Index, Kept, Limits, Note, Store, StoreError, vector_instructions};
 
 /// `falsify run`
 pub fn run(options: &RunOptions) -> ExitCode {
+    let gates = match Gates::new(&options.gate) {
+        Ok(gates) => gates,
+        Err(code) => return code,
+    };
     let (mut plan, files) = match front::compile_files(&options.files, &options.given) {
         Ok(compiled) => compiled,
         Err(code) => return code,
@@ -50,7 +56,7 @@ pub fn run(options: &RunOptions) -> ExitCode {
     interrupt::listen();
     let mut worst = ExitCode::Done;
     for campaign in &plan.campaigns {
-        match pool.install(|| carry_out(campaign, options, &files, &store)) {
+        match pool.install(|| carry_out(campaign, options, &files, &store, &gates)) {
             Ok(ExitCode::Done) => {}
             Ok(code) => worst = code,
             Err(message) => {
@@ -59,8 +65,13 @@ pub fn run(options: &RunOptions) -> ExitCode {
             }
         }
         if interrupt::asked() {
-            return ExitCode::Interrupted;
+            worst = ExitCode::Interrupted;
+            break;
         }
+    }
+    if let Err(message) = gates.write() {
+        front::fail(&message);
+        return ExitCode::WriteFailed;
     }
     worst
 }
@@ -76,6 +87,7 @@ fn carry_out(
     options: &RunOptions,
     files: &[FileRecord],
     store: &Store,
+    gates: &Gates<'_>,
 ) -> Result<ExitCode, String> {
     let (name, seed) = (name(campaign, options), options.seed);
     let failed = |error: StoreError| kept(&error.to_string(), &options.out);
@@ -114,17 +126,27 @@ fn carry_out(
     let times = (keeper.training_seconds(), began.elapsed().as_secs_f64());
     let manifest = manifest(campaign, options, files, &finished, &gathered, times);
     report::write(&folder, campaign, &finished, &gathered, &manifest).map_err(written)?;
+    if options.ticks != TickChoice::None {
+        let all = options.ticks == TickChoice::All;
+        let wanted = Wanted::of(&Episodes::new(campaign, &keeper), &finished, all).map_err(written)?;
+        report::write_ticks(&folder, &Seed::root(seed), &wanted).map_err(written)?;
+    }
     let place = {
         let _door = store.door();
         folder.finish(manifest.complete).map_err(written)?
     };
     interrupt::hold(false);
-    print_cells(campaign, &finished, &gathered).map_err(|error| error.to_string())?;
+    let metrics = print_cells(campaign, &finished, &gathered).map_err(|error| error.to_string())?;
+    let passed = gates.judge(&manifest, &metrics);
     front::say(&place.join("summary.md").display().to_string());
     let failed = finished.trainings.iter().any(|training| training.result.is_err())
         || finished.searches.iter().any(|search| search.error.is_some());
     let whole = manifest.complete || finished.interrupted;
-    Ok(if failed || !whole || manifest.errors > 0 { ExitCode::RunFailed } else { ExitCode::Done })
+    Ok(match (failed || !whole || manifest.errors > 0, passed) {
+        (true, _) => ExitCode::RunFailed,
+        (false, false) => ExitCode::GateFailed,
+        (false, true) => ExitCode::Done,
+    })
 }
 
 /// What is to be said when something cannot be written.
@@ -181,6 +203,7 @@ fn manifest(
         code: CODE.into(),
         campaign: campaign.name.clone(),
         seed: options.seed,
+        call: front::call(&options.files, &options.given),
         settings: campaign.settings.clone(),
         smoke: options.smoke,
         complete: trained == campaign.trainings.len()
@@ -203,12 +226,13 @@ fn manifest(
 }
 
 /// Prints the cells, narrow enough for a terminal.
-fn print_cells(campaign: &Campaign, finished: &Finished, gathered: &Gathered) -> Result<(), WriteError> {
+fn print_cells(campaign: &Campaign, finished: &Finished, gathered: &Gathered) -> Result<Metrics, WriteError> {
     let failed = |source| WriteError::Table { name: "cells".into(), source };
-    let cells = Metrics::of_runs(gathered.runs.clone()).and_then(|metrics| metrics.cells()).map_err(failed)?;
+    let metrics = Metrics::of_runs(gathered.runs.clone()).map_err(failed)?;
+    let cells = metrics.cells().map_err(failed)?;
     front::say(report::table(&campaign.name, &cells).trim_end());
     if !finished.searches.is_empty() {
         front::say(report::search_table(&report::search_cells(&finished.searches)).trim_end());
     }
-    Ok(())
+    Ok(metrics)
 }

@@ -7,7 +7,7 @@ use super::lower::{BuiltTown, Lowering};
 use super::plan::{
     Campaign, Driver, Evaluation, NamedTown, Pedestrian, Published, Search, SearchKey, Training, TrainingKey,
 };
-use super::{adversary, episode, falsifier, policy, published, reward, training, vehicle};
+use super::{RunId, adversary, episode, falsifier, policy, published, reward, training, vehicle};
 use crate::env::{Adversary, EpisodeRule, PolicyMaker, RewardRule, Scenario, SpawnRule};
 use crate::falsifier::Falsifier;
 use crate::lang::codes;
@@ -215,6 +215,7 @@ impl Lowering<'_> {
             let scenarios: BTreeMap<&String, _> =
                 rewards.iter().map(|(name, reward)| (name, scenario(reward))).collect();
             campaign.evaluations.extend(who.iter().map(|(pedestrian, trained)| Evaluation {
+                id: RunId::default(),
                 pedestrian: *pedestrian,
                 trained: trained.clone(),
                 town: place.town.name.clone(),
@@ -244,6 +245,7 @@ impl Lowering<'_> {
             let recipe = self.recipe(&[ground.as_slice(), &rival.declarations].concat());
             campaign.searches.extend((0..runs).map(|run| Search {
                 key: SearchKey {
+                    id: RunId::default(),
                     falsifier: rival.name.clone(),
                     method: rival.method,
                     reward: rival.reward.0.clone(),

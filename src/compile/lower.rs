@@ -199,6 +199,7 @@ impl Lowering<'_> {
             if chosen {
                 let mut campaign = self.campaign(declaration);
                 campaign.name = named(&campaign.name, &variant.settings);
+                campaign.name_runs();
                 campaign.docs.extend(variant.settings.iter().map(|setting| format!("With {setting}.")));
                 campaign.settings.clone_from(&variant.settings);
                 campaign.words = self.note_used(declaration.id);

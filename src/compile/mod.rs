@@ -24,6 +24,7 @@ mod published;
 mod campaign;
 mod plan;
 mod recipe;
+mod run_id;
 mod lower;
 mod grid;
 
@@ -34,3 +35,4 @@ pub use plan::{
     Search, SearchKey, Training, TrainingKey,
 };
 pub use recipe::Recipe;
+pub use run_id::RunId;

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use super::Recipe;
+use super::{Recipe, RunId};
 use crate::env::Scenario;
 use crate::falsifier::Falsifier;
 use crate::rl::PpoConfig;
@@ -191,6 +191,8 @@ impl Pedestrian {
 /// One pedestrian tried in one town against one policy.
 #[derive(Debug, Clone)]
 pub struct Evaluation {
+    /// Its short name.
+    pub id: RunId,
     /// Who is tried.
     pub pedestrian: Pedestrian,
     /// What it was trained in; for the untrained ones, whose reward and run these rows are compared with.
@@ -216,6 +218,8 @@ pub struct Evaluation {
 /// What distinguishes a search from the others of its campaign.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct SearchKey {
+    /// Its short name.
+    pub id: RunId,
     /// Name of the falsifier.
     pub falsifier: String,
     /// Its kind.
