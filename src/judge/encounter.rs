@@ -1,10 +1,9 @@
+use super::sight::is_in_sight;
 use super::{DrivenPath, Place};
 use crate::av::reference_drivers::Threat;
 use crate::env::{Moment, Recording, Scenario};
-use crate::geometry::{Obstacles, OrientedBox, Point, Pose, Vector};
+use crate::geometry::{Obstacles, OrientedBox, Point, Vector};
 
-/// From the bumper back to the driver's eye (m).
-const EYE: f64 = 1.9;
 /// A pedestrian that has been no danger for so long (s) begins a new approach.
 const FORGETTING: f64 = 1.0;
 /// For how long after the recorded touch the pedestrian goes on (s).
@@ -109,15 +108,7 @@ impl Encounter {
         let place = self.path.place(position, way);
         let step = Step { position, place, velocity: moment.pedestrian.velocity };
         let threat = self.threat(&step, &step, 0.0, way);
-        threat.is_some_and(|threat| threat.is_on_its_way()) && self.sees(&moment.ego.pose, position, obstacles)
-    }
-
-    /// Whether the middle or an edge of the pedestrian is in sight from the driver's eye.
-    fn sees(&self, ego: &Pose, pedestrian: Point, obstacles: &Obstacles) -> bool {
-        let eye = ego.to_world(Vector::new(self.half.x - EYE, 0.0));
-        let sight = (pedestrian - eye).try_normalize(1e-9).unwrap_or_else(Vector::x);
-        let edge = Vector::new(-sight.y, sight.x) * self.radius;
-        [Vector::zeros(), edge, -edge].iter().any(|offset| !obstacles.blocks_sight(eye, pedestrian + offset))
+        threat.is_some_and(|threat| threat.is_on_its_way()) && is_in_sight(moment, self.half.x, self.radius, obstacles)
     }
 
     /// The pedestrian between two ticks as a driver so far along the path (m) sees it; none when it is behind the car.

@@ -11,8 +11,20 @@ use tempfile::TempDir;
 /// The file whose presence marks a folder as a finished report.
 const MARK: &str = "manifest.toml";
 /// The tables of a report, as CSV and Parquet.
-const TABLES: [&str; 8] =
-    ["episodes", "runs", "cells", "failure_modes", "learning_curve", "searches", "search_cells", "search_failures"];
+const TABLES: [&str; 12] = [
+    "episodes",
+    "runs",
+    "cells",
+    "failure_modes",
+    "mode_counts",
+    "mode_accumulation",
+    "explanations",
+    "explanation_features",
+    "learning_curve",
+    "searches",
+    "search_cells",
+    "search_failures",
+];
 
 /// Why a report could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -193,8 +205,8 @@ fn is_ours(name: &str) -> bool {
     let (stem, extension) = name.split_once('.').unwrap_or((name, ""));
     match extension {
         "csv" | "parquet" => TABLES.contains(&stem),
-        "svg" => stem.starts_with("learning_") || stem.starts_with("town-"),
-        _ => [MARK, "summary.md", "pedestrians"].contains(&name),
+        "svg" => stem.starts_with("learning_") || stem.starts_with("town-") || stem == "mode_accumulation",
+        _ => [MARK, "summary.md", "pedestrians", "modes"].contains(&name),
     }
 }
 

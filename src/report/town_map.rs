@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+use super::svg::escape;
 use crate::campaign::EpisodeRow;
 use crate::env::{Ending, Spawn};
 use crate::geometry::{Point, Pose};
@@ -179,8 +180,4 @@ fn polygon(page: &mut String, class: &str, corners: &[Point]) {
         let _ = write!(page, "{:.2},{:.2} ", corner.x, -corner.y);
     }
     page.push_str("\"/>\n");
-}
-
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

@@ -1,12 +1,12 @@
 use std::collections::BTreeMap;
 
 use super::{
-    Manifest, ReportFolder, WriteError, episodes, failure_modes, learning_curve, learning_figures, metrics,
-    search_cell_table, search_cells, search_failures, search_summary, searches, summary, town_map,
+    Kinds, Manifest, ReportFolder, WriteError, episodes, learning_curve, learning_figures, metrics, search_cell_table,
+    search_cells, search_failures, search_summary, searches, summary, town_map,
 };
-use crate::analysis;
 use crate::campaign::{EpisodeRow, Finished};
 use crate::compile::{Campaign, TrainingKey};
+use crate::seed::Seed;
 
 /// Where a report holds a trained pedestrian, relative to its folder; the format is the file's extension.
 pub fn pedestrian_file(key: &TrainingKey, format: &str) -> String {
@@ -32,7 +32,11 @@ pub fn write(
     folder.table("episodes", &episodes)?;
     folder.table("runs", &metrics.runs)?;
     folder.table("cells", &metrics.cells)?;
-    folder.table("failure_modes", &failure_modes(&analysis::failure_modes(&finished.rows)))?;
+    let mut kinds = Kinds::new(campaign, &finished.trainings, &Seed::root(manifest.seed));
+    for run in finished.rows.chunk_by(is_of_one_run) {
+        kinds.add(&super::episodes(run)).map_err(failed("failure_modes"))?;
+    }
+    let kinds = kinds.write(folder)?;
     folder.table("learning_curve", &learning_curve(&finished.trainings))?;
     for (name, svg) in learning_figures(&finished.trainings) {
         folder.file(&format!("{name}.svg"), svg.as_bytes())?;
@@ -66,6 +70,7 @@ pub fn write(
     }
     let cells = metrics.cells().map_err(failed("cells"))?;
     let mut page = summary(campaign, &cells, manifest);
+    page.push_str(&kinds);
     if !finished.searches.is_empty() {
         let cells = search_cells(&finished.searches);
         folder.table("searches", &searches(&finished.searches))?;
@@ -75,4 +80,12 @@ pub fn write(
     }
     folder.file("summary.md", page.as_bytes())?;
     folder.file("manifest.toml", manifest.to_toml().as_bytes())
+}
+
+/// Whether two rows are of one pedestrian in one town against one policy.
+fn is_of_one_run(a: &EpisodeRow, b: &EpisodeRow) -> bool {
+    let place = |row: &EpisodeRow| {
+        (row.town.clone(), row.policy.clone(), row.vehicle.clone(), row.adversary.clone(), row.block)
+    };
+    (&a.trained, a.pedestrian) == (&b.trained, b.pedestrian) && place(a) == place(b)
 }

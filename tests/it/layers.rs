@@ -36,8 +36,11 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ),
     ("judge", &["geometry", "sim", "av", "env"]),
     ("campaign", &["seed", "rl", "env", "compile", "falsifier", "judge"]),
-    ("analysis", &["env", "campaign"]),
-    ("report", &["geometry", "road", "av", "rl", "env", "falsifier", "compile", "judge", "campaign", "analysis"]),
+    ("analysis", &["seed", "av", "env", "judge"]),
+    (
+        "report",
+        &["seed", "geometry", "road", "av", "rl", "env", "falsifier", "compile", "judge", "campaign", "analysis"],
+    ),
     ("process", &["av"]),
     ("lsp", &["diagnostic", "signature", "units", "lang", "compile"]),
     (
