@@ -9,7 +9,7 @@ use super::{ExitCode, front, interrupt, list};
 use crate::campaign::{self, Finished};
 use crate::compile::Campaign;
 use crate::report::{
-    self, Episodes, FileRecord, Gathered, Manifest, Metrics, ReportFolder, TrainingRecord, Wanted, WriteError,
+    self, Episodes, FileRecord, Gathered, Kinds, Manifest, Metrics, ReportFolder, TrainingRecord, Wanted, WriteError,
 };
 use crate::seed::Seed;
 use crate::store::{CODE, Ids, Index, Kept, Limits, Note, Store, StoreError, vector_instructions};
@@ -114,7 +114,8 @@ fn carry_out(
     index.write(store, &name, campaign, seed).map_err(failed)?;
     interrupt::hold(true);
     let written = |error: WriteError| kept(&error.to_string(), &options.out);
-    let gathered = report::gather(&folder, campaign, &Episodes::new(campaign, &keeper)).map_err(written)?;
+    let mut kinds = Kinds::new(campaign, &finished.trainings, &Seed::root(seed));
+    let gathered = report::gather(&folder, &Episodes::new(campaign, &keeper), &mut kinds).map_err(written)?;
     if gathered.episodes == 0
         && finished.searches.is_empty()
         && finished.trainings.iter().all(|training| training.result.is_err())
@@ -125,7 +126,7 @@ fn carry_out(
     say_errors(&gathered);
     let times = (keeper.training_seconds(), began.elapsed().as_secs_f64());
     let manifest = manifest(campaign, options, files, &finished, &gathered, times);
-    report::write(&folder, campaign, &finished, &gathered, &manifest).map_err(written)?;
+    report::write(&folder, campaign, &finished, &gathered, kinds, &manifest).map_err(written)?;
     if options.ticks != TickChoice::None {
         let all = options.ticks == TickChoice::All;
         let wanted = Wanted::of(&Episodes::new(campaign, &keeper), &finished, all).map_err(written)?;

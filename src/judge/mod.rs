@@ -16,6 +16,7 @@
 //! the car's own brake can do.
 
 mod driven_path;
+mod sight;
 mod encounter;
 mod reference;
 mod trial;
@@ -26,5 +27,6 @@ mod tests;
 pub use driven_path::{DrivenPath, Place};
 pub use encounter::{Encounter, Step};
 pub use reference::Reference;
+pub use sight::Sight;
 pub use trial::Trial;
 pub use verdict::{Label, Verdict, judge};

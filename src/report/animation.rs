@@ -2,7 +2,7 @@ use std::fmt::Write;
 
 use super::account::BRAKING;
 use super::stage::{STYLE, Stage};
-use super::town_map::escape;
+use super::svg::escape;
 use crate::env::{Moment, Recording, Scenario};
 use crate::judge::Verdict;
 

@@ -4,14 +4,9 @@ use std::collections::BTreeMap;
 
 use kuva::prelude::*;
 
+use super::svg::COLOURS;
 use crate::campaign::TrainingResult;
 use crate::rl::UpdateLog;
-
-/// Colours that stay apart for colour-blind readers.
-///
-/// # Source
-/// Okabe and Ito, *Color universal design*, 2008.
-const COLOURS: [&str; 7] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"];
 
 /// Draws a quantity of the updates over the steps: the mean over runs, and one standard deviation about it.
 ///

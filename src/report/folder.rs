@@ -20,6 +20,10 @@ const TABLES: &[&str] = &[
     "cells",
     "published",
     "failure_modes",
+    "mode_counts",
+    "mode_accumulation",
+    "explanations",
+    "explanation_features",
     "learning_curve",
     "searches",
     "search_cells",
@@ -235,8 +239,8 @@ fn is_ours(name: &str) -> bool {
     let (stem, extension) = name.split_once('.').unwrap_or((name, ""));
     match extension {
         "csv" | "parquet" => TABLES.contains(&stem),
-        "svg" => stem.starts_with("learning_") || stem.starts_with("town-"),
-        _ => [MARK, "summary.md", "pedestrians"].contains(&name),
+        "svg" => stem.starts_with("learning_") || stem.starts_with("town-") || stem == "mode_accumulation",
+        _ => [MARK, "summary.md", "pedestrians", "modes"].contains(&name),
     }
 }
 

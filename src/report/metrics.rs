@@ -266,7 +266,7 @@ mod tests {
     use crate::compile::TrainingKey;
     use crate::env::{Ending, Outcome, Spawn};
     use crate::geometry::Pose;
-    use crate::judge::{Trial, Verdict};
+    use crate::judge::{Sight, Trial, Verdict};
 
     fn row(run: u32, episode: u32, hit: Option<(bool, f64)>) -> EpisodeRow {
         let ending = hit.map_or(Ending::Timeout, |(front, impact_speed)| Ending::Collision {
@@ -283,6 +283,7 @@ mod tests {
             label: if front { Label::Preventable } else { Label::Standing },
             warning: 2.0,
             foreseeable: front,
+            sight: Sight { hidden: 0.0, seen: 3.0 },
             impact_speed,
             trials: [Trial { impact_speed: None, time: 1.0, least_gap: 0.5 }; 6],
         });

@@ -1,7 +1,7 @@
 use std::fmt::Write;
 
 use super::stage::{STYLE, Stage};
-use super::town_map::escape;
+use super::svg::escape;
 use crate::env::{Recording, Scenario};
 use crate::judge::Verdict;
 

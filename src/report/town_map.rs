@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+use super::svg::escape;
 use crate::env::{Ending, Outcome, Spawn};
 use crate::geometry::{Point, Pose};
 use crate::road::{LaneKind, Road, Town};
@@ -188,8 +189,4 @@ pub(super) fn polygon(page: &mut String, class: &str, corners: &[Point]) {
         let _ = write!(page, "{:.2},{:.2} ", corner.x, -corner.y);
     }
     page.push_str("\"/>\n");
-}
-
-pub(super) fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

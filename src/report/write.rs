@@ -1,12 +1,10 @@
 use std::collections::BTreeMap;
 
-use super::gathered::MOST_COLLISIONS;
 use super::{
-    Gathered, Manifest, Metrics, ReportFolder, WriteError, beside, failure_modes, learning_curve, learning_figures,
-    published, published_summary, search_cell_table, search_cells, search_failures, search_summary, searches, summary,
-    town_map, trainings_summary,
+    Gathered, Kinds, Manifest, Metrics, ReportFolder, WriteError, beside, learning_curve, learning_figures, published,
+    published_summary, search_cell_table, search_cells, search_failures, search_summary, searches, summary, town_map,
+    trainings_summary,
 };
-use crate::analysis;
 use crate::campaign::Finished;
 use crate::compile::{Campaign, TrainingKey};
 
@@ -25,6 +23,7 @@ pub fn write(
     campaign: &Campaign,
     finished: &Finished,
     gathered: &Gathered,
+    kinds: Kinds<'_>,
     manifest: &Manifest,
 ) -> Result<(), WriteError> {
     let failed = |name: &str| {
@@ -34,7 +33,7 @@ pub fn write(
     let metrics = Metrics::of_runs(gathered.runs.clone()).map_err(failed("cells"))?;
     folder.table("runs", &metrics.runs)?;
     folder.table("cells", &metrics.cells)?;
-    folder.table("failure_modes", &failure_modes(&analysis::failure_modes(&gathered.collisions)))?;
+    let kinds = kinds.write(folder)?;
     folder.table("learning_curve", &learning_curve(&finished.trainings))?;
     for (name, svg) in learning_figures(&finished.trainings) {
         folder.file(&format!("{name}.svg"), svg.as_bytes())?;
@@ -73,12 +72,7 @@ pub fn write(
         folder.table("published", &published(&all))?;
         page.push_str(&published_summary(&all));
     }
-    if gathered.left_out > 0 {
-        let (most, more) = (MOST_COLLISIONS, gathered.left_out);
-        page.push_str(&format!(
-            "\nFailure modes were found in the first {most} collisions of each cell, in equal parts from its runs; {more} more were left out.\n"
-        ));
-    }
+    page.push_str(&kinds);
     if !finished.searches.is_empty() {
         let cells = search_cells(&finished.searches);
         folder.table("searches", &searches(&finished.searches))?;

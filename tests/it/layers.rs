@@ -36,7 +36,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ),
     ("judge", &["geometry", "sim", "av", "env"]),
     ("campaign", &["seed", "rl", "env", "compile", "falsifier", "judge"]),
-    ("analysis", &["env", "campaign"]),
+    ("analysis", &["seed", "av", "env", "judge"]),
     (
         "report",
         &[

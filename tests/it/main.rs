@@ -25,6 +25,7 @@ mod editors;
 mod explanations;
 mod format;
 mod hostile_input;
+mod kinds;
 mod language_server;
 mod layers;
 mod learning;

@@ -37,6 +37,7 @@ fn the_column_dictionary_names_every_column() {
     let dictionary = read("reports/README.md");
     let tables = [
         ("first_look", ["episodes", "runs", "cells", "learning_curve", "failure_modes"].as_slice()),
+        ("first_look", &["mode_counts", "mode_accumulation", "explanations", "explanation_features"]),
         ("rivals", &["searches", "search_cells", "search_failures"]),
     ];
     for (campaign, table) in tables.into_iter().flat_map(|(name, tables)| tables.iter().map(move |table| (name, table)))
