@@ -1,7 +1,7 @@
 use polars::prelude::*;
 
-use super::wilson;
 use crate::judge::Label;
+use crate::statistics::wilson;
 
 /// What a run is told apart by, beside its number.
 const CELL: [&str; 9] =

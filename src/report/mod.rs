@@ -5,13 +5,11 @@
 //! further trainings.
 
 mod tables;
-mod wilson;
 mod metrics;
 mod learning_curve;
 mod figure;
 mod town_map;
 mod waypoints;
-mod student;
 mod survival;
 mod searches;
 mod search_summary;
@@ -33,5 +31,4 @@ pub use survival::{MedianTime, median_time};
 pub use tables::{episodes, failure_modes};
 pub use town_map::{spawn_map, town_map};
 pub use waypoints::waypoints;
-pub use wilson::wilson;
 pub use write::{pedestrian_file, write};
