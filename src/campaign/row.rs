@@ -1,6 +1,6 @@
 use crate::compile::{Evaluation, TrainingKey};
 use crate::env::Outcome;
-use crate::judge::Verdict;
+use crate::judge::{NearMiss, Verdict};
 
 /// One episode of an evaluation.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,11 +25,19 @@ pub struct EpisodeRow {
     pub outcome: Outcome,
     /// What reference drivers make of it; none without a collision.
     pub verdict: Option<Verdict>,
+    /// How near it came to a touch.
+    pub near_miss: NearMiss,
 }
 
 impl EpisodeRow {
     /// Makes the row of an episode of an evaluation.
-    pub fn new(evaluation: &Evaluation, episode: u32, outcome: Outcome, verdict: Option<Verdict>) -> Self {
+    pub fn new(
+        evaluation: &Evaluation,
+        episode: u32,
+        outcome: Outcome,
+        verdict: Option<Verdict>,
+        near_miss: NearMiss,
+    ) -> Self {
         Self {
             trained: evaluation.trained.clone(),
             pedestrian: evaluation.pedestrian.name(),
@@ -41,6 +49,7 @@ impl EpisodeRow {
             episode,
             outcome,
             verdict,
+            near_miss,
         }
     }
 }

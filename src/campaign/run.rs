@@ -6,7 +6,7 @@ use super::search::{SearchResult, search};
 use super::{EpisodeRow, Observer, watch};
 use crate::compile::{Campaign, Evaluation, Pedestrian, Training, TrainingKey};
 use crate::falsifier::{TrainError, train};
-use crate::judge::judge;
+use crate::judge::{NearMiss, judge};
 use crate::rl::Trained;
 use crate::seed::Seed;
 
@@ -110,13 +110,17 @@ fn evaluate(
         trained,
         0..evaluation.episodes,
         seed,
-        &mut |outcome, recording| (*outcome, judge(&evaluation.scenario, recording)),
+        &mut |outcome, recording| {
+            let scenario = &evaluation.scenario;
+            (*outcome, judge(scenario, recording), NearMiss::new(scenario, recording))
+        },
         &mut |_| {
             observer.tried(index, evaluation);
             flow(observer)
         },
     );
-    let row = |(episode, (outcome, verdict))| EpisodeRow::new(evaluation, episode, outcome, verdict);
+    let row =
+        |(episode, (outcome, verdict, near_miss))| EpisodeRow::new(evaluation, episode, outcome, verdict, near_miss);
     (0..).zip(noted).map(row).collect()
 }
 

@@ -276,6 +276,7 @@ mod tests {
             episode,
             outcome: Outcome { spawn, ending, reward, ticks: 10, duration: 0.5, least_gap, last_mode, digest: 7 },
             verdict,
+            near_miss: crate::judge::NearMiss::default(),
         }
     }
 
