@@ -30,6 +30,14 @@ pub struct EpisodeRow {
 }
 
 impl EpisodeRow {
+    /// Whether another is an episode of the same pedestrian of the same training in the same town against the same policy.
+    pub fn is_of_same_run(&self, other: &Self) -> bool {
+        let names = |row: &Self| [&row.town, &row.policy, &row.vehicle, &row.adversary].map(Clone::clone);
+        (self.block, self.pedestrian) == (other.block, other.pedestrian)
+            && self.trained == other.trained
+            && names(self) == names(other)
+    }
+
     /// Makes the row of an episode of an evaluation.
     pub fn new(
         evaluation: &Evaluation,

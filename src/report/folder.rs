@@ -11,8 +11,18 @@ use tempfile::TempDir;
 /// The file whose presence marks a folder as a finished report.
 const MARK: &str = "manifest.toml";
 /// The tables of a report, as CSV and Parquet.
-const TABLES: [&str; 8] =
-    ["episodes", "runs", "cells", "failure_modes", "learning_curve", "searches", "search_cells", "search_failures"];
+const TABLES: [&str; 10] = [
+    "episodes",
+    "runs",
+    "cells",
+    "comparisons",
+    "transfer",
+    "failure_modes",
+    "learning_curve",
+    "searches",
+    "search_cells",
+    "search_failures",
+];
 
 /// Why a report could not be written.
 #[derive(Debug, thiserror::Error)]

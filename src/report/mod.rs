@@ -15,10 +15,14 @@ mod searches;
 mod search_summary;
 mod summary;
 mod avoidable;
+mod evidence;
 mod manifest;
 mod folder;
 mod write;
 
+pub use evidence::{
+    Between, CellEvidence, CellKey, Change, Comparison, Evidence, Figure, Quantiles, Test, Transfer, evidence,
+};
 pub use figure::learning_figures;
 pub use folder::{ReportFolder, WriteError, write_csv, write_file};
 pub use learning_curve::learning_curve;

@@ -1,12 +1,13 @@
 use std::collections::BTreeMap;
 
 use super::{
-    Manifest, ReportFolder, WriteError, episodes, failure_modes, learning_curve, learning_figures, metrics,
+    Manifest, ReportFolder, WriteError, episodes, evidence, failure_modes, learning_curve, learning_figures, metrics,
     search_cell_table, search_cells, search_failures, search_summary, searches, summary, town_map,
 };
 use crate::analysis;
 use crate::campaign::{EpisodeRow, Finished};
 use crate::compile::{Campaign, TrainingKey};
+use crate::seed::Seed;
 
 /// Where a report holds a trained pedestrian, relative to its folder; the format is the file's extension.
 pub fn pedestrian_file(key: &TrainingKey, format: &str) -> String {
@@ -31,7 +32,13 @@ pub fn write(
     let metrics = metrics(&episodes).map_err(failed("cells"))?;
     folder.table("episodes", &episodes)?;
     folder.table("runs", &metrics.runs)?;
-    folder.table("cells", &metrics.cells)?;
+    let runs = finished.rows.chunk_by(EpisodeRow::is_of_same_run).map(|run| Ok(super::episodes(run)));
+    let seed = Seed::root(manifest.seed).child("report");
+    let evidence = evidence::evidence(runs, &seed).map_err(failed("cells"))?;
+    let cells = metrics.cells.hstack(&evidence::cell_columns(&evidence.cells)).map_err(failed("cells"))?;
+    folder.table("cells", &cells)?;
+    folder.table("comparisons", &evidence::comparison_table(&evidence.comparisons))?;
+    folder.table("transfer", &evidence::transfer_table(&evidence.transfers))?;
     folder.table("failure_modes", &failure_modes(&analysis::failure_modes(&finished.rows)))?;
     folder.table("learning_curve", &learning_curve(&finished.trainings))?;
     for (name, svg) in learning_figures(&finished.trainings) {
@@ -65,7 +72,7 @@ pub fn write(
         folder.file(&pedestrian_file(key, "onnx"), &trained.actor_critic.to_onnx(&bounds, &metadata))?;
     }
     let cells = metrics.cells().map_err(failed("cells"))?;
-    let mut page = summary(campaign, &cells, manifest);
+    let mut page = summary(campaign, &cells, &evidence, manifest);
     if !finished.searches.is_empty() {
         let cells = search_cells(&finished.searches);
         folder.table("searches", &searches(&finished.searches))?;
