@@ -5,6 +5,7 @@
 mod row;
 mod observer;
 mod watch;
+mod stopping;
 mod search;
 mod run;
 
@@ -12,4 +13,5 @@ pub use observer::{Observer, Silent};
 pub use row::EpisodeRow;
 pub use run::{Finished, TrainingResult, run, smoke};
 pub use search::SearchResult;
+pub use stopping::StoppingRule;
 pub use watch::watch;

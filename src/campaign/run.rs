@@ -3,8 +3,9 @@ use std::ops::ControlFlow;
 use rayon::prelude::*;
 
 use super::search::{SearchResult, search};
-use super::{EpisodeRow, Observer, watch};
+use super::{EpisodeRow, Observer, StoppingRule, watch};
 use crate::compile::{Campaign, Evaluation, Pedestrian, Training, TrainingKey};
+use crate::env::{Outcome, Recording};
 use crate::falsifier::{TrainError, train};
 use crate::judge::{NearMiss, judge};
 use crate::rl::Trained;
@@ -28,6 +29,8 @@ pub struct Finished {
     pub rows: Vec<EpisodeRow>,
     /// The searches, in the plan's order. Those that were never begun are missing.
     pub searches: Vec<SearchResult>,
+    /// Whether every evaluation has all its episodes, or as many as its stopping rule asks for.
+    pub all_tried: bool,
     /// Whether the observer stopped it.
     pub interrupted: bool,
 }
@@ -59,6 +62,7 @@ pub fn run(campaign: &Campaign, seed: &Seed, observer: &dyn Observer) -> Finishe
         .with_max_len(1)
         .map(|(index, evaluation)| evaluate(index, evaluation, &trainings, seed, observer))
         .collect();
+    let all_tried = campaign.evaluations.iter().zip(&episodes).all(|(evaluation, rows)| is_finished(evaluation, rows));
     let searches: Vec<Option<SearchResult>> = campaign
         .searches
         .par_iter()
@@ -74,6 +78,7 @@ pub fn run(campaign: &Campaign, seed: &Seed, observer: &dyn Observer) -> Finishe
         trainings: trainings.into_iter().flatten().collect(),
         rows: episodes.into_iter().flatten().collect(),
         searches: searches.into_iter().flatten().collect(),
+        all_tried,
         interrupted: observer.stop(),
     }
 }
@@ -105,23 +110,39 @@ fn evaluate(
     if observer.stop() {
         return Vec::new();
     }
-    let noted = watch(
-        evaluation,
-        trained,
-        0..evaluation.episodes,
-        seed,
-        &mut |outcome, recording| {
-            let scenario = &evaluation.scenario;
-            (*outcome, judge(scenario, recording), NearMiss::new(scenario, recording))
-        },
-        &mut |_| {
-            observer.tried(index, evaluation);
-            flow(observer)
-        },
-    );
-    let row =
-        |(episode, (outcome, verdict, near_miss))| EpisodeRow::new(evaluation, episode, outcome, verdict, near_miss);
-    (0..).zip(noted).map(row).collect()
+    let mut note = |outcome: &Outcome, recording: &Recording| {
+        let scenario = &evaluation.scenario;
+        (*outcome, judge(scenario, recording), NearMiss::new(scenario, recording))
+    };
+    let mut tell = |_| {
+        observer.tried(index, evaluation);
+        flow(observer)
+    };
+    let mut rows: Vec<EpisodeRow> = Vec::new();
+    for look in rule(evaluation).looks() {
+        let first = rows.len() as u32;
+        let noted = watch(evaluation, trained, first..look, seed, &mut note, &mut tell);
+        let row = |(episode, (outcome, verdict, near_miss))| {
+            EpisodeRow::new(evaluation, episode, outcome, verdict, near_miss)
+        };
+        rows.extend((first..).zip(noted).map(row));
+        if (rows.len() as u32) < look || is_finished(evaluation, &rows) {
+            break;
+        }
+    }
+    rows
+}
+
+fn rule(evaluation: &Evaluation) -> StoppingRule {
+    StoppingRule::new(evaluation.halfwidth, evaluation.episodes)
+}
+
+/// Whether an evaluation has all its episodes, or as many as its stopping rule asks for.
+fn is_finished(evaluation: &Evaluation, rows: &[EpisodeRow]) -> bool {
+    let (rule, count) = (rule(evaluation), rows.len() as u32);
+    let valid = rows.iter().filter(|row| row.outcome.fault().is_none()).count() as u64;
+    let collisions = rows.iter().filter(|row| row.outcome.is_collision()).count() as u64;
+    count == evaluation.episodes || (rule.looks().contains(&count) && rule.is_met(collisions, valid))
 }
 
 pub(super) fn flow(observer: &dyn Observer) -> ControlFlow<()> {

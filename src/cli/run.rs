@@ -71,7 +71,10 @@ fn list(campaign: &Campaign) {
             }
             other => format!("{} ({}, run {})", other.name(), key.reward, key.run),
         };
-        let episodes = evaluation.episodes;
+        let mut episodes = evaluation.episodes.to_string();
+        if let Some(halfwidth) = evaluation.halfwidth {
+            episodes = format!("until ±{halfwidth}, at most {episodes}");
+        }
         front::say(&format!(
             "  try    {who} in {} against {}: {episodes} episodes",
             evaluation.town, evaluation.policy
@@ -176,7 +179,6 @@ fn manifest(
             error: training.result.as_ref().err().map_or(String::new(), ToString::to_string),
         }
     });
-    let planned: usize = campaign.evaluations.iter().map(|evaluation| evaluation.episodes as usize).sum();
     let all_trained = finished.trainings.len() == campaign.trainings.len();
     Manifest {
         version: env!("CARGO_PKG_VERSION").into(),
@@ -185,7 +187,7 @@ fn manifest(
         settings: campaign.settings.clone(),
         smoke: options.smoke,
         complete: all_trained
-            && finished.rows.len() == planned
+            && finished.all_tried
             && finished.searches.len() == campaign.searches.len()
             && finished.searches.iter().all(|search| search.error.is_none() && !search.spent.stopped)
             && finished.rows.iter().all(|row| row.outcome.reward.is_finite())

@@ -201,6 +201,7 @@ impl Lowering<'_> {
                 block: number,
                 scenario: scenarios[&trained.reward].clone(),
                 episodes: block.arguments.integer("episodes") as u32,
+                halfwidth: block.arguments.has("halfwidth").then(|| block.arguments.number("halfwidth")),
             }));
         }
     }

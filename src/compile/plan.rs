@@ -166,8 +166,10 @@ pub struct Evaluation {
     pub block: u32,
     /// What is tried.
     pub scenario: Arc<Scenario>,
-    /// How many episodes.
+    /// How many episodes, at most when there is a half-width.
     pub episodes: u32,
+    /// The half-width of the collision rate's 95 % interval at which it ends before that.
+    pub halfwidth: Option<f64>,
 }
 
 /// What distinguishes a search from the others of its campaign.
