@@ -46,6 +46,8 @@ mod shaping;
 mod searches;
 mod shipped;
 mod spawns;
+mod stopping;
 mod suite;
+mod tables_elsewhere;
 mod tidy;
 mod tools;
