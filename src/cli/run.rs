@@ -115,7 +115,8 @@ fn carry_out(
     interrupt::hold(true);
     let written = |error: WriteError| kept(&error.to_string(), &options.out);
     let mut kinds = Kinds::new(campaign, &finished.trainings, &Seed::root(seed));
-    let gathered = report::gather(&folder, &Episodes::new(campaign, &keeper), &mut kinds).map_err(written)?;
+    let gathered =
+        report::gather(&folder, &Episodes::new(campaign, &keeper), &mut kinds, &Seed::root(seed)).map_err(written)?;
     if gathered.episodes == 0
         && finished.searches.is_empty()
         && finished.trainings.iter().all(|training| training.result.is_err())
@@ -197,7 +198,6 @@ fn manifest(
             error: training.result.as_ref().err().map_or(String::new(), ToString::to_string),
         }
     });
-    let planned: u64 = campaign.evaluations.iter().map(|evaluation| u64::from(evaluation.episodes)).sum();
     let trained = finished.trainings.iter().filter(|training| training.result.is_ok()).count();
     Manifest {
         version: env!("CARGO_PKG_VERSION").into(),
@@ -208,7 +208,7 @@ fn manifest(
         settings: campaign.settings.clone(),
         smoke: options.smoke,
         complete: trained == campaign.trainings.len()
-            && gathered.episodes == planned
+            && gathered.all_tried
             && gathered.untried == 0
             && gathered.unpaid == 0
             && gathered.every_driver_drove

@@ -18,6 +18,8 @@ const TABLES: &[&str] = &[
     "ticks",
     "runs",
     "cells",
+    "comparisons",
+    "transfer",
     "published",
     "failure_modes",
     "mode_counts",

@@ -2,12 +2,14 @@ use std::collections::BTreeMap;
 
 use polars::prelude::{BooleanChunked, DataFrame, Float64Chunked, PolarsResult, StringChunked, UInt32Chunked};
 
+use super::evidence::{Evidence, evidence};
 use super::metrics::runs;
 use super::{Episodes, Kinds, ReportFolder, Run, Starts, WriteError};
 use crate::av::DrivingMode;
 use crate::compile::Evaluation;
 use crate::env::{Ending, Outcome, Spawn};
 use crate::geometry::Pose;
+use crate::seed::Seed;
 
 /// What one pass over all episodes brings: small tables, counts, and a bounded sample.
 #[derive(Debug, Clone)]
@@ -18,6 +20,8 @@ pub struct Gathered {
     pub episodes: u64,
     /// Simulator ticks of them.
     pub ticks: u64,
+    /// Whether every evaluation has all its episodes, or as many as its stopping rule asks for.
+    pub all_tried: bool,
     /// Episodes in error.
     pub errors: u64,
     /// How many of these were not tried, for a limit or since something before them had failed.
@@ -30,6 +34,8 @@ pub struct Gathered {
     pub first_unpaid: Option<String>,
     /// Whether every driver drove at least one episode in every town to its end.
     pub every_driver_drove: bool,
+    /// Intervals over trainings, comparisons on common beginnings, transfer gaps.
+    pub evidence: Evidence,
     /// Where trained pedestrians began, by town.
     pub starts: BTreeMap<String, Starts>,
 }
@@ -38,18 +44,25 @@ pub struct Gathered {
 ///
 /// # Errors
 /// A table that cannot be made or a file that cannot be written.
-pub fn gather(folder: &ReportFolder, episodes: &Episodes<'_>, kinds: &mut Kinds<'_>) -> Result<Gathered, WriteError> {
+pub fn gather(
+    folder: &ReportFolder,
+    episodes: &Episodes<'_>,
+    kinds: &mut Kinds<'_>,
+    seed: &Seed,
+) -> Result<Gathered, WriteError> {
     let failed = |source| WriteError::Table { name: "episodes".into(), source };
     let mut gathered = Gathered {
         runs: runs(&super::episodes(&[])).map_err(failed)?,
         episodes: 0,
         ticks: 0,
+        all_tried: true,
         errors: 0,
         untried: 0,
         first_error: None,
         unpaid: 0,
         first_unpaid: None,
         every_driver_drove: true,
+        evidence: Evidence::default(),
         starts: BTreeMap::new(),
     };
     let mut drove: BTreeMap<(&str, &str), bool> = BTreeMap::new();
@@ -67,7 +80,11 @@ pub fn gather(folder: &ReportFolder, episodes: &Episodes<'_>, kinds: &mut Kinds<
                 None => whole = Some(part),
             }
         }
-        let Some(mut whole) = whole else { continue };
+        let Some(mut whole) = whole else {
+            gathered.all_tried = false;
+            continue;
+        };
+        gathered.all_tried &= is_finished(evaluation, &whole).map_err(failed)?;
         // Sums must not hang on how many pieces there were.
         whole.rechunk_mut();
         gathered.runs.vstack_mut(&runs(&whole).map_err(failed)?).map_err(failed)?;
@@ -79,7 +96,15 @@ pub fn gather(folder: &ReportFolder, episodes: &Episodes<'_>, kinds: &mut Kinds<
     gathered.runs.rechunk_mut();
     gathered.every_driver_drove = drove.values().all(|drove| *drove);
     file.finish()?;
+    gathered.evidence = evidence(episodes.runs().map(|run| run.frame()), &seed.child("report")).map_err(failed)?;
     Ok(gathered)
+}
+
+/// Whether a run has all its episodes, or as many as its stopping rule asks for.
+fn is_finished(evaluation: &Evaluation, run: &DataFrame) -> PolarsResult<bool> {
+    let errors = text(run, "outcome")?.iter().filter(|outcome| *outcome == Some("error")).count();
+    let collisions = truth(run, "collision")?.sum().unwrap_or_default();
+    Ok(evaluation.is_finished_with(run.height() as u32, (run.height() - errors) as u64, collisions.into()))
 }
 
 impl Gathered {

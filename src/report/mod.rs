@@ -2,18 +2,16 @@
 //!
 //! Metrics are aggregated in two steps, as in the paper: episodes → run → cell. A "±" is the standard deviation over
 //! runs, that is over trainings; an interval is Wilson's over the episodes of all runs together and says nothing about
-//! further trainings.
+//! further trainings; [`evidence`] has those that do.
 
 mod tables;
 mod episodes;
-mod wilson;
 mod metrics;
 mod learning_curve;
 mod svg;
 mod figure;
 mod town_map;
 mod waypoints;
-mod student;
 mod survival;
 mod searches;
 mod search_summary;
@@ -22,6 +20,7 @@ mod avoidable;
 mod published;
 mod trainings;
 mod kinds;
+mod evidence;
 mod manifest;
 mod table_stream;
 mod folder;
@@ -40,7 +39,10 @@ mod junit;
 
 pub use account::{Account, account};
 pub use animation::animation;
-pub use episodes::{Chunk, Chunks, Episodes, Run, decode, encode};
+pub use episodes::{Chunk, Chunks, Episodes, Run, decode, encode, tally};
+pub use evidence::{
+    Between, CellEvidence, CellKey, Change, Comparison, Evidence, Figure, Quantiles, Test, Transfer, evidence,
+};
 pub use figure::learning_figures;
 pub use folder::{ReportFolder, WriteError, write_csv, write_file, write_table};
 pub use gate::{Gate, GateError, Judged};
@@ -65,7 +67,6 @@ pub use ticks::ticks;
 pub use town_map::{Starts, spawn_map, town_map};
 pub use trainings::trainings_summary;
 pub use waypoints::waypoints;
-pub use wilson::wilson;
 pub use write::{pedestrian_file, write};
 
 /// A row of a table, or several.

@@ -2,7 +2,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use super::avoidable::avoidable;
-use super::{Cell, Manifest, Spread};
+use super::{Cell, Evidence, Manifest, Spread, evidence};
 use crate::compile::{Campaign, Driver};
 
 /// What the simulator leaves out, for every summary.
@@ -13,7 +13,7 @@ CARLA, and its driver knows without error and at once whatever it looks at, unle
 no buildings unless the scenario adds them.";
 
 /// The page to read first: one table of cells, how it was made, and what it does not say.
-pub fn summary(campaign: &Campaign, cells: &[Cell], manifest: &Manifest) -> String {
+pub fn summary(campaign: &Campaign, cells: &[Cell], evidence: &Evidence, manifest: &Manifest) -> String {
     let mut page = format!("# {}\n\n", campaign.name);
     for line in &campaign.docs {
         let _ = writeln!(page, "{line}");
@@ -29,6 +29,7 @@ pub fn summary(campaign: &Campaign, cells: &[Cell], manifest: &Manifest) -> Stri
     }
     if !cells.is_empty() {
         episodes(&mut page, cells);
+        page.push_str(&evidence::page(cells, evidence));
     }
     page.push_str(&drivers(&campaign.drivers));
     let _ = write!(

@@ -3,7 +3,7 @@ use polars::prelude::{Column, DataFrame, NamedFrom, PlSmallStr, Scalar, Series};
 use crate::campaign::EpisodeRow;
 use crate::compile::Evaluation;
 use crate::env::Ending;
-use crate::judge::{Reference, Trial};
+use crate::judge::{NearMiss, Reference, Trial};
 
 /// Episodes as a table, one row each, in the order given. The columns are explained in `reports/README.md`.
 pub fn episodes(rows: &[EpisodeRow]) -> DataFrame {
@@ -71,6 +71,8 @@ pub(super) fn outcomes(rows: &[EpisodeRow]) -> DataFrame {
         Ending::Collision { front, moving, impact_speed, bearing } => Some((front, moving, impact_speed, bearing)),
         _ => None,
     };
+    // A driver that failed has not driven to the end.
+    let near = |row: &EpisodeRow| if row.outcome.fault().is_some() { NearMiss::default() } else { row.near_miss };
     let mut columns = vec![
         count("episode", &|row| row.episode),
         text("outcome", &|row| ending(&row.outcome.ending).into()),
@@ -84,6 +86,8 @@ pub(super) fn outcomes(rows: &[EpisodeRow]) -> DataFrame {
         number("episode_length_s", &|row| row.outcome.duration),
         count("ticks", &|row| row.outcome.ticks),
         number("least_gap_m", &|row| row.outcome.least_gap),
+        maybe("min_ttc_s", &|row| near(row).min_ttc),
+        maybe("pet_s", &|row| near(row).pet),
         text("driving_mode", &|row| row.outcome.last_mode.name().into()),
         number("ego_x_m", &|row| row.outcome.spawn.ego.x),
         number("ego_y_m", &|row| row.outcome.spawn.ego.y),

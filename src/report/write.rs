@@ -1,9 +1,9 @@
 use std::collections::BTreeMap;
 
 use super::{
-    Gathered, Kinds, Manifest, Metrics, ReportFolder, WriteError, beside, learning_curve, learning_figures, published,
-    published_summary, search_cell_table, search_cells, search_failures, search_summary, searches, summary, town_map,
-    trainings_summary,
+    Gathered, Kinds, Manifest, Metrics, ReportFolder, WriteError, beside, evidence, learning_curve, learning_figures,
+    published, published_summary, search_cell_table, search_cells, search_failures, search_summary, searches, summary,
+    town_map, trainings_summary,
 };
 use crate::campaign::Finished;
 use crate::compile::{Campaign, TrainingKey};
@@ -32,7 +32,11 @@ pub fn write(
     };
     let metrics = Metrics::of_runs(gathered.runs.clone()).map_err(failed("cells"))?;
     folder.table("runs", &metrics.runs)?;
-    folder.table("cells", &metrics.cells)?;
+    let evidence = &gathered.evidence;
+    let cells = metrics.cells.hstack(&evidence::cell_columns(&evidence.cells)).map_err(failed("cells"))?;
+    folder.table("cells", &cells)?;
+    folder.table("comparisons", &evidence::comparison_table(&evidence.comparisons))?;
+    folder.table("transfer", &evidence::transfer_table(&evidence.transfers))?;
     let kinds = kinds.write(folder)?;
     folder.table("learning_curve", &learning_curve(&finished.trainings))?;
     for (name, svg) in learning_figures(&finished.trainings) {
@@ -65,7 +69,7 @@ pub fn write(
         folder.file(&pedestrian_file(key, "onnx"), &trained.actor_critic.to_onnx(&bounds, &metadata))?;
     }
     let cells = metrics.cells().map_err(failed("cells"))?;
-    let mut page = summary(campaign, &cells, manifest);
+    let mut page = summary(campaign, &cells, evidence, manifest);
     page.push_str(&trainings_summary(&finished.trainings));
     if !campaign.published.is_empty() {
         let all = beside(&campaign.published, &cells);

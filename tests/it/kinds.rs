@@ -6,7 +6,7 @@ use std::path::Path;
 
 use falsify::campaign::{EpisodeRow, watch};
 use falsify::compile::{Campaign, Catalog, Evaluation, compile};
-use falsify::judge::judge;
+use falsify::judge::{NearMiss, judge};
 use falsify::report::{Kinds, ReportFolder, episodes};
 use falsify::seed::Seed;
 use polars::prelude::{Column, DataFrame, NamedFrom, Series};
@@ -37,10 +37,14 @@ fn rows(evaluation: &Evaluation, seed: &Seed) -> Vec<EpisodeRow> {
         None,
         0..evaluation.episodes,
         seed,
-        &mut |outcome, recording| (*outcome, judge(&evaluation.scenario, recording)),
+        &mut |outcome, recording| {
+            let scenario = &evaluation.scenario;
+            (*outcome, judge(scenario, recording), NearMiss::new(scenario, recording))
+        },
         &mut |_| ControlFlow::Continue(()),
     );
-    let row = |(episode, (outcome, verdict))| EpisodeRow::new(evaluation, episode, outcome, verdict);
+    let row =
+        |(episode, (outcome, verdict, near_miss))| EpisodeRow::new(evaluation, episode, outcome, verdict, near_miss);
     (0..).zip(noted).map(row).collect()
 }
 

@@ -36,7 +36,10 @@ fn the_column_dictionary_names_every_column() {
     assert!(output.status.success(), "{output:?}");
     let dictionary = read("reports/README.md");
     let tables = [
-        ("first_look", ["episodes", "runs", "cells", "learning_curve", "failure_modes"].as_slice()),
+        (
+            "first_look",
+            ["episodes", "runs", "cells", "comparisons", "transfer", "learning_curve", "failure_modes"].as_slice(),
+        ),
         ("first_look", &["mode_counts", "mode_accumulation", "explanations", "explanation_features"]),
         ("rivals", &["searches", "search_cells", "search_failures"]),
     ];

@@ -4,7 +4,7 @@ use super::cell::{CellKinds, Target};
 use super::words::{label, percent};
 use crate::analysis::Explanation;
 use crate::report::svg::escape;
-use crate::report::wilson;
+use crate::statistics::wilson;
 
 /// Width of the whole, and of a bar of 100 % (px).
 const WIDTH: f64 = 760.0;

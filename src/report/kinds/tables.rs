@@ -3,7 +3,7 @@ use polars::prelude::{Column, DataFrame, NamedFrom, Series};
 use super::campaign_kinds::{NAMES, names};
 use super::cell::{CellKinds, Mode, Target};
 use crate::analysis::{Explanation, Importance, Rule, accumulation};
-use crate::report::wilson;
+use crate::statistics::wilson;
 
 /// Points of an accumulation curve.
 const POINTS: u64 = 25;

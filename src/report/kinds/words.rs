@@ -6,7 +6,7 @@ use super::repeat;
 use super::sample::{MOST_CASES, MOST_FAILURES};
 use crate::analysis::Rule;
 use crate::compile::Evaluation;
-use crate::report::wilson;
+use crate::statistics::wilson;
 
 /// Modes of a cell that the summary names.
 const NAMED: usize = 3;
