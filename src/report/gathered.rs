@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use polars::prelude::{BooleanChunked, DataFrame, Float64Chunked, PolarsResult, StringChunked, UInt32Chunked};
 
-use super::evidence::{Evidence, evidence};
+use super::evidence::{Evidence, Gathering};
 use super::metrics::runs;
 use super::{Episodes, Kinds, ReportFolder, Run, Starts, WriteError};
 use crate::av::DrivingMode;
@@ -65,6 +65,7 @@ pub fn gather(
         evidence: Evidence::default(),
         starts: BTreeMap::new(),
     };
+    let mut evidence = Gathering::new(seed.child("report"));
     let mut drove: BTreeMap<(&str, &str), bool> = BTreeMap::new();
     let mut file = folder.stream("episodes", super::episodes(&[]).schema())?;
     for run in episodes.runs() {
@@ -92,11 +93,12 @@ pub fn gather(
             gathered.note_starts(evaluation, &whole).map_err(failed)?;
         }
         kinds.add(&whole).map_err(failed)?;
+        evidence.add(&whole).map_err(failed)?;
     }
     gathered.runs.rechunk_mut();
     gathered.every_driver_drove = drove.values().all(|drove| *drove);
     file.finish()?;
-    gathered.evidence = evidence(episodes.runs().map(|run| run.frame()), &seed.child("report")).map_err(failed)?;
+    gathered.evidence = evidence.finish();
     Ok(gathered)
 }
 

@@ -41,7 +41,7 @@ pub use account::{Account, account};
 pub use animation::animation;
 pub use episodes::{Chunk, Chunks, Episodes, Run, decode, encode, tally};
 pub use evidence::{
-    Between, CellEvidence, CellKey, Change, Comparison, Evidence, Figure, Quantiles, Test, Transfer, evidence,
+    Between, CellEvidence, CellKey, Change, Comparison, Evidence, Figure, Gathering, Quantiles, Test, Transfer,
 };
 pub use figure::learning_figures;
 pub use folder::{ReportFolder, WriteError, write_csv, write_file, write_table};

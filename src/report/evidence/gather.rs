@@ -21,27 +21,42 @@ pub struct Evidence {
 
 /// Gathers the evidence from the episodes of a campaign, run by run in the plan's order: one table for each run of a pedestrian in
 /// one town against one policy. The resampling hangs on the seed and the names of a place alone.
-///
-/// # Errors
-/// Those of the runs; none of its own for tables made by [`episodes`](crate::report::episodes).
-pub fn evidence(runs: impl IntoIterator<Item = PolarsResult<DataFrame>>, seed: &Seed) -> PolarsResult<Evidence> {
-    let mut found = Evidence::default();
-    let mut here: Vec<Tried> = Vec::new();
-    for run in runs {
-        let run = run?;
-        if run.height() == 0 {
-            continue;
-        }
-        let tried = Tried::new(&run)?;
-        if here.first().is_some_and(|first| !first.key.is_beside(&tried.key)) {
-            found.add(std::mem::take(&mut here), seed);
-        }
-        here.push(tried);
+#[derive(Debug, Clone)]
+pub struct Gathering {
+    seed: Seed,
+    here: Vec<Tried>,
+    found: Evidence,
+}
+
+impl Gathering {
+    /// Begins without any run.
+    pub fn new(seed: Seed) -> Self {
+        Self { seed, here: Vec::new(), found: Evidence::default() }
     }
-    found.add(here, seed);
-    adjust(&mut found.comparisons);
-    found.transfers = transfers(&found.cells, &seed.child("transfer"));
-    Ok(found)
+
+    /// Adds all episodes of a run.
+    ///
+    /// # Errors
+    /// Those of polars; none for a table made by [`episodes`](crate::report::episodes).
+    pub fn add(&mut self, run: &DataFrame) -> PolarsResult<()> {
+        if run.height() == 0 {
+            return Ok(());
+        }
+        let tried = Tried::new(run)?;
+        if self.here.first().is_some_and(|first| !first.key.is_beside(&tried.key)) {
+            self.found.add(std::mem::take(&mut self.here), &self.seed);
+        }
+        self.here.push(tried);
+        Ok(())
+    }
+
+    /// What all runs show together.
+    pub fn finish(mut self) -> Evidence {
+        self.found.add(self.here, &self.seed);
+        adjust(&mut self.found.comparisons);
+        self.found.transfers = transfers(&self.found.cells, &self.seed.child("transfer"));
+        self.found
+    }
 }
 
 impl Evidence {

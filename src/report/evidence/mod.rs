@@ -19,7 +19,7 @@ mod tests;
 pub use cell::{Between, CellEvidence, Quantiles};
 pub use comparison::{Comparison, Test};
 pub use figure::Figure;
-pub use gather::{Evidence, evidence};
+pub use gather::{Evidence, Gathering};
 pub use page::page;
 pub use tables::{cell_columns, comparison_table, transfer_table};
 pub use transfer::{Change, Transfer};

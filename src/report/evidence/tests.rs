@@ -7,10 +7,10 @@ use crate::geometry::Pose;
 use crate::judge::NearMiss;
 use crate::report::episodes;
 use crate::seed::Seed;
-use polars::prelude::{DataFrame, PolarsResult};
+use polars::prelude::DataFrame;
 
 /// A run whose episodes collide, with a moving car, where the word says `x`; `e` is an error.
-fn run(pedestrian: &'static str, reward: &str, run: u32, town: &str, word: &str) -> PolarsResult<DataFrame> {
+fn run(pedestrian: &'static str, reward: &str, run: u32, town: &str, word: &str) -> DataFrame {
     let trained = if pedestrian == "trained" { ("a", "p") } else { ("", "") };
     let row = |(episode, letter): (usize, char)| {
         let ending = match letter {
@@ -24,6 +24,7 @@ fn run(pedestrian: &'static str, reward: &str, run: u32, town: &str, word: &str)
         let spawn = Spawn { ego: Pose::default(), ego_speed: 0.0, pedestrian: Pose::default() };
         let last_mode = DrivingMode::Cruise;
         EpisodeRow {
+            run_id: format!("{run:08x}").parse().unwrap(),
             trained: TrainingKey { town: trained.0.into(), policy: trained.1.into(), reward: reward.into(), run },
             pedestrian,
             town: town.into(),
@@ -32,9 +33,7 @@ fn run(pedestrian: &'static str, reward: &str, run: u32, town: &str, word: &str)
             adversary: "w".into(),
             block: 0,
             episode: episode as u32,
-            run_id: Default::default(),
             outcome: Outcome {
-                trail: Default::default(),
                 spawn,
                 ending,
                 reward: 0.0,
@@ -43,16 +42,19 @@ fn run(pedestrian: &'static str, reward: &str, run: u32, town: &str, word: &str)
                 least_gap: 1.0,
                 last_mode,
                 digest: 7,
+                trail: Default::default(),
             },
             verdict: None,
             near_miss: NearMiss { min_ttc: Some(episode as f64), pet: None },
         }
     };
-    Ok(episodes(&word.chars().enumerate().map(row).collect::<Vec<_>>()))
+    episodes(&word.chars().enumerate().map(row).collect::<Vec<_>>())
 }
 
-fn gather(runs: Vec<PolarsResult<DataFrame>>) -> Evidence {
-    evidence(runs, &Seed::root(1)).unwrap()
+fn gather(runs: Vec<DataFrame>) -> Evidence {
+    let mut gathering = Gathering::new(Seed::root(1));
+    runs.iter().for_each(|run| gathering.add(run).unwrap());
+    gathering.finish()
 }
 
 #[test]
