@@ -18,7 +18,7 @@ Examples:
 
 Exit codes:
   0 done   1 internal error   2 wrong usage or missing file   3 errors in a scenario
-  4 nothing to run   5 a run or a driver failed   6 a report cannot be written   130 stopped by Ctrl-C";
+  4 nothing to run   5 a run or a driver failed   6 a report cannot be written   130 stopped by Ctrl-C or SIGTERM";
 
 /// Finds the ways a self-driving car hits a pedestrian.
 #[derive(Debug, Parser)]
@@ -38,6 +38,9 @@ pub enum Command {
     /// Train pedestrians and try them, as the campaigns of the files say.
     #[command(after_help = EXAMPLES)]
     Run(RunOptions),
+    /// Show the settings of this folder, from flags, the environment and falsify.toml.
+    #[command(after_help = CONFIG_EXAMPLES)]
+    Config,
     /// Find mistakes in scenario files without running anything.
     #[command(after_help = CHECK_EXAMPLES)]
     Check(CheckOptions),
@@ -87,11 +90,20 @@ pub struct RunOptions {
     #[arg(long, short, default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
     pub out: PathBuf,
     /// Number from which everything random follows.
-    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    #[arg(long, default_value_t = 1, env = "FALSIFY_SEED", value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub seed: u64,
     /// Threads that work; results do not depend on it. 0: one for every core.
     #[arg(long, short = 'j', default_value_t = 0, env = "FALSIFY_THREADS", value_name = "N", value_parser = clap::value_parser!(u16).range(..=256), allow_negative_numbers = true)]
     pub threads: u16,
+    /// Files that each table of a report is written as.
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [TableFormat::Csv, TableFormat::Parquet], env = "FALSIFY_FORMATS", value_name = "FORMATS")]
+    pub formats: Vec<TableFormat>,
+    /// What the output is for; `json` is one event a line (reports/README.md).
+    #[arg(long, value_enum, default_value_t = Output::Human, env = "FALSIFY_FORMAT", value_name = "FORMAT")]
+    pub format: Output,
+    /// How progress is shown on the error stream.
+    #[arg(long, value_enum, default_value_t = Showing::Auto, env = "FALSIFY_PROGRESS", value_name = "HOW")]
+    pub progress: Showing,
     /// Say what would be run, and stop.
     #[arg(long)]
     pub list: bool,
@@ -99,6 +111,44 @@ pub struct RunOptions {
     #[arg(long)]
     pub smoke: bool,
 }
+
+/// What a table is written as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum TableFormat {
+    /// Comma-separated values.
+    Csv,
+    /// Apache Parquet.
+    Parquet,
+}
+
+/// Who reads the output of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Output {
+    /// Tables for people.
+    Human,
+    /// One JSON object a line, for programs.
+    Json,
+}
+
+/// How progress is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Showing {
+    /// Bars on a terminal, lines elsewhere.
+    Auto,
+    /// Bars for what is under way, with rates and the time left.
+    Bars,
+    /// A line for each piece that is finished.
+    Lines,
+    /// Not at all.
+    None,
+}
+
+const CONFIG_EXAMPLES: &str = "\
+Examples:
+  falsify config                             every setting, its value and where it comes from
+  falsify config --seed 7 > falsify.toml     begin a file of settings
+
+A flag comes before the environment, which comes before falsify.toml, in this folder or the nearest one above.";
 
 /// Options of `falsify check`.
 #[derive(Debug, Args)]

@@ -5,6 +5,8 @@ mod exit_code;
 mod front;
 mod interrupt;
 mod progress;
+mod settings;
+mod config;
 mod run;
 mod check;
 mod fmt;
@@ -18,7 +20,7 @@ mod av_check;
 pub use args::Arguments;
 pub use exit_code::ExitCode;
 
-use clap::{CommandFactory, Parser};
+use clap::{ArgMatches, Command, CommandFactory, FromArgMatches};
 
 /// Runs the program with the arguments of the process. A bug ends in [`ExitCode::Internal`].
 pub fn main() -> ExitCode {
@@ -34,17 +36,30 @@ pub fn main() -> ExitCode {
 }
 
 fn run_command() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
-        Ok(arguments) => arguments,
-        Err(error) => {
-            // Help and version are no mistakes.
-            let code = if error.use_stderr() { ExitCode::Usage } else { ExitCode::Done };
-            let _ = error.print();
-            return code;
-        }
+    let (mut arguments, mut matches) = match parse(command()) {
+        Ok(parsed) => parsed,
+        Err(code) => return code,
     };
     arguments.color.apply();
+    let mut settings = None;
+    if matches.subcommand_name().is_some_and(settings::concern) {
+        let found = std::env::current_dir().map_or(Ok(None), |folder| settings::find(&folder, &command()));
+        settings = match found {
+            Ok(settings) => settings,
+            Err(code) => return code,
+        };
+        if let Some(settings) = &settings {
+            (arguments, matches) = match parse(settings::apply(command(), settings)) {
+                Ok(parsed) => parsed,
+                Err(code) => return code,
+            };
+        }
+    }
     match arguments.command {
+        args::Command::Config => {
+            let (_, options) = matches.subcommand().expect("it is the command `config`");
+            config::config(&command(), options, settings.as_ref())
+        }
         args::Command::Run(options) => run::run(&options),
         args::Command::Check(options) => check::check(&options),
         args::Command::Explain(options) => explain::explain(&options),
@@ -61,4 +76,21 @@ fn run_command() -> ExitCode {
             ExitCode::Done
         }
     }
+}
+
+/// All commands with their options.
+fn command() -> Command {
+    config::with_options(Arguments::command())
+}
+
+/// Reads the arguments of the process; the error is the exit code, after the reason has been printed.
+fn parse(command: Command) -> Result<(Arguments, ArgMatches), ExitCode> {
+    let parsed = command.try_get_matches_from(std::env::args_os());
+    let parsed = parsed.and_then(|matches| Ok((Arguments::from_arg_matches(&matches)?, matches)));
+    parsed.map_err(|error| {
+        // Help and version are no mistakes.
+        let code = if error.use_stderr() { ExitCode::Usage } else { ExitCode::Done };
+        let _ = error.print();
+        code
+    })
 }

@@ -92,7 +92,7 @@ fn carry_out(campaign: &Campaign, options: &RunOptions, files: &[FileRecord]) ->
     let name = if options.smoke { format!("{}-smoke", campaign.name) } else { campaign.name.clone() };
     let folder = ReportFolder::begin(&options.out, &name).map_err(|error| error.to_string())?;
     let began = Instant::now();
-    let progress = Progress::new(campaign);
+    let progress = Progress::new(campaign, options);
     let finished = campaign::run(campaign, &Seed::root(options.seed), &progress);
     let times: Vec<f64> = progress.finish().iter().map(std::time::Duration::as_secs_f64).collect();
     let wall_time_s = began.elapsed().as_secs_f64();

@@ -42,6 +42,7 @@ mod routes_reference;
 mod sb3_curves;
 mod scenarios;
 mod senses;
+mod settings;
 mod shaping;
 mod searches;
 mod shipped;
