@@ -71,7 +71,7 @@ fn run_command() -> ExitCode {
         args::Command::Av(args::AvCommand::Check(options)) => av_check::check(&options),
         args::Command::Completions { shell } => {
             let mut script = Vec::new();
-            clap_complete::generate(shell, &mut Arguments::command(), "falsify", &mut script);
+            clap_complete::generate(shell, &mut command(), "falsify", &mut script);
             front::say(String::from_utf8_lossy(&script).trim_end());
             ExitCode::Done
         }
