@@ -21,6 +21,7 @@ pub mod falsifier;
 pub mod campaign;
 pub mod analysis;
 pub mod report;
+pub mod store;
 pub mod process;
 pub mod lsp;
 pub mod cli;

@@ -1,15 +1,24 @@
-//! Runs a campaign: trainings, then evaluations, then searches, side by side on rayon's threads.
+//! Runs a campaign: trainings, evaluations and searches as cells, side by side on rayon's threads.
 //!
-//! Results come back in the order of the plan, whatever the threads did. Progress goes to an [`Observer`].
+//! What is finished goes to a [`Keeper`], who gives it back another time; progress goes to an [`Observer`]. An evaluation begins when
+//! its pedestrian is trained. Results are in the order of the plan, whatever the threads did.
 
 mod row;
+mod cell;
 mod observer;
+mod keeper;
 mod watch;
+mod chunk;
 mod search;
+mod queue;
 mod run;
+mod smoke;
 
+pub use cell::{CHUNK, Cell, CellError, cells};
+pub use keeper::{Claim, InMemory, Keeper, Progress};
 pub use observer::{Observer, Silent};
 pub use row::EpisodeRow;
-pub use run::{Finished, TrainingResult, run, smoke};
+pub use run::{Finished, TrainingResult, run};
 pub use search::SearchResult;
+pub use smoke::smoke;
 pub use watch::watch;

@@ -1,3 +1,4 @@
+use super::{Cell, CellError};
 use crate::compile::{Evaluation, Training};
 use crate::rl::UpdateLog;
 
@@ -21,6 +22,22 @@ pub trait Observer: Sync {
     /// An evaluation has finished an episode. The number is its place in the campaign.
     fn tried(&self, evaluation: usize, plan: &Evaluation) {
         let _ = (evaluation, plan);
+    }
+
+    /// A chunk of an evaluation has ended; all its episodes are there unless something is said to have gone wrong, or
+    /// somebody asked to stop.
+    fn chunk_ended(&self, evaluation: usize, chunk: u32, error: Option<&CellError>) {
+        let _ = (evaluation, chunk, error);
+    }
+
+    /// A cell was finished before, so nothing is done.
+    fn reused(&self, cell: Cell) {
+        let _ = cell;
+    }
+
+    /// A chunk is begun, of which so many episodes were there before.
+    fn continued(&self, cell: Cell, episodes: u32) {
+        let _ = (cell, episodes);
     }
 
     /// A search has ended. The number is its place in the campaign.

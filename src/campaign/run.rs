@@ -1,13 +1,16 @@
+use std::collections::VecDeque;
 use std::ops::ControlFlow;
+use std::sync::OnceLock;
 
-use rayon::prelude::*;
+use rayon::Yield;
 
-use super::search::{SearchResult, search};
-use super::{EpisodeRow, Observer, watch};
-use crate::compile::{Campaign, Evaluation, Pedestrian, Training, TrainingKey};
-use crate::falsifier::{TrainError, train};
-use crate::judge::judge;
-use crate::rl::Trained;
+use super::chunk::try_chunk;
+use super::queue::{Next, Queue};
+use super::search::search;
+use super::{Cell, CellError, Keeper, Observer, Progress, SearchResult, cells};
+use crate::compile::{Campaign, Training, TrainingKey};
+use crate::falsifier::TrainingRun;
+use crate::rl::{self, Trained};
 use crate::seed::Seed;
 
 /// What became of a training.
@@ -16,133 +19,206 @@ pub struct TrainingResult {
     /// Which training.
     pub key: TrainingKey,
     /// What it brought forth.
-    pub result: Result<Trained, TrainError>,
+    pub result: Result<Trained, CellError>,
 }
 
-/// What came of a campaign.
+/// What came of a campaign, beside the episodes that the keeper has.
 #[derive(Debug, Clone)]
 pub struct Finished {
     /// The trainings, in the plan's order. Those that were never begun are missing.
     pub trainings: Vec<TrainingResult>,
-    /// All episodes, in the plan's order.
-    pub rows: Vec<EpisodeRow>,
     /// The searches, in the plan's order. Those that were never begun are missing.
     pub searches: Vec<SearchResult>,
-    /// Whether the observer stopped it.
+    /// Whether somebody asked to stop.
     pub interrupted: bool,
 }
 
 /// Runs a campaign on the present rayon pool.
 ///
 /// Every training and every evaluation has a seed of its own that depends on the names of its town, policy, reward and
-/// run alone: nothing changes when others are added to the campaign.
-pub fn run(campaign: &Campaign, seed: &Seed, observer: &dyn Observer) -> Finished {
-    let trainings: Vec<Option<TrainingResult>> = campaign
-        .trainings
-        .par_iter()
-        .enumerate()
-        .with_max_len(1)
-        .map(|(index, training)| {
-            if observer.stop() {
-                return None;
-            }
-            observer.training_begun(index);
-            let result = carry_out(index, training, seed, observer);
-            observer.training_ended(index, &result);
-            Some(result)
-        })
-        .collect();
-    let episodes: Vec<Vec<EpisodeRow>> = campaign
-        .evaluations
-        .par_iter()
-        .enumerate()
-        .with_max_len(1)
-        .map(|(index, evaluation)| evaluate(index, evaluation, &trainings, seed, observer))
-        .collect();
-    let searches: Vec<Option<SearchResult>> = campaign
-        .searches
-        .par_iter()
-        .enumerate()
-        .with_max_len(1)
-        .map(|(index, planned)| {
-            let result = search(planned, seed, observer)?;
-            observer.searched(index, &result);
-            Some(result)
-        })
-        .collect();
+/// run alone: nothing changes when others are added to the campaign. What the keeper has is not done again, which changes
+/// nothing either.
+pub fn run(campaign: &Campaign, seed: &Seed, keeper: &dyn Keeper, observer: &dyn Observer) -> Finished {
+    let mut ready = VecDeque::new();
+    let mut waiting = vec![Vec::new(); campaign.trainings.len()];
+    for cell in cells(campaign) {
+        match training_of(campaign, cell) {
+            Some(training) => waiting[training].push(cell),
+            None => ready.push_back(cell),
+        }
+    }
+    let later = waiting.iter().map(Vec::len).sum();
+    let work = Work {
+        campaign,
+        seed,
+        keeper,
+        observer,
+        queue: Queue::new(ready, later),
+        waiting,
+        trainings: campaign.trainings.iter().map(|_| OnceLock::new()).collect(),
+        searches: campaign.searches.iter().map(|_| OnceLock::new()).collect(),
+    };
+    rayon::broadcast(|_| work.carry_on());
     Finished {
-        trainings: trainings.into_iter().flatten().collect(),
-        rows: episodes.into_iter().flatten().collect(),
-        searches: searches.into_iter().flatten().collect(),
+        trainings: work.trainings.into_iter().filter_map(OnceLock::into_inner).collect(),
+        searches: work.searches.into_iter().filter_map(OnceLock::into_inner).collect(),
         interrupted: observer.stop(),
     }
 }
 
-fn carry_out(index: usize, training: &Training, seed: &Seed, observer: &dyn Observer) -> TrainingResult {
-    let key = &training.key;
-    let seed = seed.child("train").child(&key.town).child(&key.policy).child(&key.reward).index(key.run.into());
-    let result = train(&training.scenario, training.environments, &training.config, &seed, &mut |log| {
-        observer.trained(index, training, log);
-        flow(observer)
-    });
-    TrainingResult { key: key.clone(), result }
-}
-
-fn evaluate(
-    index: usize,
-    evaluation: &Evaluation,
-    trainings: &[Option<TrainingResult>],
-    seed: &Seed,
-    observer: &dyn Observer,
-) -> Vec<EpisodeRow> {
-    let trained = match evaluation.pedestrian {
-        Pedestrian::Trained(training) | Pedestrian::Sampled(training) => {
-            let Some(TrainingResult { result: Ok(trained), .. }) = &trainings[training] else { return Vec::new() };
-            Some(&trained.actor_critic)
-        }
+/// The training that a cell waits for.
+fn training_of(campaign: &Campaign, cell: Cell) -> Option<usize> {
+    match cell {
+        Cell::Chunk { evaluation, .. } => campaign.evaluations[evaluation].training(),
         _ => None,
-    };
-    if observer.stop() {
-        return Vec::new();
     }
-    let noted = watch(
-        evaluation,
-        trained,
-        0..evaluation.episodes,
-        seed,
-        &mut |outcome, recording| (*outcome, judge(&evaluation.scenario, recording)),
-        &mut |_| {
-            observer.tried(index, evaluation);
-            flow(observer)
-        },
-    );
-    let row = |(episode, (outcome, verdict))| EpisodeRow::new(evaluation, episode, outcome, verdict);
-    (0..).zip(noted).map(row).collect()
 }
 
-pub(super) fn flow(observer: &dyn Observer) -> ControlFlow<()> {
-    if observer.stop() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+/// What the workers share.
+struct Work<'a> {
+    campaign: &'a Campaign,
+    seed: &'a Seed,
+    keeper: &'a dyn Keeper,
+    observer: &'a dyn Observer,
+    queue: Queue,
+    /// The cells that wait for each training.
+    waiting: Vec<Vec<Cell>>,
+    trainings: Vec<OnceLock<TrainingResult>>,
+    searches: Vec<OnceLock<SearchResult>>,
 }
 
-/// Shrinks a campaign to a trial of its machinery: one run, two updates, five episodes, searches as long as ten episodes.
-pub fn smoke(campaign: &mut Campaign) {
-    let kept: Vec<usize> =
-        (0..campaign.trainings.len()).filter(|index| campaign.trainings[*index].key.run == 0).collect();
-    campaign.trainings.retain(|training| training.key.run == 0);
-    for training in &mut campaign.trainings {
-        let update = (training.config.rollout_steps * training.environments) as u64;
-        training.config.total_steps = training.config.total_steps.min(2 * update);
-    }
-    campaign.evaluations.retain(|evaluation| evaluation.trained.run == 0);
-    for evaluation in &mut campaign.evaluations {
-        evaluation.episodes = evaluation.episodes.min(5);
-        if let Pedestrian::Trained(training) | Pedestrian::Sampled(training) = &mut evaluation.pedestrian {
-            *training = kept.iter().position(|index| index == training).expect("run 0 is kept");
+/// Sends all workers home when one of them panics, so that none waits for it.
+struct Alarm<'a>(&'a Queue);
+
+impl Drop for Alarm<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.end();
         }
     }
-    campaign.searches.retain(|search| search.key.run == 0);
-    for search in &mut campaign.searches {
-        search.budget = search.budget.min(10 * u64::from(search.scenario.episode.ticks));
-        search.tries = search.tries.min(5);
+}
+
+impl Work<'_> {
+    /// Works until nothing is left or somebody asks to stop. A worker without work helps the trainings of others.
+    fn carry_on(&self) {
+        let _alarm = Alarm(&self.queue);
+        loop {
+            if self.stop() {
+                self.queue.end();
+            }
+            match self.queue.next() {
+                Next::Work(cell) => match self.keeper.claim(cell) {
+                    Some(_claim) => {
+                        self.work_on(cell);
+                        let released =
+                            if let Cell::Training(index) = cell { self.waiting[index].as_slice() } else { &[] };
+                        self.queue.done(released);
+                    }
+                    None => self.queue.put_aside(cell),
+                },
+                Next::Wait => {
+                    if rayon::yield_now() != Some(Yield::Executed) {
+                        self.queue.wait();
+                    }
+                }
+                Next::End => return,
+            }
+        }
     }
+
+    fn stop(&self) -> bool {
+        self.observer.stop() || self.keeper.stop()
+    }
+
+    fn work_on(&self, cell: Cell) {
+        match cell {
+            Cell::Training(index) => drop(self.trainings[index].set(self.train(index))),
+            Cell::Chunk { evaluation, chunk } => self.evaluate(evaluation, chunk),
+            Cell::Search(index) => {
+                if let Some(result) = self.search(index) {
+                    let _ = self.searches[index].set(result);
+                }
+            }
+        }
+    }
+
+    fn train(&self, index: usize) -> TrainingResult {
+        let training = &self.campaign.trainings[index];
+        let key = training.key.clone();
+        if let Some(trained) = self.keeper.training(index) {
+            self.observer.reused(Cell::Training(index));
+            return TrainingResult { key, result: Ok(trained) };
+        }
+        self.observer.training_begun(index);
+        let result = self.carry_out(index, training);
+        if let Ok(trained) = &result {
+            self.keeper.keep_training(index, trained);
+        }
+        let result = TrainingResult { key, result };
+        self.observer.training_ended(index, &result);
+        result
+    }
+
+    fn carry_out(&self, index: usize, training: &Training) -> Result<Trained, CellError> {
+        let (key, scenario) = (&training.key, &training.scenario);
+        let seed =
+            self.seed.child("train").child(&key.town).child(&key.policy).child(&key.reward).index(key.run.into());
+        let begin = || TrainingRun::begin(scenario, training.environments, &training.config, &seed);
+        let resume =
+            |state: Vec<u8>| TrainingRun::resume(&state, scenario, training.environments, &training.config, &seed).ok();
+        // A state that does not fit is as good as none: the training is done from its beginning.
+        let mut run = match self.keeper.begun(index).and_then(resume) {
+            Some(run) => run,
+            None => begin()?,
+        };
+        while !run.is_done() {
+            run.update()?;
+            let log = run.learning_curve().last().expect("an update has just ended");
+            self.observer.trained(index, training, log);
+            let (update, ticks) = (log.update, log.steps * u64::from(scenario.episode.hold));
+            if let Some(limit) = self.keeper.limit(Cell::Training(index), ticks).filter(|_| !run.is_done()) {
+                self.keeper.checkpoint(index, &run, true);
+                return Err(limit);
+            }
+            let stop = self.stop() && !run.is_done();
+            self.keeper.checkpoint(index, &run, stop);
+            if stop {
+                return Err(CellError::Training(rl::TrainError::Stopped { update }.into()));
+            }
+        }
+        Ok(run.finish())
+    }
+
+    fn evaluate(&self, index: usize, chunk: u32) {
+        let evaluation = &self.campaign.evaluations[index];
+        let trained = match evaluation.training().and_then(|training| self.trainings[training].get()) {
+            Some(TrainingResult { result: Ok(trained), .. }) => Some(&trained.actor_critic),
+            // Whoever was stopped goes on another time.
+            Some(TrainingResult { result: Err(CellError::Training(error)), .. }) if error.is_stopped() => return,
+            Some(TrainingResult { result: Err(error), .. }) => {
+                let error = CellError::Untrained(Box::new(error.clone()));
+                self.keeper.keep_episodes(index, chunk, &[], Progress::Failed(&error));
+                return self.observer.chunk_ended(index, chunk, Some(&error));
+            }
+            None => None,
+        };
+        try_chunk(self.campaign, (index, chunk), trained, self.seed, self.keeper, self.observer);
+    }
+
+    fn search(&self, index: usize) -> Option<SearchResult> {
+        if let Some(result) = self.keeper.search(index) {
+            self.observer.reused(Cell::Search(index));
+            return Some(result);
+        }
+        let result = search(index, &self.campaign.searches[index], self.seed, self.keeper, self.observer)?;
+        if result.error.is_none() && !result.spent.stopped {
+            self.keeper.keep_search(index, &result);
+        }
+        self.observer.searched(index, &result);
+        Some(result)
+    }
+}
+
+pub(super) fn flow(stop: bool) -> ControlFlow<()> {
+    if stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
 }

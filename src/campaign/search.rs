@@ -1,8 +1,7 @@
-use super::Observer;
+use super::{Cell, CellError, Keeper, Observer};
 use crate::compile::{Search, SearchKey};
 use crate::env::Outcome;
 use crate::falsifier::{Simulator, Spent, try_walker};
-use crate::rl::TrainError;
 use crate::seed::Seed;
 
 /// What came of a search.
@@ -17,7 +16,7 @@ pub struct SearchResult {
     /// Fresh episodes of the pedestrian that it ended up with; empty without one.
     pub tried: Vec<Outcome>,
     /// Why it ended early.
-    pub error: Option<TrainError>,
+    pub error: Option<CellError>,
 }
 
 impl Search {
@@ -27,24 +26,43 @@ impl Search {
     }
 }
 
-/// Carries a search out; none when the observer stops it before it has begun.
-pub fn search(search: &Search, seed: &Seed, observer: &dyn Observer) -> Option<SearchResult> {
-    if observer.stop() {
+/// Carries a search out; none when somebody asks to stop before it has begun.
+pub fn search(
+    index: usize,
+    search: &Search,
+    seed: &Seed,
+    keeper: &dyn Keeper,
+    observer: &dyn Observer,
+) -> Option<SearchResult> {
+    let (key, cell) = (&search.key, Cell::Search(index));
+    let stop = || observer.stop() || keeper.stop();
+    if stop() {
         return None;
     }
-    let key = &search.key;
-    let stop = || observer.stop();
-    let mut simulator = Simulator::new(search.scenario.clone(), search.beginnings(seed), search.budget, &stop);
+    // Ticks are what a search is given, so whether they are too many is known before.
+    if let Some(limit @ CellError::Ticks { .. }) = keeper.limit(cell, search.budget) {
+        let spent = Spent { ticks: 0, episodes: 0, beginnings: 0, failures: Vec::new(), stopped: false };
+        let (budget, tried) = (search.budget, Vec::new());
+        return Some(SearchResult { key: key.clone(), budget, spent, tried, error: Some(limit) });
+    }
+    let late = || stop() || keeper.limit(cell, 0).is_some();
+    let mut simulator = Simulator::new(search.scenario.clone(), search.beginnings(seed), search.budget, &late);
     let place = |branch: &str| seed.child(branch).child(&key.town).child(&key.policy);
     let own = place("falsifier").child(&key.falsifier).index(key.run.into());
     let (walker, error) = match search.falsifier.search(&mut simulator, &own.child("search")) {
         Ok(walker) => (walker, None),
-        Err(error) => (None, Some(error)),
+        Err(error) => (None, Some(CellError::Training(error.into()))),
     };
-    let spent = simulator.into_spent();
+    let mut spent = simulator.into_spent();
     let tried = walker.filter(|_| !spent.stopped && search.tries > 0).map_or_else(Vec::new, |mut walker| {
         let (fresh, drawn) = (place("evaluate"), own.child("tries"));
-        try_walker(walker.as_mut(), &search.scenario, search.tries, &fresh, &drawn, &mut |_| super::run::flow(observer))
+        let mut go_on = |done: u32| {
+            let stopped = done < search.tries && late();
+            spent.stopped |= stopped;
+            super::run::flow(stopped)
+        };
+        try_walker(walker.as_mut(), &search.scenario, search.tries, &fresh, &drawn, &mut go_on)
     });
+    let error = error.or_else(|| keeper.limit(cell, 0).filter(|_| spent.stopped && !stop()));
     Some(SearchResult { key: key.clone(), budget: search.budget, spent, tried, error })
 }

@@ -24,6 +24,19 @@ pub fn watch<T>(
     note: &mut dyn FnMut(&Outcome, &Recording) -> T,
     observer: &mut dyn FnMut(u32) -> ControlFlow<()>,
 ) -> Vec<T> {
+    let note = &mut |_: u32, outcome: &Outcome, recording: &Recording| note(outcome, recording);
+    watch_numbered(evaluation, trained, episodes, seed, note, observer)
+}
+
+/// Does as [`watch`], and tells the number of the episode that is noted: several may go on at once.
+pub(super) fn watch_numbered<T>(
+    evaluation: &Evaluation,
+    trained: Option<&ActorCritic>,
+    episodes: Range<u32>,
+    seed: &Seed,
+    note: &mut dyn FnMut(u32, &Outcome, &Recording) -> T,
+    observer: &mut dyn FnMut(u32) -> ControlFlow<()>,
+) -> Vec<T> {
     let learnt = |choosing| -> Box<dyn Walker> {
         let trained = trained.expect("a trained pedestrian comes with its networks");
         Box::new(TrainedWalker::new(trained.clone(), choosing))

@@ -104,12 +104,24 @@ pub struct RunOptions {
     /// How progress is shown on the error stream.
     #[arg(long, value_enum, default_value_t = Showing::Auto, env = "FALSIFY_PROGRESS", value_name = "HOW")]
     pub progress: Showing,
-    /// Say what would be run, and stop.
+    /// Say what would be run and why, and what is there already; then stop.
     #[arg(long)]
     pub list: bool,
     /// Run only enough to see that everything works: one run, two updates, five episodes. Reports go to NAME-smoke.
     #[arg(long)]
     pub smoke: bool,
+    /// Do everything again, whatever is there.
+    #[arg(long)]
+    pub fresh: bool,
+    /// Seconds after which what is under way is saved, so that no more is lost when the program is killed.
+    #[arg(long, default_value_t = 5.0, value_name = "SECONDS", value_parser = seconds)]
+    pub checkpoint: f64,
+    /// Give a training, 10,000 episodes or a search up after so many seconds; it is an error then, and goes on in the next run.
+    #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..))]
+    pub cell_time: Option<u64>,
+    /// Give them up after so many simulator ticks.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub max_ticks: Option<u64>,
 }
 
 /// What a table is written as.

@@ -74,7 +74,7 @@ pub fn check(options: &AvCheckOptions) -> ExitCode {
         let mut walker = Random::default();
         // One failure is enough to tell; the others would say the same.
         let fell = Cell::new(false);
-        let note = &mut |outcome: &Outcome, _: &Recording| {
+        let note = &mut |_: u32, outcome: &Outcome, _: &Recording| {
             fell.set(fell.get() || outcome.fault().is_some());
             *outcome
         };

@@ -17,6 +17,7 @@ use crate::process::ProcessOpener;
 use crate::report::FileRecord;
 
 const ERROR: Style = AnsiColor::Red.on_default().bold();
+const WARNING: Style = AnsiColor::Yellow.on_default().bold();
 
 /// Most diagnostics that are shown at once.
 const SHOWN: usize = 50;
@@ -24,6 +25,11 @@ const SHOWN: usize = 50;
 /// Says that something went wrong, in the manner of the diagnostics.
 pub fn fail(message: &str) {
     anstream::eprintln!("{ERROR}error{ERROR:#}: {message}");
+}
+
+/// Says something that may be of interest, but is no error.
+pub fn warn(message: &str) {
+    anstream::eprintln!("{WARNING}warning{WARNING:#}: {message}");
 }
 
 /// Whether something that was said could not be written.

@@ -76,7 +76,7 @@ fn describe(town: &Town) {
 
 fn write(town: &Town, options: &MapOptions) -> Result<(), report::WriteError> {
     let picture = options.out.join(format!("{}.svg", town.name));
-    report::write_file(&picture, report::town_map(town, &[]).as_bytes())?;
+    report::write_file(&picture, report::town_map(town, &report::Starts::default()).as_bytes())?;
     front::say(&format!("  {}", picture.display()));
     if let Some(spacing) = options.waypoints {
         let table = options.out.join(format!("{}_waypoints.csv", town.name));

@@ -8,6 +8,7 @@ mod progress;
 mod settings;
 mod config;
 mod run;
+mod list;
 mod check;
 mod fmt;
 mod explain;

@@ -1,14 +1,16 @@
-use std::collections::BTreeMap;
-use std::path::PathBuf;
-use std::time::Instant;
+use std::path::Path;
+use std::time::{Duration, Instant};
 
 use super::args::RunOptions;
 use super::progress::Progress;
-use super::{ExitCode, front, interrupt};
+use super::{ExitCode, front, interrupt, list};
 use crate::campaign::{self, Finished};
-use crate::compile::{Campaign, Pedestrian};
-use crate::report::{self, FileRecord, Manifest, ReportFolder, TrainingRecord, WriteError};
+use crate::compile::Campaign;
+use crate::report::{
+    self, Episodes, FileRecord, Gathered, Manifest, Metrics, ReportFolder, TrainingRecord, WriteError,
+};
 use crate::seed::Seed;
+use crate::store::{CODE, Ids, Index, Kept, Limits, Note, Store, StoreError, vector_instructions};
 
 /// `falsify run`
 pub fn run(options: &RunOptions) -> ExitCode {
@@ -23,8 +25,12 @@ pub fn run(options: &RunOptions) -> ExitCode {
     if options.smoke {
         plan.campaigns.iter_mut().for_each(campaign::smoke);
     }
+    let note: Note = Box::new(|text| front::warn(text));
     if options.list {
-        plan.campaigns.iter().for_each(list);
+        let store = Store::look(&options.out, note);
+        for campaign in &plan.campaigns {
+            list::list(campaign, &name(campaign, options), &store, options.seed, options.fresh);
+        }
         return ExitCode::Done;
     }
     let pool = match rayon::ThreadPoolBuilder::new().num_threads(options.threads.into()).build() {
@@ -34,10 +40,17 @@ pub fn run(options: &RunOptions) -> ExitCode {
             return ExitCode::Usage;
         }
     };
+    let store = match Store::open(&options.out, note) {
+        Ok(store) => store,
+        Err(error) => {
+            front::fail(&error.to_string());
+            return ExitCode::WriteFailed;
+        }
+    };
     interrupt::listen();
     let mut worst = ExitCode::Done;
     for campaign in &plan.campaigns {
-        match pool.install(|| carry_out(campaign, options, &files)) {
+        match pool.install(|| carry_out(campaign, options, &files, &store)) {
             Ok(ExitCode::Done) => {}
             Ok(code) => worst = code,
             Err(message) => {
@@ -52,99 +65,84 @@ pub fn run(options: &RunOptions) -> ExitCode {
     worst
 }
 
-/// Says what a campaign would run.
-fn list(campaign: &Campaign) {
-    front::say(&format!("campaign {}", campaign.name));
-    for training in &campaign.trainings {
-        let key = &training.key;
-        let decisions = training.config.total_steps;
-        front::say(&format!(
-            "  train  {} in {} against {}, run {}: {decisions} decisions",
-            key.reward, key.town, key.policy, key.run
-        ));
-    }
-    for evaluation in &campaign.evaluations {
-        let key = &evaluation.trained;
-        let who = match evaluation.pedestrian {
-            who @ (Pedestrian::Trained(_) | Pedestrian::Sampled(_)) => {
-                format!("{} {} of {} against {}, run {}", who.name(), key.reward, key.town, key.policy, key.run)
-            }
-            other => format!("{} ({}, run {})", other.name(), key.reward, key.run),
-        };
-        let episodes = evaluation.episodes;
-        front::say(&format!(
-            "  try    {who} in {} against {}: {episodes} episodes",
-            evaluation.town, evaluation.policy
-        ));
-    }
-    for search in &campaign.searches {
-        let key = &search.key;
-        front::say(&format!(
-            "  search {} in {} against {}, run {}: {} ticks",
-            key.falsifier, key.town, key.policy, key.run, search.budget
-        ));
-    }
+/// The name of a campaign's report. A trial of the machinery never replaces results.
+fn name(campaign: &Campaign, options: &RunOptions) -> String {
+    if options.smoke { format!("{}-smoke", campaign.name) } else { campaign.name.clone() }
 }
 
 /// Runs a campaign and writes its report; the error is the message to print.
-fn carry_out(campaign: &Campaign, options: &RunOptions, files: &[FileRecord]) -> Result<ExitCode, String> {
-    // A trial of the machinery never replaces results.
-    let name = if options.smoke { format!("{}-smoke", campaign.name) } else { campaign.name.clone() };
-    let folder = ReportFolder::begin(&options.out, &name).map_err(|error| error.to_string())?;
+fn carry_out(
+    campaign: &Campaign,
+    options: &RunOptions,
+    files: &[FileRecord],
+    store: &Store,
+) -> Result<ExitCode, String> {
+    let (name, seed) = (name(campaign, options), options.seed);
+    let failed = |error: StoreError| kept(&error.to_string(), &options.out);
+    let folder = ReportFolder::begin(&options.out, &name, &store.drafts().map_err(failed)?);
+    let folder = folder.map_err(|error| error.to_string())?;
     let began = Instant::now();
-    let progress = Progress::new(campaign, options);
-    let finished = campaign::run(campaign, &Seed::root(options.seed), &progress);
-    let times: Vec<f64> = progress.finish().iter().map(std::time::Duration::as_secs_f64).collect();
-    let wall_time_s = began.elapsed().as_secs_f64();
-    let failed = finished.trainings.iter().any(|training| training.result.is_err())
-        || finished.searches.iter().any(|search| search.error.is_some());
-    let manifest = manifest(campaign, options, files, &finished, &times, wall_time_s);
-    if finished.rows.is_empty()
+    let mut index = Index::read(store, &name);
+    if options.fresh {
+        store.forget(&Ids::new(campaign, seed), campaign).map_err(failed)?;
+    }
+    index.write(store, &name, campaign, seed).map_err(failed)?;
+    let limits = Limits {
+        checkpoint: Duration::from_secs_f64(options.checkpoint),
+        seconds: options.cell_time,
+        ticks: options.max_ticks,
+    };
+    let keeper = Kept::new(store, campaign, seed, limits);
+    let progress = Progress::new(campaign, &campaign::cells(campaign).collect::<Vec<_>>(), options);
+    let finished = campaign::run(campaign, &Seed::root(seed), &keeper, &progress);
+    progress.finish(campaign::cells(campaign).count());
+    if let Some(error) = keeper.failure() {
+        return Err(kept(&error, &options.out));
+    }
+    index.write(store, &name, campaign, seed).map_err(failed)?;
+    interrupt::hold(true);
+    let written = |error: WriteError| kept(&error.to_string(), &options.out);
+    let gathered = report::gather(&folder, campaign, &Episodes::new(campaign, &keeper)).map_err(written)?;
+    if gathered.episodes == 0
         && finished.searches.is_empty()
         && finished.trainings.iter().all(|training| training.result.is_err())
     {
-        front::fail("nothing was finished, so nothing was written");
+        front::fail("nothing was finished, so there is no report");
         return Ok(if finished.interrupted { ExitCode::Interrupted } else { ExitCode::RunFailed });
     }
-    let broken = finished.rows.iter().filter(|row| !row.outcome.reward.is_finite());
-    if let Some(first) = broken.clone().next() {
-        front::fail(&format!(
-            "the reward `{}` was {} in {} episodes; the first is episode {} in {} against {}",
-            first.trained.reward,
-            first.outcome.reward,
-            broken.count(),
-            first.episode,
-            first.town,
-            first.policy
-        ));
-    }
-    say_errors(&finished);
-    interrupt::hold(true);
-    let written = report::write(&folder, campaign, &finished, &manifest);
-    let kept =
-        |error: WriteError, place: PathBuf| format!("{error}\n  what was written is kept in `{}`", place.display());
-    let place = match written {
-        Ok(()) => folder.finish(manifest.complete).map_err(|(error, place)| kept(error, place))?,
-        Err(error) => return Err(kept(error, folder.keep())),
+    say_errors(&gathered);
+    let times = (keeper.training_seconds(), began.elapsed().as_secs_f64());
+    let manifest = manifest(campaign, options, files, &finished, &gathered, times);
+    report::write(&folder, campaign, &finished, &gathered, &manifest).map_err(written)?;
+    let place = {
+        let _door = store.door();
+        folder.finish(manifest.complete).map_err(written)?
     };
     interrupt::hold(false);
-    print_cells(campaign, &finished).map_err(|error| error.to_string())?;
+    print_cells(campaign, &finished, &gathered).map_err(|error| error.to_string())?;
     front::say(&place.join("summary.md").display().to_string());
+    let failed = finished.trainings.iter().any(|training| training.result.is_err())
+        || finished.searches.iter().any(|search| search.error.is_some());
     let whole = manifest.complete || finished.interrupted;
     Ok(if failed || !whole || manifest.errors > 0 { ExitCode::RunFailed } else { ExitCode::Done })
 }
 
-/// Says in how many episodes a driver failed, and how in the first.
-fn say_errors(finished: &Finished) {
-    let mut failed = finished.rows.iter().filter_map(|row| row.outcome.fault().map(|fault| (row, fault)));
-    if let Some((row, fault)) = failed.next() {
+/// What is to be said when something cannot be written.
+fn kept(error: &str, out: &Path) -> String {
+    let again = "what was finished before is kept; run the same command again to go on";
+    format!("{error}\n  {again} (`{}`)", out.display())
+}
+
+/// Says what went wrong in episodes: how often, and the first time how.
+fn say_errors(gathered: &Gathered) {
+    if let Some(first) = &gathered.first_unpaid {
+        front::fail(&format!("a reward was no number in {} episodes; the first: {first}", gathered.unpaid));
+    }
+    if let Some(first) = &gathered.first_error {
+        let Gathered { errors, untried, episodes, .. } = gathered;
+        let untried = if *untried > 0 { format!(", {untried} of them not tried") } else { String::new() };
         front::fail(&format!(
-            "a driver failed in {} of {} episodes, which count for nothing; the first is episode {} in {}: {} {fault}",
-            failed.count() + 1,
-            finished.rows.len(),
-            row.episode,
-            row.town,
-            row.policy
+            "{errors} of {episodes} episodes are in error{untried} and count for nothing; the first is {first}"
         ));
     }
 }
@@ -154,8 +152,8 @@ fn manifest(
     options: &RunOptions,
     files: &[FileRecord],
     finished: &Finished,
-    times: &[f64],
-    wall_time_s: f64,
+    gathered: &Gathered,
+    (training_seconds, wall_time_s): (Vec<f64>, f64),
 ) -> Manifest {
     let trainings = finished.trainings.iter().map(|training| {
         let place = campaign.trainings.iter().position(|planned| planned.key == training.key).unwrap_or(0);
@@ -167,7 +165,7 @@ fn manifest(
             reward: key.reward.clone(),
             run: key.run,
             decisions: curve.map_or(0, |log| log.steps),
-            wall_time_s: times[place],
+            wall_time_s: training_seconds[place],
             pedestrian: if training.result.is_ok() {
                 report::pedestrian_file(key, "safetensors")
             } else {
@@ -176,25 +174,27 @@ fn manifest(
             error: training.result.as_ref().err().map_or(String::new(), ToString::to_string),
         }
     });
-    let planned: usize = campaign.evaluations.iter().map(|evaluation| evaluation.episodes as usize).sum();
-    let all_trained = finished.trainings.len() == campaign.trainings.len();
+    let planned: u64 = campaign.evaluations.iter().map(|evaluation| u64::from(evaluation.episodes)).sum();
+    let trained = finished.trainings.iter().filter(|training| training.result.is_ok()).count();
     Manifest {
         version: env!("CARGO_PKG_VERSION").into(),
+        code: CODE.into(),
         campaign: campaign.name.clone(),
         seed: options.seed,
         settings: campaign.settings.clone(),
         smoke: options.smoke,
-        complete: all_trained
-            && finished.rows.len() == planned
+        complete: trained == campaign.trainings.len()
+            && gathered.episodes == planned
+            && gathered.untried == 0
+            && gathered.unpaid == 0
+            && gathered.every_driver_drove
             && finished.searches.len() == campaign.searches.len()
-            && finished.searches.iter().all(|search| search.error.is_none() && !search.spent.stopped)
-            && finished.rows.iter().all(|row| row.outcome.reward.is_finite())
-            && every_driver_drove(finished),
+            && finished.searches.iter().all(|search| search.error.is_none() && !search.spent.stopped),
         stopped: finished.interrupted,
         threads: rayon::current_num_threads(),
-        evaluation_ticks: finished.rows.iter().map(|row| u64::from(row.outcome.ticks)).sum(),
+        evaluation_ticks: gathered.ticks,
         search_ticks: finished.searches.iter().map(|search| search.spent.ticks).sum(),
-        errors: errors(finished),
+        errors: gathered.errors,
         wall_time_s,
         files: files.to_vec(),
         vector_instructions: vector_instructions().into(),
@@ -202,39 +202,10 @@ fn manifest(
     }
 }
 
-/// How many episodes a driver failed in.
-fn errors(finished: &Finished) -> usize {
-    finished.rows.iter().filter(|row| row.outcome.fault().is_some()).count()
-}
-
-/// Whether every driver drove at least one episode in every town to its end.
-fn every_driver_drove(finished: &Finished) -> bool {
-    let mut driven: BTreeMap<(&str, &str), bool> = BTreeMap::new();
-    for row in &finished.rows {
-        *driven.entry((&row.town, &row.policy)).or_default() |= row.outcome.fault().is_none();
-    }
-    driven.values().all(|drove| *drove)
-}
-
-/// The vector instructions that the networks' products may use, on which the last bits of a training depend.
-fn vector_instructions() -> &'static str {
-    #[cfg(target_arch = "x86_64")]
-    {
-        if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
-            return "avx2, fma";
-        }
-        if is_x86_feature_detected!("avx") {
-            return "avx";
-        }
-    }
-    std::env::consts::ARCH
-}
-
 /// Prints the cells, narrow enough for a terminal.
-fn print_cells(campaign: &Campaign, finished: &Finished) -> Result<(), WriteError> {
+fn print_cells(campaign: &Campaign, finished: &Finished, gathered: &Gathered) -> Result<(), WriteError> {
     let failed = |source| WriteError::Table { name: "cells".into(), source };
-    let cells =
-        report::metrics(&report::episodes(&finished.rows)).and_then(|metrics| metrics.cells()).map_err(failed)?;
+    let cells = Metrics::of_runs(gathered.runs.clone()).and_then(|metrics| metrics.cells()).map_err(failed)?;
     front::say(report::table(&campaign.name, &cells).trim_end());
     if !finished.searches.is_empty() {
         front::say(report::search_table(&report::search_cells(&finished.searches)).trim_end());

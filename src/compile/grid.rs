@@ -23,6 +23,7 @@ const MOST_CELLS: usize = 200_000;
 /// A member of one axis of the grid.
 #[derive(Clone)]
 struct Axis<T> {
+    id: DeclarationId,
     name: String,
     value: T,
 }
@@ -31,7 +32,9 @@ struct Axis<T> {
 struct Rival {
     name: String,
     method: &'static str,
-    reward: Axis<RewardRule>,
+    reward: (String, RewardRule),
+    /// It, and how pedestrians are trained where it does not say so.
+    declarations: [DeclarationId; 2],
     falsifier: Arc<dyn Falsifier>,
 }
 
@@ -39,15 +42,15 @@ struct Rival {
 struct Usual {
     car: Axis<VehicleBlueprint>,
     walker: Axis<Adversary>,
-    rule: EpisodeRule,
-    training: (PpoConfig, usize),
+    rule: Axis<EpisodeRule>,
+    training: Axis<(PpoConfig, usize)>,
 }
 
 /// Where the episodes of a block happen, against whom, and how they begin.
 struct Ground {
     towns: Vec<Axis<BuiltTown>>,
     policies: Vec<Axis<PolicyMaker>>,
-    spawn: SpawnRule,
+    spawn: Axis<SpawnRule>,
 }
 
 impl Ground {
@@ -63,7 +66,7 @@ impl Ground {
 struct Place<'a> {
     town: &'a Axis<BuiltTown>,
     policy: &'a Axis<PolicyMaker>,
-    spawn: &'a SpawnRule,
+    spawn: &'a Axis<SpawnRule>,
 }
 
 impl Place<'_> {
@@ -80,10 +83,20 @@ impl Place<'_> {
             vehicle: car.clone(),
             policy: self.policy.value.clone(),
             adversary: walker.clone(),
-            spawn: self.spawn.clone(),
+            spawn: self.spawn.value.clone(),
             reward: reward.clone(),
             episode: rule.clone(),
         })
+    }
+
+    /// The declarations of a scenario.
+    fn declarations(
+        &self,
+        car: &Axis<VehicleBlueprint>,
+        walker: &Axis<Adversary>,
+        rule: &Axis<EpisodeRule>,
+    ) -> [DeclarationId; 6] {
+        [self.town.id, self.policy.id, self.spawn.id, car.id, walker.id, rule.id]
     }
 }
 
@@ -95,7 +108,7 @@ impl Lowering<'_> {
         let usual = Usual {
             car: self.vehicle(referred("vehicle")),
             walker: self.adversary(referred("adversary")),
-            rule: episode::lower(&self.program.get(referred("episode")).block.arguments),
+            rule: self.episode(referred("episode")),
             training: self.training(referred("training")),
         };
         let mut campaign = Campaign {
@@ -135,7 +148,7 @@ impl Lowering<'_> {
         block: &Block,
         usual: &Usual,
         campaign: &mut Campaign,
-        rewards: &mut BTreeMap<String, RewardRule>,
+        rewards: &mut BTreeMap<String, Axis<RewardRule>>,
     ) {
         let (car, walker) = (&usual.car.value, &usual.walker.value);
         let Some(ground) = self.ground(campaign_block, block, &[(car, walker)]) else { return };
@@ -144,10 +157,12 @@ impl Lowering<'_> {
             return;
         }
         note_towns(&mut campaign.towns, &ground.towns);
-        let (config, environments) = &usual.training;
+        let (config, environments) = &usual.training.value;
         for place in ground.places() {
             for reward in &paid {
-                let scenario = place.scenario(car, walker, &usual.rule, &reward.value);
+                let scenario = place.scenario(car, walker, &usual.rule.value, &reward.value);
+                let ground = place.declarations(&usual.car, &usual.walker, &usual.rule);
+                let recipe = self.recipe(&[ground.as_slice(), &[reward.id, usual.training.id]].concat());
                 campaign.trainings.extend((0..runs).map(|run| Training {
                     key: TrainingKey {
                         town: place.town.name.clone(),
@@ -158,10 +173,11 @@ impl Lowering<'_> {
                     scenario: scenario.clone(),
                     config: config.clone(),
                     environments: *environments,
+                    recipe,
                 }));
             }
         }
-        rewards.extend(paid.into_iter().map(|reward| (reward.name, reward.value)));
+        rewards.extend(paid.into_iter().map(|reward| (reward.name.clone(), reward)));
     }
 
     fn evaluate(
@@ -171,7 +187,7 @@ impl Lowering<'_> {
         number: u32,
         usual: &Usual,
         campaign: &mut Campaign,
-        rewards: &BTreeMap<String, RewardRule>,
+        rewards: &BTreeMap<String, Axis<RewardRule>>,
     ) {
         let named = |key: &str| block.arguments.has(key).then(|| block.arguments.references(key));
         let cars = named("vehicles").map(|ids| ids.into_iter().map(|id| self.vehicle(id)).collect());
@@ -188,7 +204,11 @@ impl Lowering<'_> {
         }
         note_towns(&mut campaign.towns, &ground.towns);
         for (place, (car, walker)) in ground.places().flat_map(|place| bodies().map(move |body| (place, body))) {
-            let scenario = |reward| place.scenario(&car.value, &walker.value, &usual.rule, reward);
+            let ground = place.declarations(car, walker, &usual.rule);
+            let mut scenario = |reward: &Axis<RewardRule>| {
+                let scenario = place.scenario(&car.value, &walker.value, &usual.rule.value, &reward.value);
+                (scenario, self.recipe(&[ground.as_slice(), &[reward.id]].concat()))
+            };
             let scenarios: BTreeMap<&String, _> =
                 rewards.iter().map(|(name, reward)| (name, scenario(reward))).collect();
             campaign.evaluations.extend(who.iter().map(|(pedestrian, trained)| Evaluation {
@@ -199,8 +219,9 @@ impl Lowering<'_> {
                 vehicle: car.name.clone(),
                 adversary: walker.name.clone(),
                 block: number,
-                scenario: scenarios[&trained.reward].clone(),
+                scenario: scenarios[&trained.reward].0.clone(),
                 episodes: block.arguments.integer("episodes") as u32,
+                recipe: scenarios[&trained.reward].1,
             }));
         }
     }
@@ -215,12 +236,14 @@ impl Lowering<'_> {
         }
         note_towns(&mut campaign.towns, &ground.towns);
         for (place, rival) in ground.places().flat_map(|place| falsifiers.iter().map(move |rival| (place, rival))) {
-            let scenario = place.scenario(car, walker, &usual.rule, &rival.reward.value);
+            let scenario = place.scenario(car, walker, &usual.rule.value, &rival.reward.1);
+            let ground = place.declarations(&usual.car, &usual.walker, &usual.rule);
+            let recipe = self.recipe(&[ground.as_slice(), &rival.declarations].concat());
             campaign.searches.extend((0..runs).map(|run| Search {
                 key: SearchKey {
                     falsifier: rival.name.clone(),
                     method: rival.method,
-                    reward: rival.reward.name.clone(),
+                    reward: rival.reward.0.clone(),
                     town: place.town.name.clone(),
                     policy: place.policy.name.clone(),
                     block: number,
@@ -230,6 +253,7 @@ impl Lowering<'_> {
                 falsifier: rival.falsifier.clone(),
                 budget: block.arguments.integer("budget") as u64,
                 tries: block.arguments.integer("episodes") as u32,
+                recipe,
             }));
         }
     }
@@ -244,7 +268,7 @@ impl Lowering<'_> {
     ) -> Option<Ground> {
         let spawn = self.spawn(campaign, block)?;
         let ground = Ground { towns: self.towns(block), policies: self.policies(block), spawn };
-        self.probe(campaign, block, &ground.towns, &ground.spawn, bodies);
+        self.probe(campaign, block, &ground.towns, &ground.spawn.value, bodies);
         Some(ground)
     }
 
@@ -257,7 +281,7 @@ impl Lowering<'_> {
         cells <= MOST_CELLS
     }
 
-    fn falsifiers(&mut self, block: &Block, usual: &(PpoConfig, usize)) -> Vec<Rival> {
+    fn falsifiers(&mut self, block: &Block, usual: &Axis<(PpoConfig, usize)>) -> Vec<Rival> {
         let mut rivals = Vec::new();
         for id in block.arguments.references("falsifiers") {
             let declaration = self.program.get(id);
@@ -266,12 +290,13 @@ impl Lowering<'_> {
                 Some(id) => self.training(id),
                 None => usual.clone(),
             };
-            let none = Axis { name: String::new(), value: RewardRule::default() };
+            let reward = falsifier::named(arguments, "reward").map(|id| self.reward(id));
             rivals.push(Rival {
                 name: declaration.name.clone(),
                 method: declaration.kind,
-                reward: falsifier::named(arguments, "reward").map_or(none, |id| self.reward(id)),
-                falsifier: falsifier::lower(&self.catalog.falsifiers, declaration, &training, self.said),
+                reward: reward.map(|reward| (reward.name, reward.value)).unwrap_or_default(),
+                declarations: [id, training.id],
+                falsifier: falsifier::lower(&self.catalog.falsifiers, declaration, &training.value, self.said),
             });
         }
         rivals
@@ -280,29 +305,35 @@ impl Lowering<'_> {
     fn vehicle(&self, id: DeclarationId) -> Axis<VehicleBlueprint> {
         let declaration = self.program.get(id);
         let value = vehicle::lower(declaration.kind, &declaration.block.arguments);
-        Axis { name: declaration.name.clone(), value }
+        Axis { id, name: declaration.name.clone(), value }
     }
 
     fn adversary(&self, id: DeclarationId) -> Axis<Adversary> {
         let declaration = self.program.get(id);
-        Axis { name: declaration.name.clone(), value: adversary::lower(&declaration.block.arguments) }
+        Axis { id, name: declaration.name.clone(), value: adversary::lower(&declaration.block.arguments) }
     }
 
-    fn training(&mut self, id: DeclarationId) -> (PpoConfig, usize) {
-        let block = &self.program.get(id).block;
+    fn episode(&self, id: DeclarationId) -> Axis<EpisodeRule> {
+        let declaration = self.program.get(id);
+        Axis { id, name: declaration.name.clone(), value: episode::lower(&declaration.block.arguments) }
+    }
+
+    fn training(&mut self, id: DeclarationId) -> Axis<(PpoConfig, usize)> {
+        let declaration = self.program.get(id);
+        let block = &declaration.block;
         let (config, environments) = training::lower(&block.arguments);
         if config.rollout_steps.saturating_mul(environments) > MOST_DECISIONS {
             let message = format!("an update of more than {MOST_DECISIONS} decisions does not fit in memory");
             self.said.push(codes::contradiction(block.place("steps_per_update"), message));
         }
-        (config, environments)
+        Axis { id, name: declaration.name.clone(), value: (config, environments) }
     }
 
     fn towns(&mut self, block: &Block) -> Vec<Axis<BuiltTown>> {
         let mut axis = Vec::new();
         for id in block.arguments.references("towns") {
             let name = self.program.get(id).name.clone();
-            axis.extend(self.town(id).map(|value| Axis { name, value }));
+            axis.extend(self.town(id).map(|value| Axis { id, name, value }));
         }
         axis
     }
@@ -311,7 +342,7 @@ impl Lowering<'_> {
         let mut axis = Vec::new();
         for id in block.arguments.references("policies") {
             let name = self.program.get(id).name.clone();
-            axis.extend(self.policy(id).map(|value| Axis { name, value }));
+            axis.extend(self.policy(id).map(|value| Axis { id, name, value }));
         }
         axis
     }
@@ -330,12 +361,14 @@ impl Lowering<'_> {
 
     fn reward(&self, id: DeclarationId) -> Axis<RewardRule> {
         let declaration = self.program.get(id);
-        Axis { name: declaration.name.clone(), value: reward::lower(&declaration.block) }
+        Axis { id, name: declaration.name.clone(), value: reward::lower(&declaration.block) }
     }
 
-    fn spawn(&mut self, campaign: &Block, block: &Block) -> Option<SpawnRule> {
+    fn spawn(&mut self, campaign: &Block, block: &Block) -> Option<Axis<SpawnRule>> {
         let owner = if block.arguments.has("spawn") { block } else { campaign };
-        self.spawn_rule(owner.arguments.reference("spawn"))
+        let id = owner.arguments.reference("spawn");
+        let name = self.program.get(id).name.clone();
+        self.spawn_rule(id).map(|value| Axis { id, name, value })
     }
 
     /// Makes sure that somebody can be placed in every town, and not inside any of the cars.

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::plan::{Documented, NamedTown, Plan};
+use super::recipe::Noting;
 use super::{Catalog, policy, spawn, town};
 use crate::diagnostic::{Diagnostic, Severity, Sources};
 use crate::env::{PolicyMaker, SpawnRule};
@@ -70,11 +71,12 @@ pub fn compile_with(
         return Ok(Compiled { plan: None, diagnostics });
     }
     let mut shared = Shared::default();
+    let read = &Noting::new(read);
     let mut plan = Plan::default();
     for variant in &variants {
-        let (program, maps) = (&variant.program, &overrides.maps);
+        let (program, maps, digests) = (&variant.program, &overrides.maps, BTreeMap::new());
         let mut lowering =
-            Lowering { program, catalog, sources, read, maps, said: &mut diagnostics, shared: &mut shared };
+            Lowering { program, catalog, sources, read, maps, said: &mut diagnostics, shared: &mut shared, digests };
         lowering.variant(variant, &mut plan);
     }
     let outside: Vec<String> = settings.iter().map(|each| each.text(sources)).collect();
@@ -153,9 +155,11 @@ pub(super) struct Lowering<'a> {
     pub program: &'a Program,
     pub catalog: &'a Catalog,
     pub said: &'a mut Vec<Diagnostic>,
-    pub read: &'a dyn Reader,
+    pub read: &'a Noting<'a>,
+    pub maps: &'a BTreeMap<String, PathBuf>,
+    /// Digests of declarations, for recipes.
+    pub digests: BTreeMap<DeclarationId, [u8; 32]>,
     sources: &'a Sources,
-    maps: &'a BTreeMap<String, PathBuf>,
     shared: &'a mut Shared,
 }
 

@@ -22,6 +22,7 @@ mod training;
 mod falsifier;
 mod campaign;
 mod plan;
+mod recipe;
 mod lower;
 mod grid;
 
@@ -30,3 +31,4 @@ pub use lower::{Compiled, Overrides, compile, compile_with};
 pub use plan::{
     Campaign, Documented, Driver, Evaluation, NamedTown, Pedestrian, Plan, Search, SearchKey, Training, TrainingKey,
 };
+pub use recipe::Recipe;

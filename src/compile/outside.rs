@@ -7,7 +7,7 @@ use crate::av::external::{External, Program, Settings};
 use crate::av::onnx::{Model, Onnx};
 use crate::env::PolicyMaker;
 use crate::lang::hir::Declaration;
-use crate::lang::{codes, reason};
+use crate::lang::{Reader, codes, reason};
 use crate::signature::Signature;
 
 /// A kind of driving policy from outside: what it takes, and how a maker of it comes to be.
@@ -46,6 +46,8 @@ fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<Po
         lowering.said.push(codes::unusable_command(place, command, &reason));
         return None;
     }
+    // What the files of a command hold belongs to what the scenario says.
+    lowering.read.note(lowering.beside(declaration, command), opener.digest(&program));
     let settings = Settings::new(arguments);
     Some(Arc::new(move || Box::new(External::new(program.clone(), settings, opener.clone()))))
 }

@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use super::Recipe;
 use crate::env::Scenario;
 use crate::falsifier::Falsifier;
 use crate::rl::PpoConfig;
@@ -117,6 +118,8 @@ pub struct Training {
     pub config: PpoConfig,
     /// In how many environments.
     pub environments: usize,
+    /// What the files say about it.
+    pub recipe: Recipe,
 }
 
 /// Who is tried.
@@ -168,6 +171,8 @@ pub struct Evaluation {
     pub scenario: Arc<Scenario>,
     /// How many episodes.
     pub episodes: u32,
+    /// What the files say about it, without how its pedestrian was trained.
+    pub recipe: Recipe,
 }
 
 /// What distinguishes a search from the others of its campaign.
@@ -202,4 +207,6 @@ pub struct Search {
     pub budget: u64,
     /// In how many fresh episodes the pedestrian that it ends up with is tried, if it has one.
     pub tries: u32,
+    /// What the files say about it.
+    pub recipe: Recipe,
 }

@@ -1,8 +1,10 @@
+use serde::{Deserialize, Serialize};
+
 use super::Spawn;
 use crate::av::{DrivingMode, Fault};
 
 /// Why an episode ended.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Ending {
     /// The pedestrian and the ego touched.
     Collision {
@@ -19,12 +21,14 @@ pub enum Ending {
     Lost,
     /// The time was up.
     Timeout,
-    /// The driver failed as a program: nothing is known about how it would have driven.
+    /// The driver failed as a program: nothing is known about how it would have driven. It may not do so again, so it is not
+    /// written down.
+    #[serde(skip)]
     Error(Fault),
 }
 
 /// What became of an episode.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
     /// How it began.
     pub spawn: Spawn,

@@ -25,12 +25,12 @@ pub fn try_walker(
     walker_seed: &Seed,
     observer: &mut dyn FnMut(u32) -> ControlFlow<()>,
 ) -> Vec<Outcome> {
-    let note = &mut |outcome: &Outcome, _: &Recording| *outcome;
+    let note = &mut |_: u32, outcome: &Outcome, _: &Recording| *outcome;
     watch_walker(walker, scenario, 0..episodes, episodes_seed, walker_seed, note, observer)
 }
 
 /// Tries a pedestrian as [`try_walker`] does in the episodes with these numbers, and keeps what is noted of each when it is
-/// over: what became of it, and what happened.
+/// over: its number, what became of it, and what happened.
 ///
 /// An episode is the same in every range that holds it.
 pub fn watch_walker<T>(
@@ -39,7 +39,7 @@ pub fn watch_walker<T>(
     episodes: Range<u32>,
     episodes_seed: &Seed,
     walker_seed: &Seed,
-    note: &mut dyn FnMut(&Outcome, &Recording) -> T,
+    note: &mut dyn FnMut(u32, &Outcome, &Recording) -> T,
     observer: &mut dyn FnMut(u32) -> ControlFlow<()>,
 ) -> Vec<T> {
     let mut env = PedestrianEnv::new(scenario.clone(), *episodes_seed);
@@ -83,7 +83,7 @@ fn company(env: &PedestrianEnv, walker: &dyn Walker, episodes: usize) -> Vec<Pla
 
 struct Trial<'a, T> {
     walker_seed: &'a Seed,
-    note: &'a mut dyn FnMut(&Outcome, &Recording) -> T,
+    note: &'a mut dyn FnMut(u32, &Outcome, &Recording) -> T,
     observer: &'a mut dyn FnMut(u32) -> ControlFlow<()>,
     /// Number of the first episode.
     first: u64,
@@ -166,7 +166,7 @@ impl<T> Trial<'_, T> {
     }
 
     fn record(&mut self, episode: u64, outcome: &Outcome, recording: &Recording) -> ControlFlow<()> {
-        let noted = (self.note)(outcome, recording);
+        let noted = (self.note)(episode as u32, outcome, recording);
         self.notes[(episode - self.first) as usize] = Some((noted, outcome.fault().is_some()));
         self.done += 1;
         while let Some(Some((_, failed))) = self.notes.get(self.settled) {

@@ -5,7 +5,7 @@ use crate::seed::Seed;
 use crate::sim::WalkCommand;
 
 /// A collision that a falsifier found, with all that is needed to see it again.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Failure {
     /// Number of its beginning under the seed of the search.
     pub beginning: u64,

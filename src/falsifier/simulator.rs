@@ -30,7 +30,7 @@ pub struct Simulator<'a> {
 }
 
 /// What a falsifier did with its budget.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Spent {
     /// Ticks that were simulated.
     pub ticks: u64,

@@ -23,6 +23,13 @@ pub enum TrainError {
     },
 }
 
+impl TrainError {
+    /// Whether it ended because somebody asked to stop.
+    pub fn is_stopped(&self) -> bool {
+        matches!(self, Self::Learner(rl::TrainError::Stopped { .. }))
+    }
+}
+
 /// Trains a pedestrian in so many environments of a scenario, each with its own stream of episodes.
 ///
 /// An episode in which the driver fails is cut off without a reward; ten in a row end the training.

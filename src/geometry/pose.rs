@@ -1,7 +1,9 @@
+use serde::{Deserialize, Serialize};
+
 use super::{Point, Vector, wrap_angle};
 
 /// A place and a heading in the plane.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Pose {
     /// Position east (m).
     pub x: f64,

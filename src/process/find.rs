@@ -31,6 +31,18 @@ pub(super) fn find(program: &Program) -> Result<(), String> {
     }
 }
 
+/// Digests the files beside the scenario that the words of a command name: the script, not the interpreter on the PATH.
+pub(super) fn digest(program: &Program) -> [u8; 32] {
+    let mut all = blake3::Hasher::new();
+    for path in program.words.iter().map(|word| program.folder.join(word)).filter(|path| path.is_file()) {
+        let mut file = blake3::Hasher::new();
+        // A file that cannot be read is noticed when the program is started.
+        let _ = std::fs::File::open(path).and_then(|opened| file.update_reader(opened).map(|_| ()));
+        all.update(file.finalize().as_bytes());
+    }
+    *all.finalize().as_bytes()
+}
+
 fn shown(folder: &Path) -> String {
     match folder.as_os_str().is_empty() {
         true => "this folder".into(),

@@ -17,6 +17,10 @@ impl Opener for ProcessOpener {
         super::find::find(program)
     }
 
+    fn digest(&self, program: &Program) -> [u8; 32] {
+        super::find::digest(program)
+    }
+
     fn open(&self, program: &Program) -> Result<Box<dyn Link>, Fault> {
         self.start(program)
     }

@@ -2,11 +2,13 @@ use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use polars::prelude::{DataFrame, PolarsError};
+use polars::prelude::{DataFrame, PolarsError, Schema};
 use polars_io::SerWriter;
 use polars_io::csv::write::CsvWriter;
 use polars_io::parquet::write::ParquetWriter;
 use tempfile::TempDir;
+
+use super::TableStream;
 
 /// The file whose presence marks a folder as a finished report.
 const MARK: &str = "manifest.toml";
@@ -58,15 +60,16 @@ pub struct ReportFolder {
 }
 
 impl ReportFolder {
-    /// Begins a report that is to stand at `out/name`. Fails at once when it never could.
+    /// Begins a report that is to stand at `out/name`; its files gather in a folder among `drafts`, which must be on the same
+    /// file system. Fails at once when it never could.
     ///
     /// # Errors
     /// The folder cannot be written to, or something else stands there.
-    pub fn begin(out: &Path, name: &str) -> Result<Self, WriteError> {
+    pub fn begin(out: &Path, name: &str, drafts: &Path) -> Result<Self, WriteError> {
         let folder = |source| WriteError::Folder { path: out.to_path_buf(), source };
         fs::create_dir_all(out).map_err(folder)?;
         make_way(&out.join(name))?;
-        let draft = tempfile::Builder::new().prefix(&format!(".{name}-")).tempdir_in(out).map_err(folder)?;
+        let draft = tempfile::Builder::new().prefix("report-").tempdir_in(drafts).map_err(folder)?;
         Ok(Self { out: out.to_path_buf(), name: name.to_string(), draft })
     }
 
@@ -91,6 +94,22 @@ impl ReportFolder {
         })
     }
 
+    /// Begins a table that is written piece by piece, as CSV and as Parquet.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn stream(&self, name: &str, schema: &Schema) -> Result<TableStream, WriteError> {
+        let open = |end: &str| -> Result<(PathBuf, BufWriter<fs::File>), WriteError> {
+            let path = self.draft.path().join(format!("{name}.{end}"));
+            match fs::File::create(&path) {
+                Ok(file) => Ok((path, BufWriter::new(file))),
+                Err(source) => Err(WriteError::File { path, source }),
+            }
+        };
+        let ((csv_path, csv), (parquet_path, parquet)) = (open("csv")?, open("parquet")?);
+        TableStream::begin(schema, (csv_path, csv), (parquet_path, parquet))
+    }
+
     fn write(
         &self,
         name: &str,
@@ -107,20 +126,19 @@ impl ReportFolder {
         file.sync_all().map_err(failed)
     }
 
-    /// Gives up, but keeps the files that are there already; says where.
-    pub fn keep(self) -> PathBuf {
-        self.draft.keep()
-    }
-
     /// Puts the report in its place; an earlier report there gives way. An incomplete one gets a place of its own,
-    /// `name-partial`, so that it never replaces a complete one.
+    /// `name-partial`, so that it never replaces a complete one; when that comes, it goes.
     ///
     /// # Errors
-    /// The folders cannot be moved; the files then stay where they were gathered, which is the second part of the error.
-    pub fn finish(self, complete: bool) -> Result<PathBuf, (WriteError, PathBuf)> {
-        let place = if complete { self.out.join(&self.name) } else { self.out.join(format!("{}-partial", self.name)) };
-        let draft = self.draft.keep();
-        Self::swap(&draft, &place).map(|()| place).map_err(|error| (error, draft))
+    /// The folders cannot be moved.
+    pub fn finish(self, complete: bool) -> Result<PathBuf, WriteError> {
+        let (whole, partial) = (self.out.join(&self.name), self.out.join(format!("{}-partial", self.name)));
+        let place = if complete { &whole } else { &partial };
+        Self::swap(self.draft.path(), place)?;
+        if complete && partial.exists() && make_way(&partial).is_ok() {
+            let _ = fs::remove_dir_all(&partial);
+        }
+        Ok(place.clone())
     }
 
     fn swap(draft: &Path, place: &Path) -> Result<(), WriteError> {

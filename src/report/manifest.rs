@@ -5,6 +5,8 @@ use serde::Serialize;
 pub struct Manifest {
     /// Version of this program.
     pub version: String,
+    /// Digest of the code that makes numbers; results of other code are not taken up again.
+    pub code: String,
     /// Name of the campaign.
     pub campaign: String,
     /// The user's seed.
@@ -24,7 +26,7 @@ pub struct Manifest {
     /// Simulator ticks of the evaluations.
     pub evaluation_ticks: u64,
     /// Episodes in which the driver failed as a program.
-    pub errors: usize,
+    pub errors: u64,
     /// Simulator ticks of the searches, without those of pedestrians tried afterwards.
     pub search_ticks: u64,
     /// Wall time of the whole campaign (s).

@@ -110,6 +110,14 @@ fn counted(label: Label) -> String {
 /// # Errors
 /// Those of polars; none for a table made by [`episodes`](super::episodes).
 pub fn metrics(episodes: &DataFrame) -> PolarsResult<Metrics> {
+    Metrics::of_runs(runs(episodes)?)
+}
+
+/// Aggregates episodes to runs. Those of a run must be together; several tables of whole runs give the same as one of all.
+///
+/// # Errors
+/// As [`metrics`].
+pub fn runs(episodes: &DataFrame) -> PolarsResult<DataFrame> {
     let total = |name: &str| col(name).cast(DataType::UInt32).sum();
     let mut by_run: Vec<Expr> = CELL.iter().map(|name| col(*name)).collect();
     by_run.push(col("run"));
@@ -130,7 +138,7 @@ pub fn metrics(episodes: &DataFrame) -> PolarsResult<Metrics> {
         col("foreseeable").fill_null(lit(false)).cast(DataType::UInt32).sum().alias("foreseeable_collisions"),
     ];
     aggregated.extend(labels);
-    let runs = episodes
+    episodes
         .clone()
         .lazy()
         .group_by_stable(by_run)
@@ -142,7 +150,11 @@ pub fn metrics(episodes: &DataFrame) -> PolarsResult<Metrics> {
             ratio("preventable_collisions", "episodes").alias("preventable_rate"),
             ratio("preventable_collisions", "collisions").alias("preventable_share"),
         ])
-        .collect()?;
+        .collect()
+}
+
+fn of_runs(runs: DataFrame) -> PolarsResult<Metrics> {
+    let total = |name: &str| col(name).cast(DataType::UInt32).sum();
     let by_cell: Vec<Expr> = CELL.iter().map(|name| col(*name)).collect();
     let mut sums =
         vec![len().cast(DataType::UInt32).alias("runs"), total("episodes"), total("errors"), total("collisions")];
@@ -179,6 +191,14 @@ fn intervals(cells: &DataFrame, part: &str, whole: &str) -> PolarsResult<(Vec<f6
 }
 
 impl Metrics {
+    /// Aggregates runs to cells.
+    ///
+    /// # Errors
+    /// Those of polars; none for a table made by [`runs`].
+    pub fn of_runs(runs: DataFrame) -> PolarsResult<Self> {
+        of_runs(runs)
+    }
+
     /// The cells, for people.
     ///
     /// # Errors

@@ -1,12 +1,56 @@
-use polars::prelude::{Column, DataFrame, NamedFrom, Series};
+use polars::prelude::{Column, DataFrame, NamedFrom, PlSmallStr, Scalar, Series};
 
 use crate::analysis::FailureMode;
 use crate::campaign::EpisodeRow;
+use crate::compile::Evaluation;
 use crate::env::Ending;
 use crate::judge::{Reference, Trial};
 
 /// Episodes as a table, one row each, in the order given. The columns are explained in `reports/README.md`.
 pub fn episodes(rows: &[EpisodeRow]) -> DataFrame {
+    let text = |name: &str, value: &dyn Fn(&EpisodeRow) -> String| {
+        Column::from(Series::new(name.into(), rows.iter().map(value).collect::<Vec<String>>()))
+    };
+    let count = |name: &str, value: &dyn Fn(&EpisodeRow) -> u32| {
+        Column::from(Series::new(name.into(), rows.iter().map(value).collect::<Vec<u32>>()))
+    };
+    let mut columns = vec![
+        text("reward", &|row| row.trained.reward.clone()),
+        text("train_town", &|row| row.trained.town.clone()),
+        text("train_policy", &|row| row.trained.policy.clone()),
+        count("run", &|row| row.trained.run),
+        text("pedestrian", &|row| row.pedestrian.into()),
+        text("town", &|row| row.town.clone()),
+        text("policy", &|row| row.policy.clone()),
+        text("vehicle", &|row| row.vehicle.clone()),
+        text("adversary", &|row| row.adversary.clone()),
+        count("block", &|row| row.block),
+    ];
+    columns.extend(outcomes(rows).columns().iter().cloned());
+    DataFrame::new(rows.len(), columns).expect("all columns have a value for every row")
+}
+
+/// The columns that tell an evaluation's episodes from those of others.
+pub(super) fn identity(evaluation: &Evaluation, rows: usize) -> Vec<Column> {
+    let text = |name: &str, value: &str| Column::new_scalar(name.into(), Scalar::from(PlSmallStr::from(value)), rows);
+    let count = |name: &str, value: u32| Column::new_scalar(name.into(), Scalar::from(value), rows);
+    let trained = &evaluation.trained;
+    vec![
+        text("reward", &trained.reward),
+        text("train_town", &trained.town),
+        text("train_policy", &trained.policy),
+        count("run", trained.run),
+        text("pedestrian", evaluation.pedestrian.name()),
+        text("town", &evaluation.town),
+        text("policy", &evaluation.policy),
+        text("vehicle", &evaluation.vehicle),
+        text("adversary", &evaluation.adversary),
+        count("block", evaluation.block),
+    ]
+}
+
+/// What became of episodes, without what tells them from those of other evaluations.
+pub(super) fn outcomes(rows: &[EpisodeRow]) -> DataFrame {
     let text = |name: &str, value: &dyn Fn(&EpisodeRow) -> String| {
         Column::from(Series::new(name.into(), rows.iter().map(value).collect::<Vec<String>>()))
     };
@@ -27,16 +71,6 @@ pub fn episodes(rows: &[EpisodeRow]) -> DataFrame {
         _ => None,
     };
     let mut columns = vec![
-        text("reward", &|row| row.trained.reward.clone()),
-        text("train_town", &|row| row.trained.town.clone()),
-        text("train_policy", &|row| row.trained.policy.clone()),
-        count("run", &|row| row.trained.run),
-        text("pedestrian", &|row| row.pedestrian.into()),
-        text("town", &|row| row.town.clone()),
-        text("policy", &|row| row.policy.clone()),
-        text("vehicle", &|row| row.vehicle.clone()),
-        text("adversary", &|row| row.adversary.clone()),
-        count("block", &|row| row.block),
         count("episode", &|row| row.episode),
         text("outcome", &|row| ending(&row.outcome.ending).into()),
         text("error", &|row| row.outcome.fault().map_or(String::new(), |fault| fault.to_string())),

@@ -3,8 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use crate::campaign::EpisodeRow;
-use crate::env::{Ending, Spawn};
+use crate::env::{Ending, Outcome, Spawn};
 use crate::geometry::{Point, Pose};
 use crate::road::{LaneKind, Road, Town};
 
@@ -12,17 +11,19 @@ use crate::road::{LaneKind, Road, Town};
 const STEP: f64 = 2.0;
 /// Ground shown around the town (m).
 const MARGIN: f64 = 12.0;
+/// Most beginnings that are drawn of a policy and a block.
+const MOST_STARTS: u32 = 1000;
 /// Height of the strip for the legend (m).
 const LEGEND: f64 = 14.0;
 
 /// Draws a town, and a dot for every place where pedestrians began: the redder, the more of them hit a moving car, the
 /// bluer its ring, the more hit a standing one.
-pub fn town_map(town: &Town, rows: &[&EpisodeRow]) -> String {
+pub fn town_map(town: &Town, starts: &Starts) -> String {
     drawn(town, &|page, x, y| {
-        for start in starts(rows) {
+        for start in &starts.places {
             dot(page, start.place.x, -start.place.y, start.share(start.moving), start.share(start.standing));
         }
-        if !rows.is_empty() {
+        if !starts.places.is_empty() {
             dots_legend(page, x, y);
         }
     })
@@ -87,7 +88,35 @@ fn arrow(page: &mut String, pose: &Pose, class: &str, length: f64) {
     );
 }
 
+/// Places where pedestrians began: the same in all runs of a policy and a block.
+#[derive(Debug, Clone, Default)]
+pub struct Starts {
+    places: Vec<Start>,
+    index: BTreeMap<(String, u32, u32), usize>,
+}
+
+impl Starts {
+    /// Adds an episode by its policy, block and number. Only the first ones are drawn: more dots would hide the town.
+    pub fn add(&mut self, (policy, block, episode): (&str, u32, u32), outcome: &Outcome) {
+        if episode >= MOST_STARTS {
+            return;
+        }
+        let place = *self.index.entry((policy.to_string(), block, episode)).or_insert_with(|| {
+            self.places.push(Start { place: outcome.spawn.pedestrian, moving: 0, standing: 0, all: 0 });
+            self.places.len() - 1
+        });
+        let start = &mut self.places[place];
+        start.all += 1;
+        match outcome.ending {
+            Ending::Collision { moving: true, .. } => start.moving += 1,
+            Ending::Collision { .. } => start.standing += 1,
+            _ => {}
+        }
+    }
+}
+
 /// How the episodes that began at a place ended.
+#[derive(Debug, Clone)]
 struct Start {
     place: Pose,
     moving: u32,
@@ -99,26 +128,6 @@ impl Start {
     fn share(&self, count: u32) -> f64 {
         f64::from(count) / f64::from(self.all.max(1))
     }
-}
-
-fn starts(rows: &[&EpisodeRow]) -> Vec<Start> {
-    let mut starts: Vec<Start> = Vec::new();
-    let mut index: BTreeMap<(String, u32, u32), usize> = BTreeMap::new();
-    for row in rows {
-        let key = (row.policy.clone(), row.block, row.episode);
-        let place = *index.entry(key).or_insert_with(|| {
-            starts.push(Start { place: row.outcome.spawn.pedestrian, moving: 0, standing: 0, all: 0 });
-            starts.len() - 1
-        });
-        let start = &mut starts[place];
-        start.all += 1;
-        match row.outcome.ending {
-            Ending::Collision { moving: true, .. } => start.moving += 1,
-            Ending::Collision { .. } => start.standing += 1,
-            _ => {}
-        }
-    }
-    starts
 }
 
 fn dot(page: &mut String, x: f64, y: f64, moving: f64, standing: f64) {

@@ -1,11 +1,12 @@
 use std::collections::BTreeMap;
 
+use super::gathered::MOST_COLLISIONS;
 use super::{
-    Manifest, ReportFolder, WriteError, episodes, failure_modes, learning_curve, learning_figures, metrics,
+    Gathered, Manifest, Metrics, ReportFolder, WriteError, failure_modes, learning_curve, learning_figures,
     search_cell_table, search_cells, search_failures, search_summary, searches, summary, town_map,
 };
 use crate::analysis;
-use crate::campaign::{EpisodeRow, Finished};
+use crate::campaign::Finished;
 use crate::compile::{Campaign, TrainingKey};
 
 /// Where a report holds a trained pedestrian, relative to its folder; the format is the file's extension.
@@ -13,7 +14,8 @@ pub fn pedestrian_file(key: &TrainingKey, format: &str) -> String {
     format!("pedestrians/{}-{}-{}-{}.{format}", key.reward, key.town, key.policy, key.run)
 }
 
-/// Fills a report's folder with all that is to be seen of a campaign.
+/// Fills a report's folder with all that is to be seen of a campaign, but the table of episodes, which [`gather`](super::gather)
+/// has written.
 ///
 /// # Errors
 /// A table that cannot be made or a file that cannot be written.
@@ -21,26 +23,24 @@ pub fn write(
     folder: &ReportFolder,
     campaign: &Campaign,
     finished: &Finished,
+    gathered: &Gathered,
     manifest: &Manifest,
 ) -> Result<(), WriteError> {
     let failed = |name: &str| {
         let name = name.to_string();
         move |source| WriteError::Table { name, source }
     };
-    let episodes = episodes(&finished.rows);
-    let metrics = metrics(&episodes).map_err(failed("cells"))?;
-    folder.table("episodes", &episodes)?;
+    let metrics = Metrics::of_runs(gathered.runs.clone()).map_err(failed("cells"))?;
     folder.table("runs", &metrics.runs)?;
     folder.table("cells", &metrics.cells)?;
-    folder.table("failure_modes", &failure_modes(&analysis::failure_modes(&finished.rows)))?;
+    folder.table("failure_modes", &failure_modes(&analysis::failure_modes(&gathered.collisions)))?;
     folder.table("learning_curve", &learning_curve(&finished.trainings))?;
     for (name, svg) in learning_figures(&finished.trainings) {
         folder.file(&format!("{name}.svg"), svg.as_bytes())?;
     }
     for town in &campaign.towns {
-        let here = |row: &&EpisodeRow| row.town == town.name && row.pedestrian == "trained";
-        let rows: Vec<&EpisodeRow> = finished.rows.iter().filter(here).collect();
-        folder.file(&format!("town-{}.svg", town.name), town_map(&town.town, &rows).as_bytes())?;
+        let starts = gathered.starts.get(&town.name).cloned().unwrap_or_default();
+        folder.file(&format!("town-{}.svg", town.name), town_map(&town.town, &starts).as_bytes())?;
     }
     for training in &finished.trainings {
         let Ok(trained) = &training.result else { continue };
@@ -66,6 +66,12 @@ pub fn write(
     }
     let cells = metrics.cells().map_err(failed("cells"))?;
     let mut page = summary(campaign, &cells, manifest);
+    if gathered.left_out > 0 {
+        let (most, more) = (MOST_COLLISIONS, gathered.left_out);
+        page.push_str(&format!(
+            "\nFailure modes were found in the first {most} collisions of each cell, in equal parts from its runs; {more} more were left out.\n"
+        ));
+    }
     if !finished.searches.is_empty() {
         let cells = search_cells(&finished.searches);
         folder.table("searches", &searches(&finished.searches))?;

@@ -1,9 +1,15 @@
 //! Proximal policy optimisation, from the first update to the last.
 
+use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
+use safetensors::SafeTensors;
+
 use super::actor_critic::ActorCritic;
+use super::archive::Writer;
+use super::checkpoint::CheckpointError;
 use super::config::PpoConfig;
+use super::curve::{read_curve, write_curve};
 use super::env::Env;
 use super::log::UpdateLog;
 use super::train_error::TrainError;
@@ -17,6 +23,25 @@ pub struct Trained {
     pub actor_critic: ActorCritic,
     /// The reports of all updates, in order.
     pub learning_curve: Vec<UpdateLog>,
+}
+
+impl Trained {
+    /// Encodes all of it in the safetensors format: the policy as [`ActorCritic::to_safetensors`] does, and the learning curve.
+    pub fn to_safetensors(&self) -> Vec<u8> {
+        let mut writer = Writer::default();
+        self.actor_critic.write(&mut writer);
+        write_curve(&mut writer, &self.learning_curve);
+        writer.finish(&BTreeMap::new())
+    }
+
+    /// Decodes what [`Trained::to_safetensors`] gave, bit for bit.
+    ///
+    /// # Errors
+    /// Whatever keeps the bytes from being such an encoding.
+    pub fn from_safetensors(bytes: &[u8]) -> Result<Self, CheckpointError> {
+        let tensors = SafeTensors::deserialize(bytes).map_err(CheckpointError::Format)?;
+        Ok(Self { actor_critic: ActorCritic::read(&tensors)?, learning_curve: read_curve(&tensors)? })
+    }
 }
 
 /// Trains an actor and a critic by PPO.

@@ -37,7 +37,7 @@ impl PedestrianBody {
 }
 
 /// What a pedestrian means to do: a direction and a speed, in the world.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub struct WalkCommand {
     /// Direction (rad).
     pub heading: f64,

@@ -37,7 +37,7 @@ fn scenario(policy: &str) -> Arc<Scenario> {
 /// The episodes of an intercepting pedestrian.
 fn episodes(scenario: &Arc<Scenario>, count: u32) -> Vec<(Outcome, Recording)> {
     let seed = Seed::root(5);
-    let note = &mut |outcome: &Outcome, recording: &Recording| (*outcome, recording.clone());
+    let note = &mut |_: u32, outcome: &Outcome, recording: &Recording| (*outcome, recording.clone());
     watch_walker(&mut Intercept, scenario, 0..count, &seed, &seed.child("walker"), note, &mut |_| {
         ControlFlow::Continue(())
     })

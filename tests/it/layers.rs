@@ -38,6 +38,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("campaign", &["seed", "rl", "env", "compile", "falsifier", "judge"]),
     ("analysis", &["env", "campaign"]),
     ("report", &["geometry", "road", "av", "rl", "env", "falsifier", "compile", "judge", "campaign", "analysis"]),
+    ("store", &["rl", "env", "compile", "falsifier", "campaign", "report"]),
     ("process", &["av"]),
     ("lsp", &["diagnostic", "signature", "units", "lang", "compile"]),
     (
@@ -51,6 +52,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "compile",
             "campaign",
             "report",
+            "store",
             "analysis",
             "process",
             "falsifier",

@@ -56,6 +56,7 @@ fn a_real_training_continues_bit_for_bit_after_any_update() {
         });
         let whole = whole.unwrap();
         assert_eq!(whole.learning_curve.len(), 4);
+        assert_eq!(Trained::from_safetensors(&whole.to_safetensors()).unwrap(), whole);
         assert_eq!(states.len(), 5);
         assert_eq!(train(scenario, envs, config, &seed, &mut |_| ControlFlow::Continue(())).unwrap(), whole);
         for (updates, state) in states.iter().enumerate() {

@@ -26,19 +26,19 @@ fn style(form: &str) -> ProgressStyle {
 
 impl Bars {
     /// Draws the bar of the campaign.
-    pub fn new(board: &Board) -> Self {
+    pub fn new(board: &Board<'_>) -> Self {
         let screen = MultiProgress::with_draw_target(ProgressDrawTarget::stderr_with_hz(5));
         let whole = screen.add(ProgressBar::new(board.pieces.len() as u64));
         whole.set_style(style(
             "{prefix:.bold} {bar:24.green/black.bright} {pos}/{len} cells, {elapsed_precise} gone{msg}",
         ));
-        whole.set_prefix(board.campaign.clone());
+        whole.set_prefix(board.campaign.name.clone());
         whole.enable_steady_tick(Duration::from_millis(500));
         Self { screen, whole, shown: Mutex::default() }
     }
 
     /// Draws what is under way.
-    pub fn draw(&self, board: &Board) {
+    pub fn draw(&self, board: &Board<'_>) {
         let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
         shown.retain(|(place, bar)| {
             let stays = board.pieces[*place].is_under_way();

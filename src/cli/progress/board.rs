@@ -1,13 +1,14 @@
 use std::time::{Duration, Instant};
 
 use super::piece::{Kind, Piece};
+use crate::campaign::Cell;
 use crate::compile::Campaign;
 
-/// All pieces of a campaign: trainings, evaluations, searches.
+/// All pieces of a campaign that are done here: trainings, evaluations, searches.
 #[derive(Debug)]
-pub struct Board {
-    /// The name of the campaign.
-    pub campaign: String,
+pub struct Board<'a> {
+    /// The campaign.
+    pub campaign: &'a Campaign,
     /// When it began.
     pub began: Instant,
     /// The pieces, in the plan's order.
@@ -15,20 +16,16 @@ pub struct Board {
     threads: usize,
 }
 
-impl Board {
-    /// Lays a campaign out, for so many threads.
-    pub fn new(campaign: &Campaign, threads: usize) -> Self {
-        let trainings = campaign.trainings.iter().enumerate().map(|(place, each)| Piece::training(place, each));
-        let evaluations = campaign.evaluations.iter().enumerate().map(|(place, each)| Piece::evaluation(place, each));
-        let searches = campaign.searches.iter().enumerate().map(|(place, each)| Piece::search(place, each));
-        let pieces = trainings.chain(evaluations).chain(searches).collect();
-        Self { campaign: campaign.name.clone(), began: Instant::now(), pieces, threads }
+impl<'a> Board<'a> {
+    /// Lays some cells of a campaign out, for so many threads.
+    pub fn new(campaign: &'a Campaign, wanted: &[Cell], threads: usize) -> Self {
+        Self { campaign, began: Instant::now(), pieces: Piece::all(campaign, wanted), threads }
     }
 
-    /// The piece of a kind at a place.
-    pub fn piece(&self, kind: Kind, place: usize) -> &Piece {
-        let first = self.pieces.partition_point(|piece| piece.kind < kind);
-        &self.pieces[first + place]
+    /// The piece of a cell.
+    pub fn piece(&self, cell: Cell) -> &Piece {
+        let place = self.pieces.binary_search_by_key(&Piece::of(cell), |piece| (piece.kind, piece.place));
+        &self.pieces[place.expect("only what is wanted is done")]
     }
 
     /// How many pieces have ended.

@@ -92,9 +92,9 @@ pub struct About<'a> {
 }
 
 impl<'a> About<'a> {
-    fn new(board: &'a Board, piece: &'a Piece) -> Self {
+    fn new(board: &'a Board<'_>, piece: &'a Piece) -> Self {
         Self {
-            campaign: &board.campaign,
+            campaign: &board.campaign.name,
             kind: piece.kind,
             place: piece.place,
             name: &piece.name,
@@ -108,10 +108,10 @@ impl<'a> About<'a> {
 
 impl<'a> Event<'a> {
     /// A campaign begins.
-    pub fn campaign_begun(board: &'a Board) -> Self {
+    pub fn campaign_begun(board: &'a Board<'_>) -> Self {
         let count = |kind| board.pieces.iter().filter(|piece| piece.kind == kind).count();
         Self::CampaignBegun {
-            campaign: &board.campaign,
+            campaign: &board.campaign.name,
             trainings: count(Kind::Training),
             evaluations: count(Kind::Evaluation),
             searches: count(Kind::Search),
@@ -119,12 +119,12 @@ impl<'a> Event<'a> {
     }
 
     /// A piece of work begins.
-    pub fn begun(board: &'a Board, piece: &'a Piece) -> Self {
+    pub fn begun(board: &'a Board<'_>, piece: &'a Piece) -> Self {
         Self::CellBegun(About::new(board, piece))
     }
 
     /// A piece of work has come further.
-    pub fn progress(board: &'a Board, piece: &'a Piece) -> Self {
+    pub fn progress(board: &'a Board<'_>, piece: &'a Piece) -> Self {
         Self::Progress {
             about: About::new(board, piece),
             rate_per_s: piece.rate(),
@@ -134,7 +134,7 @@ impl<'a> Event<'a> {
     }
 
     /// A piece of work has ended.
-    pub fn finished(board: &'a Board, piece: &'a Piece, note: &'a str, error: Option<&'a str>) -> Self {
+    pub fn finished(board: &'a Board<'_>, piece: &'a Piece, note: &'a str, error: Option<&'a str>) -> Self {
         Self::CellFinished {
             about: About::new(board, piece),
             reused: piece.before(),

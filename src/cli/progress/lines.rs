@@ -6,7 +6,7 @@ use super::board::Board;
 use super::piece::Piece;
 
 /// The line of a piece that has ended, with what there is to say about it.
-pub fn line(board: &Board, piece: &Piece, note: &str) -> String {
+pub fn line(board: &Board<'_>, piece: &Piece, note: &str) -> String {
     let total = board.pieces.len();
     let place = format!("[{:width$}/{total}]", board.ended(), width = total.to_string().len());
     let note = if note.is_empty() { String::new() } else { format!(": {note}") };
@@ -15,9 +15,6 @@ pub fn line(board: &Board, piece: &Piece, note: &str) -> String {
 
 /// How long a piece took, and how fast it was.
 fn pace(piece: &Piece) -> String {
-    if piece.total > 0 && piece.before() >= piece.total {
-        return "from an earlier run".into();
-    }
     let time = format!("{:.1} s", piece.time().as_secs_f64());
     match piece.rate() {
         Some(rate) => format!("{time}, {} {}/s", HumanCount(rate.round() as u64), piece.kind.unit()),

@@ -1,13 +1,12 @@
 use std::io::IsTerminal;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Duration;
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
 use super::bars::Bars;
 use super::board::Board;
 use super::events::Event;
 use super::lines::line;
-use super::piece::{Kind, Piece};
-use crate::campaign::{Observer, SearchResult, TrainingResult};
+use super::piece::{Kind, Piece, amount};
+use crate::campaign::{Cell, CellError, Observer, SearchResult, TrainingResult};
 use crate::cli::args::{Output, RunOptions, Showing};
 use crate::cli::interrupt;
 use crate::compile::{Campaign, Evaluation, Training};
@@ -18,21 +17,22 @@ const GLANCE: u64 = 200;
 /// Every how many glances programs are told.
 const TOLD: u64 = 5;
 
-/// Hears a campaign, shows how far it is and takes times.
-pub struct Progress {
-    board: Board,
+/// Hears a campaign and shows how far it is.
+pub struct Progress<'a> {
+    board: Board<'a>,
     bars: Option<Bars>,
     lines: bool,
     events: bool,
+    reused: AtomicUsize,
     glances: AtomicU64,
     /// Time of the next glance, since the campaign began (ms).
     next: AtomicU64,
 }
 
-impl Progress {
-    /// Gets ready for a campaign.
-    pub fn new(campaign: &Campaign, options: &RunOptions) -> Self {
-        let board = Board::new(campaign, rayon::current_num_threads());
+impl<'a> Progress<'a> {
+    /// Gets ready for some cells of a campaign.
+    pub fn new(campaign: &'a Campaign, wanted: &[Cell], options: &RunOptions) -> Self {
+        let board = Board::new(campaign, wanted, rayon::current_num_threads());
         let terminal = std::io::stderr().is_terminal();
         let showing = match options.progress {
             Showing::Auto if terminal => Showing::Bars,
@@ -45,22 +45,28 @@ impl Progress {
         }
         let bars = (showing == Showing::Bars).then(|| Bars::new(&board));
         let lines = showing == Showing::Lines;
-        Self { board, bars, lines, events, glances: AtomicU64::new(0), next: AtomicU64::new(0) }
+        let (reused, glances, next) = (AtomicUsize::new(0), AtomicU64::new(0), AtomicU64::new(0));
+        Self { board, bars, lines, events, reused, glances, next }
     }
 
-    /// Removes the bars and gives the wall time of every training.
-    pub fn finish(self) -> Vec<Duration> {
+    /// Removes the bars, and says how much was there before; all of it is `cells`.
+    pub fn finish(self, cells: usize) {
         if let Some(bars) = &self.bars {
             bars.clear();
         }
-        let trainings = self.board.pieces.iter().filter(|piece| piece.kind == Kind::Training);
-        trainings.map(Piece::time).collect()
+        let reused = self.reused.into_inner();
+        if reused > 0 && (self.lines || self.bars.is_some()) {
+            anstream::eprintln!("{reused} of {cells} cells were there already");
+        }
     }
 
-    fn begin(&self, piece: &Piece) {
+    /// The piece of a cell, which is begun now if it was not before.
+    fn piece(&self, cell: Cell) -> &Piece {
+        let piece = self.board.piece(cell);
         if piece.begin() && self.events {
             Event::begun(&self.board, piece).tell();
         }
+        piece
     }
 
     /// Shows how far everything is, if it is time for that.
@@ -80,39 +86,42 @@ impl Progress {
         }
     }
 
-    /// Ends a piece, with what came of it.
-    fn end(&self, piece: &Piece, result: Result<String, String>) {
-        if !piece.end() {
+    /// Ends a cell; with the last one of a piece comes what came of the piece.
+    fn end(&self, cell: Cell, result: Result<String, String>) {
+        let piece = self.board.piece(cell);
+        let (note, error) = match result {
+            Ok(note) => (note, None),
+            Err(error) => (String::new(), Some(error)),
+        };
+        if !piece.end_cell(error) {
             return;
         }
-        let (note, error) = match &result {
-            Ok(note) => (note.as_str(), None),
-            Err(error) => ("", Some(error.as_str())),
-        };
-        if self.events {
-            Event::finished(&self.board, piece, note, error).tell();
+        let error = piece.error();
+        if interrupt::asked() && error.is_none() && piece.done() < piece.total {
+            return;
         }
+        if self.events {
+            Event::finished(&self.board, piece, &note, error.as_deref()).tell();
+        }
+        let quiet = piece.is_old() && error.is_none();
+        let line = || line(&self.board, piece, error.as_deref().unwrap_or(&note));
         match &self.bars {
             // On a terminal the many evaluations would push everything else away.
-            Some(bars) if error.is_some() || piece.kind != Kind::Evaluation => {
-                bars.say(&line(&self.board, piece, error.unwrap_or(note)));
-            }
-            None if self.lines || error.is_some() => {
-                anstream::eprintln!("{}", line(&self.board, piece, error.unwrap_or(note)));
-            }
+            Some(bars) if error.is_some() || (piece.kind != Kind::Evaluation && !quiet) => bars.say(&line()),
+            None if error.is_some() || (self.lines && !quiet) => anstream::eprintln!("{}", line()),
             _ => {}
         }
         self.glance();
     }
 }
 
-impl Observer for Progress {
+impl Observer for Progress<'_> {
     fn training_begun(&self, training: usize) {
-        self.begin(self.board.piece(Kind::Training, training));
+        self.piece(Cell::Training(training));
     }
 
     fn trained(&self, training: usize, _: &Training, log: &UpdateLog) {
-        self.board.piece(Kind::Training, training).reach(log.steps);
+        self.board.piece(Cell::Training(training)).reach(log.steps);
         self.glance();
     }
 
@@ -124,28 +133,36 @@ impl Observer for Progress {
             }
             Err(error) => Err(error.to_string()),
         };
-        self.end(self.board.piece(Kind::Training, training), told);
+        self.end(Cell::Training(training), told);
     }
 
     fn tried(&self, evaluation: usize, _: &Evaluation) {
-        let piece = self.board.piece(Kind::Evaluation, evaluation);
-        self.begin(piece);
-        piece.advance(1);
+        self.piece(Cell::Chunk { evaluation, chunk: 0 }).advance(1);
         self.glance();
-        if piece.done() >= piece.total {
-            self.end(piece, Ok(String::new()));
-        }
+    }
+
+    fn chunk_ended(&self, evaluation: usize, chunk: u32, error: Option<&CellError>) {
+        self.end(Cell::Chunk { evaluation, chunk }, error.map_or(Ok(String::new()), |error| Err(error.to_string())));
+    }
+
+    fn reused(&self, cell: Cell) {
+        self.reused.fetch_add(1, Ordering::Relaxed);
+        self.board.piece(cell).found(amount(self.board.campaign, cell));
+        self.end(cell, Ok(String::new()));
+    }
+
+    fn continued(&self, cell: Cell, episodes: u32) {
+        self.piece(cell).found(episodes.into());
     }
 
     fn searched(&self, search: usize, result: &SearchResult) {
-        let piece = self.board.piece(Kind::Search, search);
         let spent = &result.spent;
-        piece.reach(spent.ticks);
+        self.piece(Cell::Search(search)).reach(spent.ticks);
         let told = match &result.error {
             Some(error) => Err(error.to_string()),
             None => Ok(format!("{} failures in {} episodes", spent.failures.len(), spent.episodes)),
         };
-        self.end(piece, told);
+        self.end(Cell::Search(search), told);
     }
 
     fn stop(&self) -> bool {

@@ -2,7 +2,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use crate::compile::{Evaluation, Pedestrian, Search, Training};
+use crate::campaign::Cell;
+use crate::compile::{Campaign, Evaluation, Pedestrian};
 
 /// What a piece of work is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
@@ -54,61 +55,72 @@ pub struct Piece {
     pub place: usize,
     /// Who, where, against whom.
     pub name: String,
-    /// How much it is, in units of its kind.
+    /// How much of it is to be done here, in units of its kind.
     pub total: u64,
     done: AtomicU64,
     before: AtomicU64,
-    times: Mutex<Times>,
+    state: Mutex<State>,
 }
 
 #[derive(Debug, Default)]
-struct Times {
+struct State {
+    /// Cells that have not ended.
+    open: usize,
     begun: Option<Instant>,
     took: Option<Duration>,
+    error: Option<String>,
 }
 
 impl Piece {
-    /// Makes the piece of a training.
-    pub fn training(place: usize, training: &Training) -> Self {
-        let key = &training.key;
-        let name = format!("{} in {} against {}, run {}", key.reward, key.town, key.policy, key.run);
-        Self::new(Kind::Training, place, name, training.config.total_steps)
+    /// Makes the pieces of a campaign, in the plan's order, of which only some cells are done here; those without any are left out.
+    pub fn all(campaign: &Campaign, wanted: &[Cell]) -> Vec<Self> {
+        let mut pieces: Vec<Self> = Vec::new();
+        for cell in wanted {
+            let (kind, place) = Self::of(*cell);
+            if pieces.last().is_none_or(|last| (last.kind, last.place) != (kind, place)) {
+                pieces.push(Self::new(campaign, kind, place));
+            }
+            let piece = pieces.last_mut().expect("one was put there");
+            piece.total += amount(campaign, *cell);
+            piece.state.get_mut().unwrap_or_else(PoisonError::into_inner).open += 1;
+        }
+        pieces
     }
 
-    /// Makes the piece of an evaluation.
-    pub fn evaluation(place: usize, evaluation: &Evaluation) -> Self {
-        let (key, here) = (&evaluation.trained, (&evaluation.town, &evaluation.policy));
-        let who = match evaluation.pedestrian {
-            Pedestrian::Trained(_) if (&key.town, &key.policy) == here => key.reward.clone(),
-            Pedestrian::Trained(_) => format!("{} of {} and {}", key.reward, key.town, key.policy),
-            Pedestrian::Sampled(_) => format!("sampled {} of {} and {}", key.reward, key.town, key.policy),
-            other => format!("{} ({})", other.name(), key.reward),
+    /// The piece that a cell belongs to.
+    pub fn of(cell: Cell) -> (Kind, usize) {
+        match cell {
+            Cell::Training(place) => (Kind::Training, place),
+            Cell::Chunk { evaluation, .. } => (Kind::Evaluation, evaluation),
+            Cell::Search(place) => (Kind::Search, place),
+        }
+    }
+
+    fn new(campaign: &Campaign, kind: Kind, place: usize) -> Self {
+        let name = match kind {
+            Kind::Training => {
+                let key = &campaign.trainings[place].key;
+                format!("{} in {} against {}, run {}", key.reward, key.town, key.policy, key.run)
+            }
+            Kind::Evaluation => evaluation(&campaign.evaluations[place]),
+            Kind::Search => {
+                let key = &campaign.searches[place].key;
+                format!("{} in {} against {}, run {}", key.falsifier, key.town, key.policy, key.run)
+            }
         };
-        let name = format!("{who} in {} against {}, run {}", here.0, here.1, key.run);
-        Self::new(Kind::Evaluation, place, name, evaluation.episodes.into())
+        let (done, before, state) = (AtomicU64::new(0), AtomicU64::new(0), Mutex::default());
+        Self { kind, place, name, total: 0, done, before, state }
     }
 
-    /// Makes the piece of a search.
-    pub fn search(place: usize, search: &Search) -> Self {
-        let key = &search.key;
-        let name = format!("{} in {} against {}, run {}", key.falsifier, key.town, key.policy, key.run);
-        Self::new(Kind::Search, place, name, search.budget)
-    }
-
-    fn new(kind: Kind, place: usize, name: String, total: u64) -> Self {
-        let (done, before, times) = (AtomicU64::new(0), AtomicU64::new(0), Mutex::default());
-        Self { kind, place, name, total, done, before, times }
-    }
-
-    fn times(&self) -> MutexGuard<'_, Times> {
-        self.times.lock().unwrap_or_else(PoisonError::into_inner)
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Begins, where it has not; says whether it had not.
     pub fn begin(&self) -> bool {
-        let mut times = self.times();
-        let first = times.begun.is_none();
-        times.begun.get_or_insert_with(Instant::now);
+        let mut state = self.state();
+        let first = state.begun.is_none();
+        state.begun.get_or_insert_with(Instant::now);
         first
     }
 
@@ -128,13 +140,21 @@ impl Piece {
         self.done.store(units, Ordering::Relaxed);
     }
 
-    /// Ends; says whether it had not ended before.
-    pub fn end(&self) -> bool {
-        let mut times = self.times();
-        let first = times.took.is_none();
-        let took = times.begun.map_or(Duration::ZERO, |begun| begun.elapsed());
-        times.took.get_or_insert(took);
-        first
+    /// Ends one of its cells; says whether that was the last.
+    pub fn end_cell(&self, error: Option<String>) -> bool {
+        let mut state = self.state();
+        state.open = state.open.saturating_sub(1);
+        state.error = state.error.take().or(error);
+        let last = state.open == 0 && state.took.is_none();
+        if last {
+            state.took = Some(state.begun.map_or(Duration::ZERO, |begun| begun.elapsed()));
+        }
+        last
+    }
+
+    /// What went wrong first, if anything did.
+    pub fn error(&self) -> Option<String> {
+        self.state().error.clone()
     }
 
     /// How much is done.
@@ -149,19 +169,24 @@ impl Piece {
 
     /// Whether it has begun and not ended.
     pub fn is_under_way(&self) -> bool {
-        let times = self.times();
-        times.begun.is_some() && times.took.is_none()
+        let state = self.state();
+        state.begun.is_some() && state.took.is_none()
     }
 
     /// Whether it has ended.
     pub fn is_ended(&self) -> bool {
-        self.times().took.is_some()
+        self.state().took.is_some()
     }
 
     /// How long it took, or takes by now.
     pub fn time(&self) -> Duration {
-        let times = self.times();
-        times.took.or_else(|| times.begun.map(|begun| begun.elapsed())).unwrap_or_default()
+        let state = self.state();
+        state.took.or_else(|| state.begun.map(|begun| begun.elapsed())).unwrap_or_default()
+    }
+
+    /// Whether all of it was done before this run of the program.
+    pub fn is_old(&self) -> bool {
+        self.before() >= self.total
     }
 
     /// Units a second; none before there is anything to measure.
@@ -173,5 +198,26 @@ impl Piece {
     /// Time until it ends at this rate.
     pub fn left(&self) -> Option<Duration> {
         self.rate().map(|rate| Duration::from_secs_f64((self.total - self.done()) as f64 / rate))
+    }
+}
+
+/// Who is tried, where, against whom.
+fn evaluation(evaluation: &Evaluation) -> String {
+    let (key, here) = (&evaluation.trained, (&evaluation.town, &evaluation.policy));
+    let who = match evaluation.pedestrian {
+        Pedestrian::Trained(_) if (&key.town, &key.policy) == here => key.reward.clone(),
+        Pedestrian::Trained(_) => format!("{} of {} and {}", key.reward, key.town, key.policy),
+        Pedestrian::Sampled(_) => format!("sampled {} of {} and {}", key.reward, key.town, key.policy),
+        other => format!("{} ({})", other.name(), key.reward),
+    };
+    format!("{who} in {} against {}, run {}", here.0, here.1, key.run)
+}
+
+/// How much a cell is, in units of its kind.
+pub fn amount(campaign: &Campaign, cell: Cell) -> u64 {
+    match cell {
+        Cell::Training(place) => campaign.trainings[place].config.total_steps,
+        Cell::Chunk { evaluation, chunk } => campaign.evaluations[evaluation].chunk(chunk).len() as u64,
+        Cell::Search(place) => campaign.searches[place].budget,
     }
 }

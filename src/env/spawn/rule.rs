@@ -41,7 +41,7 @@ pub struct SpawnRule {
 }
 
 /// A concrete beginning.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Spawn {
     /// Pose of the ego.
     pub ego: Pose,

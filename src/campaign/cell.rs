@@ -1,0 +1,81 @@
+use std::ops::Range;
+
+use crate::compile::{Campaign, Evaluation, Pedestrian};
+use crate::falsifier::TrainError;
+
+/// Episodes of an evaluation that are one piece of work.
+pub const CHUNK: u32 = 10_000;
+
+/// A piece of work of a campaign, by its place in the plan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Cell {
+    /// A training.
+    Training(usize),
+    /// Some episodes of an evaluation.
+    Chunk {
+        /// The evaluation.
+        evaluation: usize,
+        /// Which of its chunks, from 0.
+        chunk: u32,
+    },
+    /// A search.
+    Search(usize),
+}
+
+impl Evaluation {
+    /// How many pieces of work it is.
+    pub fn chunks(&self) -> u32 {
+        self.episodes.div_ceil(CHUNK)
+    }
+
+    /// The episodes of one of its chunks.
+    pub fn chunk(&self, chunk: u32) -> Range<u32> {
+        let start = chunk * CHUNK;
+        start..self.episodes.min(start.saturating_add(CHUNK))
+    }
+
+    /// The place of the training that its pedestrian comes from.
+    pub fn training(&self) -> Option<usize> {
+        match self.pedestrian {
+            Pedestrian::Trained(training) | Pedestrian::Sampled(training) => Some(training),
+            _ => None,
+        }
+    }
+}
+
+/// All pieces of work of a campaign, in its order: trainings, chunks of evaluations, searches.
+pub fn cells(campaign: &Campaign) -> impl Iterator<Item = Cell> {
+    let chunks = |(evaluation, planned): (usize, &Evaluation)| {
+        (0..planned.chunks()).map(move |chunk| Cell::Chunk { evaluation, chunk })
+    };
+    (0..campaign.trainings.len())
+        .map(Cell::Training)
+        .chain(campaign.evaluations.iter().enumerate().flat_map(chunks))
+        .chain((0..campaign.searches.len()).map(Cell::Search))
+}
+
+/// Why a piece of work came to nothing.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum CellError {
+    /// A training could not go on.
+    #[error(transparent)]
+    Training(#[from] TrainError),
+    /// The training of the pedestrian that was to be tried came to nothing.
+    #[error("its training failed: {0}")]
+    Untrained(Box<CellError>),
+    /// The driver failed in so many episodes in a row that no more were tried.
+    #[error("not tried, since the driver had failed in ten episodes in a row")]
+    Hopeless,
+    /// It took longer than it may.
+    #[error("not finished within the {seconds} s that a cell may take")]
+    Time {
+        /// The limit (s).
+        seconds: u64,
+    },
+    /// It needs more simulator ticks than it may use.
+    #[error("not finished within the {ticks} ticks that a cell may use")]
+    Ticks {
+        /// The limit.
+        ticks: u64,
+    },
+}

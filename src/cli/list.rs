@@ -1,0 +1,69 @@
+use super::front;
+use crate::campaign::{Cell, cells};
+use crate::compile::{Campaign, Pedestrian};
+use crate::store::{Ids, Index, Known, Store};
+
+/// Says what a campaign would run and why, and what is there already.
+pub fn list(campaign: &Campaign, name: &str, store: &Store, seed: u64, fresh: bool) {
+    let (ids, index) = (Ids::new(campaign, seed), Index::read(store, name));
+    let known = |cell| match fresh {
+        true => Known::Missing("--fresh"),
+        false => index.look(store, campaign, cell, &ids, seed),
+    };
+    front::say(&format!("campaign {name}"));
+    for (number, training) in campaign.trainings.iter().enumerate() {
+        let key = &training.key;
+        let decisions = training.config.total_steps;
+        let state = told(&known(Cell::Training(number)), "updates");
+        front::say(&format!(
+            "  train  {} in {} against {}, run {}: {decisions} decisions [{state}]",
+            key.reward, key.town, key.policy, key.run
+        ));
+    }
+    for (number, evaluation) in campaign.evaluations.iter().enumerate() {
+        let key = &evaluation.trained;
+        let who = match evaluation.pedestrian {
+            who @ (Pedestrian::Trained(_) | Pedestrian::Sampled(_)) => {
+                format!("{} {} of {} against {}, run {}", who.name(), key.reward, key.town, key.policy, key.run)
+            }
+            other => format!("{} ({}, run {})", other.name(), key.reward, key.run),
+        };
+        let chunks = (0..evaluation.chunks()).map(|chunk| known(Cell::Chunk { evaluation: number, chunk }));
+        front::say(&format!(
+            "  try    {who} in {} against {}: {} episodes [{}]",
+            evaluation.town,
+            evaluation.policy,
+            evaluation.episodes,
+            together(&chunks.collect::<Vec<_>>())
+        ));
+    }
+    for (number, search) in campaign.searches.iter().enumerate() {
+        let key = &search.key;
+        let state = told(&known(Cell::Search(number)), "episodes");
+        front::say(&format!(
+            "  search {} in {} against {}, run {}: {} ticks [{state}]",
+            key.falsifier, key.town, key.policy, key.run, search.budget
+        ));
+    }
+    let all = cells(campaign).count();
+    let there = cells(campaign).filter(|cell| known(*cell) == Known::Finished).count();
+    front::say(&format!("  {} of {all} cells to run, {there} to reuse", all - there));
+}
+
+fn told(known: &Known, unit: &str) -> String {
+    match known {
+        Known::Finished => "reuse".into(),
+        Known::Begun(done, all) => format!("run: unfinished, {done} of {all} {unit}"),
+        Known::Missing(why) => format!("run: {why}"),
+    }
+}
+
+/// The chunks of an evaluation in one: the first that is not there speaks for the others.
+fn together(chunks: &[Known]) -> String {
+    let there = chunks.iter().filter(|known| **known == Known::Finished).count();
+    match chunks.iter().find(|known| **known != Known::Finished) {
+        None => told(&Known::Finished, ""),
+        Some(first) if chunks.len() == 1 => told(first, "episodes"),
+        Some(first) => format!("{}; {there} of {} parts are there", told(first, "episodes"), chunks.len()),
+    }
+}

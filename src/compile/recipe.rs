@@ -1,0 +1,216 @@
+//! What the files say about a cell, as a digest: results are taken up again as long as it stays the same.
+
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::lower::Lowering;
+use crate::lang::Reader;
+use crate::lang::hir::{Block, Declaration};
+use crate::signature::{DeclarationId, Distribution, Formula, Value};
+
+/// A digest of all that the files say about a training, an evaluation or a search.
+///
+/// It holds the declarations that the cell hangs on, with those that they name: forms, kinds, names, values in SI, formulas, and
+/// the contents of files such as maps and models. It does not hold documentation, layout, where a declaration stands, or
+/// anything else that the files declare, so another town or reward in a campaign leaves it as it was.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub struct Recipe([u8; 32]);
+
+impl Recipe {
+    /// The digest.
+    pub fn bytes(&self) -> &[u8; 32] {
+        &self.0
+    }
+}
+
+impl fmt::Display for Recipe {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&blake3::Hash::from_bytes(self.0).to_hex())
+    }
+}
+
+impl fmt::Debug for Recipe {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{self}")
+    }
+}
+
+/// Reads files and remembers a digest of each.
+pub(super) struct Noting<'a> {
+    read: &'a dyn Reader,
+    seen: RefCell<BTreeMap<PathBuf, [u8; 32]>>,
+}
+
+impl<'a> Noting<'a> {
+    pub fn new(read: &'a dyn Reader) -> Self {
+        Self { read, seen: RefCell::default() }
+    }
+
+    /// Remembers a digest of what a text names that is not read here.
+    pub fn note(&self, name: PathBuf, digest: [u8; 32]) {
+        self.seen.borrow_mut().insert(name, digest);
+    }
+
+    fn seen(&self, path: &Path) -> Option<[u8; 32]> {
+        self.seen.borrow().get(path).copied()
+    }
+}
+
+impl Reader for Noting<'_> {
+    fn text(&self, path: &Path) -> io::Result<String> {
+        self.read.text(path).inspect(|text| self.note(path.to_path_buf(), *blake3::hash(text.as_bytes()).as_bytes()))
+    }
+
+    fn bytes(&self, path: &Path) -> io::Result<Vec<u8>> {
+        self.read.bytes(path).inspect(|bytes| self.note(path.to_path_buf(), *blake3::hash(bytes).as_bytes()))
+    }
+}
+
+impl Lowering<'_> {
+    /// The recipe of a cell that hangs on these declarations. Towns and policies among them have been lowered before, so that
+    /// the files they name are known.
+    pub fn recipe(&mut self, parts: &[DeclarationId]) -> Recipe {
+        let mut digest = blake3::Hasher::new();
+        for part in parts {
+            digest.update(&self.digest(*part));
+        }
+        Recipe(*digest.finalize().as_bytes())
+    }
+
+    fn digest(&mut self, id: DeclarationId) -> [u8; 32] {
+        if let Some(known) = self.digests.get(&id) {
+            return *known;
+        }
+        let declaration = self.program.get(id);
+        let mut out = blake3::Hasher::new();
+        for word in [declaration.form, declaration.kind, &declaration.name] {
+            text(&mut out, word);
+        }
+        if let Some(map) = self.maps.get(&declaration.name).filter(|_| declaration.form == "town") {
+            out.update(&self.read.seen(map).unwrap_or_default());
+        }
+        self.block(&mut out, declaration, &declaration.block);
+        let digest = *out.finalize().as_bytes();
+        self.digests.insert(id, digest);
+        digest
+    }
+
+    fn block(&mut self, out: &mut blake3::Hasher, declaration: &Declaration, block: &Block) {
+        text(out, block.word);
+        text(out, block.name.as_deref().unwrap_or_default());
+        for (key, value) in block.arguments.iter() {
+            text(out, key);
+            self.value(out, declaration, value);
+        }
+        for clause in &block.clauses {
+            text(out, clause.event);
+            text(out, clause.word.unwrap_or_default());
+            formula(out, &clause.formula);
+        }
+        for child in &block.children {
+            out.update(b"{");
+            self.block(out, declaration, child);
+            out.update(b"}");
+        }
+    }
+
+    fn value(&mut self, out: &mut blake3::Hasher, declaration: &Declaration, value: &Value) {
+        match value {
+            Value::Absent => tag(out, 0),
+            Value::Number(number) => numbers(out, 1, &[*number]),
+            Value::Range(low, high) => numbers(out, 2, &[*low, *high]),
+            Value::Distribution(distribution) => {
+                tag(out, 3);
+                drawn(out, distribution);
+            }
+            Value::Integer(number) => {
+                tag(out, 4);
+                out.update(&number.to_le_bytes());
+            }
+            Value::Boolean(truth) => tag(out, 5 + u8::from(*truth)),
+            Value::Choice(word) => {
+                tag(out, 7);
+                text(out, word);
+            }
+            Value::Text(words) => {
+                tag(out, 8);
+                text(out, words);
+                // If it names a file, what stands in it.
+                out.update(&self.read.seen(&self.beside(declaration, words)).unwrap_or_default());
+            }
+            Value::Point(x, y) => numbers(out, 9, &[*x, *y]),
+            Value::Pose(x, y, yaw) => numbers(out, 10, &[*x, *y, *yaw]),
+            Value::Reference(id) => {
+                tag(out, 11);
+                out.update(&self.digest(*id));
+            }
+            Value::List(members) => {
+                tag(out, 12);
+                out.update(&(members.len() as u64).to_le_bytes());
+                members.iter().for_each(|member| self.value(out, declaration, member));
+            }
+            Value::Formula(condition) => {
+                tag(out, 13);
+                formula(out, condition);
+            }
+        }
+    }
+}
+
+fn tag(out: &mut blake3::Hasher, kind: u8) {
+    out.update(&[kind]);
+}
+
+fn text(out: &mut blake3::Hasher, text: &str) {
+    out.update(&(text.len() as u64).to_le_bytes());
+    out.update(text.as_bytes());
+}
+
+fn numbers(out: &mut blake3::Hasher, kind: u8, numbers: &[f64]) {
+    tag(out, kind);
+    for number in numbers {
+        out.update(&number.to_bits().to_le_bytes());
+    }
+}
+
+fn drawn(out: &mut blake3::Hasher, distribution: &Distribution) {
+    match distribution {
+        Distribution::Constant(value) => numbers(out, 0, &[*value]),
+        Distribution::Uniform(low, high) => numbers(out, 1, &[*low, *high]),
+        Distribution::Normal { mean, deviation, low, high } => numbers(out, 2, &[*mean, *deviation, *low, *high]),
+        Distribution::Mixture(parts) => {
+            numbers(out, 3, &[parts.len() as f64]);
+            for (weight, part) in parts {
+                numbers(out, 4, &[*weight]);
+                drawn(out, part);
+            }
+        }
+    }
+}
+
+fn formula(out: &mut blake3::Hasher, whole: &Formula) {
+    match whole {
+        Formula::Constant(value) => numbers(out, 0, &[*value]),
+        Formula::Variable(id) => numbers(out, 1, &[id.0 as f64]),
+        Formula::Negate(inner) => {
+            tag(out, 2);
+            formula(out, inner);
+        }
+        Formula::Not(inner) => {
+            tag(out, 3);
+            formula(out, inner);
+        }
+        Formula::Binary(operator, left, right) => {
+            out.update(&[4, *operator as u8]);
+            formula(out, left);
+            formula(out, right);
+        }
+        Formula::Call(function, arguments) => {
+            out.update(&[5, *function as u8, arguments.len() as u8]);
+            arguments.iter().for_each(|argument| formula(out, argument));
+        }
+    }
+}

@@ -1,0 +1,252 @@
+use std::collections::BTreeMap;
+
+use polars::prelude::{BooleanChunked, DataFrame, Float64Chunked, PolarsResult, StringChunked, UInt32Chunked};
+
+use super::metrics::runs;
+use super::{Episodes, ReportFolder, Run, Starts, WriteError};
+use crate::av::DrivingMode;
+use crate::campaign::EpisodeRow;
+use crate::compile::{Campaign, Evaluation};
+use crate::env::{Ending, Outcome, Spawn};
+use crate::geometry::Pose;
+
+/// Most collisions of a cell that failure modes are found in: the first ones of each of its runs.
+pub const MOST_COLLISIONS: usize = 20_000;
+
+/// What one pass over all episodes brings: small tables, counts, and a bounded sample.
+#[derive(Debug, Clone)]
+pub struct Gathered {
+    /// One row a run.
+    pub runs: DataFrame,
+    /// Episodes, those in error included.
+    pub episodes: u64,
+    /// Simulator ticks of them.
+    pub ticks: u64,
+    /// Episodes in error.
+    pub errors: u64,
+    /// How many of these were not tried, for a limit or since something before them had failed.
+    pub untried: u64,
+    /// Where the first error is, and what went wrong.
+    pub first_error: Option<String>,
+    /// Episodes whose reward is no number.
+    pub unpaid: u64,
+    /// Where the first of these is.
+    pub first_unpaid: Option<String>,
+    /// Whether every driver drove at least one episode in every town to its end.
+    pub every_driver_drove: bool,
+    /// Collisions of trained pedestrians, at most [`MOST_COLLISIONS`] a cell.
+    pub collisions: Vec<EpisodeRow>,
+    /// How many more there were.
+    pub left_out: u64,
+    /// Where trained pedestrians began, by town.
+    pub starts: BTreeMap<String, Starts>,
+}
+
+/// Goes over all episodes once: writes the table `episodes` and gathers what all other outputs are made from.
+///
+/// # Errors
+/// A table that cannot be made or a file that cannot be written.
+pub fn gather(folder: &ReportFolder, campaign: &Campaign, episodes: &Episodes<'_>) -> Result<Gathered, WriteError> {
+    let failed = |source| WriteError::Table { name: "episodes".into(), source };
+    let mut gathered = Gathered {
+        runs: runs(&super::episodes(&[])).map_err(failed)?,
+        episodes: 0,
+        ticks: 0,
+        errors: 0,
+        untried: 0,
+        first_error: None,
+        unpaid: 0,
+        first_unpaid: None,
+        every_driver_drove: true,
+        collisions: Vec::new(),
+        left_out: 0,
+        starts: BTreeMap::new(),
+    };
+    let mut drove: BTreeMap<(&str, &str), bool> = BTreeMap::new();
+    let shares = shares(campaign);
+    let mut file = folder.stream("episodes", super::episodes(&[]).schema())?;
+    for run in episodes.runs() {
+        let evaluation = run.evaluation;
+        let mut whole: Option<DataFrame> = None;
+        for part in run.parts() {
+            let part = part.map_err(failed)?;
+            file.add(&part)?;
+            let drives = gathered.count(&run, &part).map_err(failed)?;
+            *drove.entry((&evaluation.town, &evaluation.policy)).or_default() |= drives;
+            match &mut whole {
+                Some(whole) => drop(whole.vstack_mut(&part).map_err(failed)?),
+                None => whole = Some(part),
+            }
+        }
+        let Some(mut whole) = whole else { continue };
+        // Sums must not hang on how many pieces there were.
+        whole.rechunk_mut();
+        gathered.runs.vstack_mut(&runs(&whole).map_err(failed)?).map_err(failed)?;
+        if evaluation.pedestrian.name() == "trained" {
+            let most = shares[&cell(evaluation)];
+            gathered.sample(evaluation, &whole, most).map_err(failed)?;
+        }
+    }
+    gathered.runs.rechunk_mut();
+    gathered.every_driver_drove = drove.values().all(|drove| *drove);
+    file.finish()?;
+    Ok(gathered)
+}
+
+/// What the runs of a cell have in common.
+type CellKey<'a> = (&'a str, &'a str, &'a str, &'a str, &'a str, &'a str, &'a str, &'a str, u32);
+
+fn cell(evaluation: &Evaluation) -> CellKey<'_> {
+    let trained = &evaluation.trained;
+    (
+        &trained.reward,
+        &trained.town,
+        &trained.policy,
+        evaluation.pedestrian.name(),
+        &evaluation.town,
+        &evaluation.policy,
+        &evaluation.vehicle,
+        &evaluation.adversary,
+        evaluation.block,
+    )
+}
+
+/// How many collisions are taken of each run of a cell.
+fn shares(campaign: &Campaign) -> BTreeMap<CellKey<'_>, usize> {
+    let mut runs: BTreeMap<CellKey<'_>, usize> = BTreeMap::new();
+    campaign.evaluations.iter().for_each(|evaluation| *runs.entry(cell(evaluation)).or_default() += 1);
+    runs.into_iter().map(|(cell, runs)| (cell, MOST_COLLISIONS.div_ceil(runs))).collect()
+}
+
+impl Gathered {
+    /// Counts what is in a table of episodes; says whether the driver drove any to its end.
+    fn count(&mut self, run: &Run<'_>, part: &DataFrame) -> PolarsResult<bool> {
+        let Evaluation { town, policy, trained, .. } = run.evaluation;
+        let (outcomes, errors) = (text(part, "outcome")?, text(part, "error")?);
+        let (episodes, rewards) = (count(part, "episode")?, number(part, "episode_reward")?);
+        let ticks = count(part, "ticks")?;
+        let mut drives = false;
+        for row in 0..part.height() {
+            let episode = episodes.get(row).unwrap_or_default();
+            if outcomes.get(row) == Some("error") {
+                self.errors += 1;
+                self.untried += u64::from(ticks.get(row).is_none());
+                let error = errors.get(row).unwrap_or_default();
+                self.first_error.get_or_insert_with(|| format!("episode {episode} in {town}: {policy} {error}"));
+                continue;
+            }
+            drives = true;
+            if let Some(reward) = rewards.get(row).filter(|reward| !reward.is_finite()) {
+                self.unpaid += 1;
+                self.first_unpaid.get_or_insert_with(|| {
+                    format!("`{}` was {reward} in episode {episode} in {town} against {policy}", trained.reward)
+                });
+            }
+        }
+        self.episodes += part.height() as u64;
+        self.ticks += ticks.iter().flatten().map(u64::from).sum::<u64>();
+        Ok(drives)
+    }
+
+    /// Takes the first collisions of a run, and the places where it began.
+    fn sample(&mut self, evaluation: &Evaluation, run: &DataFrame, most: usize) -> PolarsResult<()> {
+        let columns = Columns::new(run)?;
+        let starts = self.starts.entry(evaluation.town.clone()).or_default();
+        let mut taken = 0;
+        for row in 0..run.height() {
+            let Some(outcome) = columns.outcome(row) else { continue };
+            let episode = columns.episode.get(row).unwrap_or_default();
+            starts.add((&evaluation.policy, evaluation.block, episode), &outcome);
+            if !outcome.is_collision() {
+                continue;
+            }
+            if taken < most {
+                self.collisions.push(EpisodeRow::new(evaluation, episode, outcome, None));
+                taken += 1;
+            } else {
+                self.left_out += 1;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn text<'a>(table: &'a DataFrame, name: &str) -> PolarsResult<&'a StringChunked> {
+    table.column(name)?.str()
+}
+
+fn count<'a>(table: &'a DataFrame, name: &str) -> PolarsResult<&'a UInt32Chunked> {
+    table.column(name)?.u32()
+}
+
+fn number<'a>(table: &'a DataFrame, name: &str) -> PolarsResult<&'a Float64Chunked> {
+    table.column(name)?.f64()
+}
+
+fn truth<'a>(table: &'a DataFrame, name: &str) -> PolarsResult<&'a BooleanChunked> {
+    table.column(name)?.bool()
+}
+
+/// The columns of a table of episodes that make an outcome.
+struct Columns<'a> {
+    episode: &'a UInt32Chunked,
+    outcome: &'a StringChunked,
+    mode: &'a StringChunked,
+    digest: &'a StringChunked,
+    ticks: &'a UInt32Chunked,
+    front: &'a BooleanChunked,
+    moving: &'a BooleanChunked,
+    /// Impact speed and bearing, reward, length, gap; ego's x, y, yaw, speed; pedestrian's x, y, yaw.
+    numbers: [&'a Float64Chunked; 12],
+}
+
+impl<'a> Columns<'a> {
+    fn new(table: &'a DataFrame) -> PolarsResult<Self> {
+        let number = |name| number(table, name);
+        Ok(Self {
+            episode: count(table, "episode")?,
+            outcome: text(table, "outcome")?,
+            mode: text(table, "driving_mode")?,
+            digest: text(table, "digest")?,
+            ticks: count(table, "ticks")?,
+            front: truth(table, "front")?,
+            moving: truth(table, "moving")?,
+            numbers: [
+                number("impact_speed_mps")?,
+                number("impact_bearing_deg")?,
+                number("episode_reward")?,
+                number("episode_length_s")?,
+                number("least_gap_m")?,
+                number("ego_x_m")?,
+                number("ego_y_m")?,
+                number("ego_yaw_deg")?,
+                number("ego_speed_mps")?,
+                number("pedestrian_x_m")?,
+                number("pedestrian_y_m")?,
+                number("pedestrian_yaw_deg")?,
+            ],
+        })
+    }
+
+    /// What became of an episode; none when it is in error.
+    fn outcome(&self, row: usize) -> Option<Outcome> {
+        let [impact_speed, bearing, reward, duration, least_gap, ex, ey, eyaw, ego_speed, px, py, pyaw] =
+            self.numbers.map(|column| column.get(row).unwrap_or_default());
+        let ending = match self.outcome.get(row)? {
+            "collision" => Ending::Collision {
+                front: self.front.get(row)?,
+                moving: self.moving.get(row)?,
+                impact_speed,
+                bearing: bearing.to_radians(),
+            },
+            "lost" => Ending::Lost,
+            "timeout" => Ending::Timeout,
+            _ => return None,
+        };
+        let ego = Pose::new(ex, ey, eyaw.to_radians());
+        let spawn = Spawn { ego, ego_speed, pedestrian: Pose::new(px, py, pyaw.to_radians()) };
+        let last_mode = DrivingMode::named(self.mode.get(row)?)?;
+        let digest = u64::from_str_radix(self.digest.get(row)?, 16).ok()?;
+        Some(Outcome { spawn, ending, reward, ticks: self.ticks.get(row)?, duration, least_gap, last_mode, digest })
+    }
+}

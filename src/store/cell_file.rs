@@ -1,0 +1,106 @@
+//! A cell in a file: two lines that people can read, the bytes, and a checksum over all of it.
+
+use serde::{Deserialize, Serialize};
+
+/// The first line.
+const MAGIC: &[u8] = b"falsify cell 1\n";
+/// Bytes of the checksum.
+const SUM: usize = 32;
+
+/// How far a cell has come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum State {
+    /// Nothing is missing.
+    Finished,
+    /// It can be taken up again.
+    Begun,
+    /// It came to nothing, or to less than all; it is done again from its beginning.
+    Failed,
+}
+
+/// What a file says about its cell.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Header {
+    /// What it is, for people.
+    pub what: String,
+    /// How far it has come.
+    pub state: State,
+    /// Updates of a training, episodes of a chunk or of a search.
+    pub done: u64,
+    /// What went wrong; empty when nothing did.
+    pub error: String,
+    /// Wall time that was spent on it (s).
+    pub seconds: f64,
+    /// Bytes that follow.
+    pub length: u64,
+}
+
+/// What is found where a cell may be.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Found {
+    /// No file.
+    Nothing,
+    /// A file that is none of ours, or not as it was written.
+    Damaged,
+    /// A cell.
+    Whole(Header, Vec<u8>),
+}
+
+/// Puts a file together.
+pub fn encode(header: &Header, bytes: &[u8]) -> Vec<u8> {
+    let head = serde_json::to_vec(header).expect("strings and numbers have a form in JSON");
+    let mut file = [MAGIC, &head, b"\n", bytes].concat();
+    let sum = blake3::hash(&file);
+    file.extend(sum.as_bytes());
+    file
+}
+
+/// Takes a file apart; none when it is not as it was written.
+pub fn decode(mut file: Vec<u8>) -> Option<(Header, Vec<u8>)> {
+    let (header, start) = head(&file)?;
+    let end = file.len().checked_sub(SUM)?;
+    if start as u64 + header.length != end as u64 || blake3::hash(&file[..end]).as_bytes() != &file[end..] {
+        return None;
+    }
+    file.truncate(end);
+    Some((header, file.split_off(start)))
+}
+
+/// Reads what the beginning of a file says, and where the bytes begin.
+pub fn head(beginning: &[u8]) -> Option<(Header, usize)> {
+    let rest = beginning.strip_prefix(MAGIC)?;
+    let end = rest.iter().position(|byte| *byte == b'\n')?;
+    Some((serde_json::from_slice(&rest[..end]).ok()?, MAGIC.len() + end + 1))
+}
+
+/// How long a file must be that begins like this.
+pub fn whole_length(header: &Header, start: usize) -> u64 {
+    (start + SUM) as u64 + header.length
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn any_changed_or_missing_byte_is_found() {
+        let header = Header {
+            what: "train r1 in a\nb".into(),
+            state: State::Begun,
+            done: 3,
+            error: String::new(),
+            seconds: 0.1,
+            length: 5,
+        };
+        let file = encode(&header, b"12\n45");
+        assert_eq!(decode(file.clone()), Some((header, b"12\n45".to_vec())));
+        for place in 0..file.len() {
+            let mut damaged = file.clone();
+            damaged[place] ^= 0x10;
+            assert_eq!(decode(damaged), None, "byte {place}");
+            assert_eq!(decode(file[..place].to_vec()), None, "{place} bytes");
+        }
+        assert_eq!(decode([file.as_slice(), b" "].concat()), None);
+    }
+}

@@ -1,0 +1,229 @@
+use std::collections::BTreeMap;
+use std::fs::{self, File, TryLockError};
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+
+use super::cell_file::{self, Found, Header};
+use super::work_folder::{LOCK, WorkFolder};
+use super::{Id, Ids, StoreError};
+use crate::campaign::cells;
+use crate::compile::Campaign;
+
+/// The folder for cells, beside the reports.
+const NAME: &str = ".cells";
+/// What is read of a file to see how it begins.
+const BEGINNING: usize = 4096;
+/// Cells, claims, and what campaigns wanted.
+const FOLDERS: [&str; 3] = ["cells", "claims", "campaigns"];
+/// For whoever finds it.
+const README: &str = "\
+Finished and half-finished work of falsify, which reports are made from.
+Nothing else is lost with it than the time to do it again.
+`head -2` of a file in `cells` says what it is.
+";
+
+/// Hears what is to be said about files.
+pub type Note = Box<dyn Fn(&str) + Send + Sync>;
+
+/// The cells of a folder for reports.
+pub struct Store {
+    root: PathBuf,
+    work: Option<WorkFolder>,
+    note: Note,
+}
+
+/// A cell in hand: nobody else takes it until this is dropped.
+struct Claim {
+    path: PathBuf,
+    _file: File,
+}
+
+impl Drop for Claim {
+    fn drop(&mut self) {
+        let _ = fs::remove_file(&self.path);
+    }
+}
+
+impl Store {
+    /// Opens the store of a folder for reports, making both if need be.
+    ///
+    /// # Errors
+    /// The folder cannot be made or written to.
+    pub fn open(out: &Path, note: Note) -> Result<Self, StoreError> {
+        let root = out.join(NAME);
+        let failed = |source| StoreError::Folder { path: out.to_path_buf(), source };
+        for folder in FOLDERS {
+            fs::create_dir_all(root.join(folder)).map_err(failed)?;
+        }
+        let readme = root.join("README.txt");
+        if !readme.exists() {
+            fs::write(readme, README).map_err(failed)?;
+        }
+        let work = WorkFolder::begin(&root).map_err(failed)?;
+        Ok(Self { root, work: Some(work), note })
+    }
+
+    /// Looks into the store of a folder for reports without changing anything.
+    pub fn look(out: &Path, note: Note) -> Self {
+        Self { root: out.join(NAME), work: None, note }
+    }
+
+    /// Where a cell is, if it is there.
+    pub fn path(&self, id: Id) -> PathBuf {
+        let id = id.to_string();
+        // Folders with a hundred thousand files are slow on some file systems.
+        self.root.join("cells").join(&id[..2]).join(id)
+    }
+
+    /// Reads a cell; says so when it is damaged.
+    pub fn read(&self, id: Id) -> Found {
+        let path = self.path(id);
+        let bytes = match fs::read(&path) {
+            Ok(bytes) => bytes,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Found::Nothing,
+            Err(_) => Vec::new(),
+        };
+        match cell_file::decode(bytes) {
+            Some((header, bytes)) => Found::Whole(header, bytes),
+            None => {
+                self.damaged(id);
+                Found::Damaged
+            }
+        }
+    }
+
+    /// Says that a cell is damaged.
+    pub fn damaged(&self, id: Id) {
+        (self.note)(&format!("`{}` is damaged; its cell is done again", self.path(id).display()));
+    }
+
+    /// Reads how a cell begins, without looking at its bytes; the error is that it is damaged.
+    pub fn head(&self, id: Id) -> Option<Result<Header, ()>> {
+        let mut beginning = Vec::new();
+        let file = File::open(self.path(id)).ok()?;
+        let length = file.metadata().map(|data| data.len()).unwrap_or_default();
+        let _ = file.take(BEGINNING as u64).read_to_end(&mut beginning);
+        let head = cell_file::head(&beginning);
+        let whole = head.filter(|(header, start)| cell_file::whole_length(header, *start) == length);
+        Some(whole.map(|(header, _)| header).ok_or(()))
+    }
+
+    /// Writes a cell; it appears whole or not at all. What is finished survives a power cut.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write(&self, id: Id, header: &Header, bytes: &[u8]) -> Result<(), StoreError> {
+        let header = Header { length: bytes.len() as u64, ..header.clone() };
+        let sync = header.state == cell_file::State::Finished;
+        self.put(&self.path(id), &cell_file::encode(&header, bytes), sync)
+    }
+
+    fn put(&self, path: &Path, bytes: &[u8], sync: bool) -> Result<(), StoreError> {
+        let failed = |source| StoreError::File { path: path.to_path_buf(), source };
+        let work = self.work.as_ref().expect("a store that is written to was opened");
+        let put = || -> io::Result<()> {
+            let parent = path.parent().expect("a file of the store is in a folder");
+            fs::create_dir_all(parent)?;
+            let mut draft = tempfile::NamedTempFile::new_in(work.path()?)?;
+            draft.write_all(bytes)?;
+            if sync {
+                draft.as_file().sync_all()?;
+            }
+            draft.persist(path).map(|_| ()).map_err(|error| error.error)
+        };
+        put().map_err(failed)
+    }
+
+    /// Takes a cell in hand; none while another process has it.
+    ///
+    /// # Errors
+    /// The folder cannot be written to.
+    pub fn claim(&self, id: Id) -> Result<Option<Box<dyn Send>>, StoreError> {
+        let folder = self.root.join("claims");
+        let path = folder.join(id.to_string());
+        let failed = |source| StoreError::File { path: path.clone(), source };
+        let file = File::create(&path).or_else(|_| fs::create_dir_all(&folder).and_then(|()| File::create(&path)));
+        let file = file.map_err(failed)?;
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) => Ok(None),
+            // Where files cannot be locked two processes may do the same work, with the same result.
+            Ok(()) | Err(TryLockError::Error(_)) => Ok(Some(Box::new(Claim { path, _file: file }))),
+        }
+    }
+
+    /// A folder for files in the making, on the same file system as the reports.
+    ///
+    /// # Errors
+    /// It cannot be made.
+    pub fn drafts(&self) -> Result<PathBuf, StoreError> {
+        let work = self.work.as_ref().expect("a store that is written to was opened");
+        work.path().map_err(|source| StoreError::Folder { path: self.root.clone(), source })
+    }
+
+    /// Reads a text that belongs to a campaign.
+    pub(super) fn campaign_text(&self, name: &str) -> Option<String> {
+        fs::read_to_string(self.campaign_path(name)).ok()
+    }
+
+    /// Writes a text that belongs to a campaign.
+    pub(super) fn put_campaign_text(&self, name: &str, text: &str) -> Result<(), StoreError> {
+        self.put(&self.campaign_path(name), text.as_bytes(), false)
+    }
+
+    /// The names of all campaigns that were run.
+    pub fn campaigns(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.root.join("campaigns")).into_iter().flatten().flatten();
+        let name = |entry: fs::DirEntry| Some(entry.file_name().to_str()?.strip_suffix(".json")?.to_string());
+        let mut names: Vec<String> = entries.filter_map(name).collect();
+        names.sort();
+        names
+    }
+
+    /// The names of all cells that are there, with their sizes in bytes.
+    pub fn sizes(&self) -> BTreeMap<String, u64> {
+        let folders = fs::read_dir(self.root.join("cells")).into_iter().flatten().flatten();
+        let files = folders.flat_map(|folder| fs::read_dir(folder.path()).into_iter().flatten().flatten());
+        let size = |file: fs::DirEntry| Some((file.file_name().into_string().ok()?, file.metadata().ok()?.len()));
+        files.filter_map(size).filter(|(name, _)| is_id(name)).collect()
+    }
+
+    /// Removes the cells of a campaign, so that they are done again.
+    ///
+    /// # Errors
+    /// One cannot be removed.
+    pub fn forget(&self, ids: &Ids, campaign: &Campaign) -> Result<(), StoreError> {
+        for path in cells(campaign).map(|cell| self.path(ids.get(cell))) {
+            match fs::remove_file(&path) {
+                Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                    return Err(StoreError::File { path, source: error });
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Waits until no other process moves a report of this folder into its place; none may do so while this is held.
+    pub fn door(&self) -> Option<File> {
+        let door = File::create(self.root.join(LOCK)).ok()?;
+        let _ = door.lock();
+        Some(door)
+    }
+
+    /// Removes a cell by its name.
+    ///
+    /// # Errors
+    /// It cannot be removed.
+    pub fn remove(&self, name: &str) -> Result<(), StoreError> {
+        let path = self.root.join("cells").join(&name[..2]).join(name);
+        fs::remove_file(&path).map_err(|source| StoreError::File { path, source })
+    }
+
+    fn campaign_path(&self, name: &str) -> PathBuf {
+        self.root.join("campaigns").join(format!("{name}.json"))
+    }
+}
+
+fn is_id(name: &str) -> bool {
+    name.len() == 32 && name.bytes().all(|byte| byte.is_ascii_hexdigit())
+}

@@ -1,0 +1,20 @@
+//! Cells on disk: what campaigns have finished or begun, so that nothing is done twice and nothing is lost.
+//!
+//! `OUT/.cells` is shared by all campaigns of a folder. A cell's name is a digest of all that its bytes depend on: the code, the
+//! seed, the scenario, and for a trained pedestrian its training. So a cell is either there as it should be or not there, whoever made it,
+//! and a file that says otherwise is damaged. Files appear whole; several processes may work on one folder.
+
+mod id;
+mod cell_file;
+mod store_error;
+mod folder;
+mod work_folder;
+mod index;
+mod kept;
+
+pub use cell_file::{Found, Header, State};
+pub use folder::{Note, Store};
+pub use id::{CODE, Id, Ids, vector_instructions};
+pub use index::{Index, Known, cell_name};
+pub use kept::{Kept, Limits};
+pub use store_error::StoreError;

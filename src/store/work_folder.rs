@@ -1,0 +1,47 @@
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
+
+/// What the folder of a process begins with.
+const PREFIX: &str = "work-";
+/// The file in it that the process holds locked; one in the store itself is held while folders come and go.
+pub(super) const LOCK: &str = "lock";
+
+/// A folder of this process for files in the making. It goes when the process ends; one of a process that was killed goes when
+/// another begins.
+#[derive(Debug)]
+pub(super) struct WorkFolder {
+    folder: TempDir,
+    /// Locked as long as the process lives.
+    _lock: File,
+}
+
+impl WorkFolder {
+    /// Removes what dead processes have left, and makes a folder.
+    pub fn begin(root: &Path) -> io::Result<Self> {
+        // Nobody may take a folder for dead that is not locked yet.
+        let door = File::create(root.join(LOCK))?;
+        let _ = door.lock();
+        for entry in fs::read_dir(root)?.flatten() {
+            if entry.file_name().to_string_lossy().starts_with(PREFIX) && is_dead(&entry.path()) {
+                let _ = fs::remove_dir_all(entry.path());
+            }
+        }
+        let folder = tempfile::Builder::new().prefix(PREFIX).tempdir_in(root)?;
+        let lock = File::create(folder.path().join(LOCK))?;
+        let _ = lock.lock();
+        Ok(Self { folder, _lock: lock })
+    }
+
+    /// Where it is; made again when somebody has removed it.
+    pub fn path(&self) -> io::Result<PathBuf> {
+        fs::create_dir_all(self.folder.path())?;
+        Ok(self.folder.path().to_path_buf())
+    }
+}
+
+fn is_dead(folder: &Path) -> bool {
+    File::open(folder.join(LOCK)).is_ok_and(|lock| lock.try_lock().is_ok())
+}
