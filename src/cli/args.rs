@@ -1,5 +1,6 @@
 use std::path::PathBuf;
 
+use super::shard::Named as Shard;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 const EXAMPLES: &str = "\
@@ -18,7 +19,8 @@ Examples:
 
 Exit codes:
   0 done   1 internal error   2 wrong usage or missing file   3 errors in a scenario
-  4 nothing to run   5 a run or a driver failed   6 a report cannot be written   130 stopped by Ctrl-C or SIGTERM";
+  4 nothing to run   5 a run or a driver failed   6 a report cannot be written   9 cells to merge are missing
+  130 stopped by Ctrl-C or SIGTERM";
 
 /// Finds the ways a self-driving car hits a pedestrian.
 #[derive(Debug, Parser)]
@@ -38,6 +40,9 @@ pub enum Command {
     /// Train pedestrians and try them, as the campaigns of the files say.
     #[command(after_help = EXAMPLES)]
     Run(RunOptions),
+    /// Put together what the shards of a run have made, and write its reports.
+    #[command(after_help = MERGE_EXAMPLES)]
+    Merge(MergeOptions),
     /// Show the settings of this folder, from flags, the environment and falsify.toml.
     #[command(after_help = CONFIG_EXAMPLES)]
     Config,
@@ -113,6 +118,12 @@ pub struct RunOptions {
     /// Do everything again, whatever is there.
     #[arg(long)]
     pub fresh: bool,
+    /// Do one of several parts, as 3/16, and write no report; `auto/16` takes the number from SLURM_ARRAY_TASK_ID or JOB_COMPLETION_INDEX.
+    #[arg(long, value_name = "I/N", conflicts_with_all = ["fresh", "list"])]
+    pub shard: Option<Shard>,
+    /// Of a shard, do only these; other shards then find them.
+    #[arg(long, value_enum, value_name = "CELLS", requires = "shard")]
+    pub only: Option<Only>,
     /// Seconds after which what is under way is saved, so that no more is lost when the program is killed.
     #[arg(long, default_value_t = 5.0, value_name = "SECONDS", value_parser = seconds)]
     pub checkpoint: f64,
@@ -123,6 +134,40 @@ pub struct RunOptions {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub max_ticks: Option<u64>,
 }
+
+/// What of a shard is done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Only {
+    /// Its trainings, each by one shard.
+    Trainings,
+}
+
+/// Options of `falsify merge`.
+#[derive(Debug, Args)]
+pub struct MergeOptions {
+    /// What was run.
+    #[command(flatten)]
+    pub run: RunOptions,
+    /// Folders with the cells of shards, beside those that are in the folder for the reports already.
+    #[arg(long, num_args = 1.., value_name = "DIR")]
+    pub from: Vec<PathBuf>,
+    /// How many shards there were, to be told which of them to do again.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub shards: Option<u32>,
+    /// Write what is there as NAME-partial even if something is missing.
+    #[arg(long)]
+    pub partial: bool,
+}
+
+const MERGE_EXAMPLES: &str = "\
+Examples:
+  falsify run --shard 0/2 --out a my.scn     on one machine
+  falsify run --shard 1/2 --out b my.scn     on another one
+  falsify merge my.scn --from a b --out reports --shards 2
+                                             the report that one machine would have written, byte for byte
+  falsify merge my.scn --out shared          when all shards wrote to one folder
+
+Exit codes: 0 done   9 cells are missing, which are named, with the shards that make them   others as of `run`";
 
 /// What a table is written as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

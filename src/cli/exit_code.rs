@@ -15,6 +15,8 @@ pub enum ExitCode {
     RunFailed = 5,
     /// A report cannot be written.
     WriteFailed = 6,
+    /// Cells are missing that are to be put together.
+    Incomplete = 9,
     /// The user stopped it.
     Interrupted = 130,
 }

@@ -8,6 +8,8 @@ mod progress;
 mod settings;
 mod config;
 mod run;
+mod shard;
+mod merge;
 mod list;
 mod check;
 mod fmt;
@@ -62,6 +64,7 @@ fn run_command() -> ExitCode {
             config::config(&command(), options, settings.as_ref())
         }
         args::Command::Run(options) => run::run(&options),
+        args::Command::Merge(options) => merge::merge(&options),
         args::Command::Check(options) => check::check(&options),
         args::Command::Explain(options) => explain::explain(&options),
         args::Command::New(options) => new::new(&options),

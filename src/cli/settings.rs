@@ -19,10 +19,11 @@ use crate::lang::{nearest, reason};
 pub const FILE: &str = "falsify.toml";
 
 /// The settings. Each is the option of `falsify run` with the same name, which also says what it means and takes.
-pub const KEYS: [&str; 6] = ["out", "seed", "threads", "formats", "format", "progress"];
+pub const KEYS: [&str; 9] =
+    ["out", "seed", "threads", "formats", "format", "progress", "checkpoint", "cell_time", "max_ticks"];
 
 /// The commands that ask for the settings.
-const COMMANDS: [&str; 2] = ["run", "config"];
+const COMMANDS: [&str; 3] = ["run", "merge", "config"];
 
 /// What a file sets.
 #[derive(Debug)]

@@ -26,7 +26,7 @@ mod write;
 
 pub use episodes::{Chunk, Chunks, Episodes, Run, decode, encode};
 pub use figure::learning_figures;
-pub use folder::{ReportFolder, WriteError, write_csv, write_file};
+pub use folder::{Formats, ReportFolder, WriteError, write_csv, write_file};
 pub use gathered::{Gathered, MOST_COLLISIONS, gather};
 pub use learning_curve::learning_curve;
 pub use manifest::{FileRecord, Manifest, TrainingRecord};

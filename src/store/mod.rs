@@ -11,10 +11,12 @@ mod folder;
 mod work_folder;
 mod index;
 mod kept;
+mod import;
 
 pub use cell_file::{Found, Header, State};
 pub use folder::{Note, Store};
 pub use id::{CODE, Id, Ids, vector_instructions};
 pub use index::{Index, Known, cell_name};
+pub use import::Taken;
 pub use kept::{Kept, Limits};
 pub use store_error::StoreError;
