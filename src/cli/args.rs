@@ -43,6 +43,9 @@ pub enum Command {
     /// Put together what the shards of a run have made, and write its reports.
     #[command(after_help = MERGE_EXAMPLES)]
     Merge(MergeOptions),
+    /// Say how far the campaigns of a folder are, whether anybody is at work on them, and how to go on.
+    #[command(after_help = STATUS_EXAMPLES)]
+    Status(StatusOptions),
     /// Show the settings of this folder, from flags, the environment and falsify.toml.
     #[command(after_help = CONFIG_EXAMPLES)]
     Config,
@@ -158,6 +161,24 @@ pub struct MergeOptions {
     #[arg(long)]
     pub partial: bool,
 }
+
+/// Options of `falsify status`.
+#[derive(Debug, Args)]
+pub struct StatusOptions {
+    /// The folder for the reports.
+    #[arg(default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
+    pub out: PathBuf,
+    /// What the output is for; `json` is one object for each campaign.
+    #[arg(long, value_enum, default_value_t = Output::Human, env = "FALSIFY_FORMAT", value_name = "FORMAT")]
+    pub format: Output,
+}
+
+const STATUS_EXAMPLES: &str = "\
+Examples:
+  falsify status                             the campaigns of reports/
+  falsify status --format json shared        one JSON object for each campaign, for programs
+
+Exit codes: 0 finished or at work   2 nothing was run there   9 something is missing and nobody is at work on it";
 
 const MERGE_EXAMPLES: &str = "\
 Examples:

@@ -10,6 +10,7 @@ mod config;
 mod run;
 mod shard;
 mod merge;
+mod status;
 mod list;
 mod check;
 mod fmt;
@@ -64,6 +65,7 @@ fn run_command() -> ExitCode {
             config::config(&command(), options, settings.as_ref())
         }
         args::Command::Run(options) => run::run(&options),
+        args::Command::Status(options) => status::status(&options),
         args::Command::Merge(options) => merge::merge(&options),
         args::Command::Check(options) => check::check(&options),
         args::Command::Explain(options) => explain::explain(&options),

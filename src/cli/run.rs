@@ -125,6 +125,9 @@ fn carry_out(
     let folder = folder.map_err(|error| error.to_string())?.in_formats(formats(options));
     let began = Instant::now();
     let mut index = Index::read(store, &name);
+    if work == Work::All {
+        index.command = front::command_line();
+    }
     if options.fresh {
         store.forget(&Ids::new(campaign, seed), campaign).map_err(failed)?;
     }

@@ -23,7 +23,7 @@ pub const KEYS: [&str; 9] =
     ["out", "seed", "threads", "formats", "format", "progress", "checkpoint", "cell_time", "max_ticks"];
 
 /// The commands that ask for the settings.
-const COMMANDS: [&str; 3] = ["run", "merge", "config"];
+const COMMANDS: [&str; 4] = ["run", "merge", "status", "config"];
 
 /// What a file sets.
 #[derive(Debug)]

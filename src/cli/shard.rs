@@ -67,7 +67,9 @@ pub fn carry_out(campaign: &Campaign, options: &RunOptions, shard: Shard, store:
         wanted.sort();
     }
     let failed = |error: crate::store::StoreError| run::kept(&error.to_string(), &options.out);
-    Index::read(store, &name).write(store, &name, campaign, seed).map_err(failed)?;
+    let mut index = Index::read(store, &name);
+    index.command = front::command_line();
+    index.write(store, &name, campaign, seed).map_err(failed)?;
     let keeper = Kept::new(store, campaign, seed, run::limits(options));
     let progress = Progress::new(campaign, &wanted, options);
     campaign::run_cells(campaign, &wanted, &Seed::root(seed), &keeper, &progress);
