@@ -23,8 +23,8 @@ falsify=$!
 # A minute before the time is up, what is under way is kept, and the task goes back into the queue. A node that is needed
 # otherwise says so by TERM; Slurm requeues then by itself.
 again=no
-trap 'again=yes; heard=yes; kill -TERM $falsify' USR1
-trap 'heard=yes; kill -TERM $falsify' TERM
+trap 'again=yes; heard=yes; kill -TERM $falsify 2>/dev/null' USR1
+trap 'heard=yes; kill -TERM $falsify 2>/dev/null' TERM
 heard=yes
 while [ "$heard" = yes ]; do
     heard=no

@@ -110,7 +110,7 @@ fn lack(campaign: &Campaign, options: &MergeOptions, lacking: &[&(Cell, Taken)],
         Some(count) => {
             let deal: BTreeMap<Cell, u32> = campaign::deal(campaign, count).into_iter().collect();
             let shards: BTreeSet<u32> = lacking.iter().map(|(cell, _)| deal[cell]).collect();
-            text.push_str(&format!("\n  do these shards of {count} again: {}", ranges(&shards)));
+            text.push_str(&format!("\n  do again, of {count} shards: {}", ranges(&shards)));
         }
         None => text.push_str("\n  `falsify run` with the same files does only these; give --shards to see which shards would"),
     }

@@ -45,6 +45,7 @@ mod senses;
 mod settings;
 mod shaping;
 mod searches;
+mod shards;
 mod shipped;
 mod spawns;
 mod suite;
