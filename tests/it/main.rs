@@ -18,6 +18,7 @@ mod determinism;
 mod external;
 mod interfuser_driving;
 mod interfuser_reference;
+mod interruptions;
 mod judge;
 mod lav_reference;
 mod drivers;
