@@ -12,7 +12,7 @@ const EXAMPLES: &str = "\
 Examples:
   falsify run scenarios/*.scn                run all campaigns, reports go to reports/
   falsify run --smoke scenarios/*.scn        see in seconds whether everything works
-  falsify run --list scenarios/*.scn         see what would be run
+  falsify run --list scenarios/*.scn         see what would be run and why, and what is there already
   falsify run --set 'ppo_paper.steps=10000' my.scn
                                              change a value without touching the file
   falsify run --fail-if 'preventable_rate > 0.05' --junit out.xml my.scn
@@ -57,6 +57,9 @@ pub enum Command {
     /// Repeat a sample of what a report holds and compare it byte for byte.
     #[command(after_help = VERIFY_EXAMPLES)]
     Verify(VerifyOptions),
+    /// Say how much finished work is kept for the campaigns of a folder, and remove what none of them wants any more.
+    #[command(after_help = CELLS_EXAMPLES)]
+    Cells(CellsOptions),
     /// Find mistakes in scenario files without running anything.
     #[command(after_help = CHECK_EXAMPLES)]
     Check(CheckOptions),
@@ -135,6 +138,22 @@ pub struct RunOptions {
     /// What makes it pass or fail.
     #[command(flatten)]
     pub gate: GateOptions,
+}
+
+const CELLS_EXAMPLES: &str = "\
+Examples:
+  falsify cells                              what is kept in reports/.cells, by campaign
+  falsify cells --prune                      remove what belongs to no campaign as it was run last";
+
+/// Options of `falsify cells`.
+#[derive(Debug, Args)]
+pub struct CellsOptions {
+    /// The folder for reports.
+    #[arg(default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
+    pub out: PathBuf,
+    /// Remove cells that no campaign wanted when it was run last.
+    #[arg(long)]
+    pub prune: bool,
 }
 
 /// Options of `falsify check`.

@@ -8,6 +8,7 @@ mod interrupt;
 mod progress;
 mod run;
 mod list;
+mod cells;
 mod gate;
 mod repeat;
 mod replay;
@@ -57,6 +58,7 @@ fn run_command() -> ExitCode {
         args::Command::Replay(options) => replay::replay(&options),
         args::Command::Render(options) => render::render(&options),
         args::Command::Verify(options) => verify::verify(&options),
+        args::Command::Cells(options) => cells::cells(&options),
         args::Command::Check(options) => check::check(&options),
         args::Command::Explain(options) => explain::explain(&options),
         args::Command::New(options) => new::new(&options),

@@ -112,7 +112,6 @@ fn carry_out(
         return Err(kept(&error, &options.out));
     }
     index.write(store, &name, campaign, seed).map_err(failed)?;
-    interrupt::hold(true);
     let written = |error: WriteError| kept(&error.to_string(), &options.out);
     let gathered = report::gather(&folder, campaign, &Episodes::new(campaign, &keeper)).map_err(written)?;
     if gathered.episodes == 0
@@ -131,11 +130,13 @@ fn carry_out(
         let wanted = Wanted::of(&Episodes::new(campaign, &keeper), &finished, all).map_err(written)?;
         report::write_ticks(&folder, &Seed::root(seed), &wanted).map_err(written)?;
     }
+    interrupt::hold(true);
     let place = {
         let _door = store.door();
-        folder.finish(manifest.complete).map_err(written)?
+        folder.finish(manifest.complete).map_err(written)
     };
     interrupt::hold(false);
+    let place = place?;
     let metrics = print_cells(campaign, &finished, &gathered).map_err(|error| error.to_string())?;
     let passed = gates.judge(&manifest, &metrics);
     front::say(&place.join("summary.md").display().to_string());

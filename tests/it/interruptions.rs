@@ -286,10 +286,10 @@ fn a_cell_beyond_its_limit_is_an_error_and_goes_on_another_time() {
 const FULL: &str = r#"
 set -u
 mount -t tmpfs -o size=160k none small || exit 99
-"$FALSIFY" run cut.scn --threads 2 --out small/out >first.txt 2>&1
+"$FALSIFY" run cut.scn --threads 2 --checkpoint 3600 --out small/out >first.txt 2>&1
 echo $? >first.code
 mount -o remount,size=64m small || exit 99
-"$FALSIFY" run cut.scn --threads 2 --out small/out >second.txt 2>&1
+"$FALSIFY" run cut.scn --threads 2 --checkpoint 3600 --out small/out >second.txt 2>&1
 echo $? >second.code
 cp -r small/out out
 "#;
@@ -298,8 +298,8 @@ cp -r small/out out
 const SHORT: &str = r#"
 trap '' XFSZ
 mkdir -p small
-(ulimit -f 32; "$FALSIFY" run cut.scn --threads 2 --out small/out >first.txt 2>&1; echo $? >first.code)
-"$FALSIFY" run cut.scn --threads 2 --out small/out >second.txt 2>&1
+(ulimit -f 32; "$FALSIFY" run cut.scn --threads 2 --checkpoint 3600 --out small/out >first.txt 2>&1; echo $? >first.code)
+"$FALSIFY" run cut.scn --threads 2 --checkpoint 3600 --out small/out >second.txt 2>&1
 echo $? >second.code
 cp -r small/out out
 "#;
