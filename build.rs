@@ -1,6 +1,10 @@
-//! Tells the program which version of its code it is: `FALSIFY_CODE`, a digest of all sources that make numbers.
+//! Tells the program which version of its code it is, and links it to a fixed place in memory.
 //!
-//! Results are kept from run to run, and those of another version must not be taken for ours. What only shows results has no part in it.
+//! `FALSIFY_CODE` is a digest of all sources that make numbers: results are kept from run to run, and those of another version must not be
+//! taken for ours. What only shows results has no part in it.
+//!
+//! The library of tables brings some 400,000 relocations with it; carried out at every start they take longer than checking a
+//! scenario. Nothing in the program is to be guarded by a random place: it reads text files of its own user.
 
 use std::path::{Path, PathBuf};
 
@@ -18,6 +22,16 @@ const ONLY_SHOWS: [&str; 9] = [
 ];
 
 fn main() {
+    println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rustc-env=FALSIFY_CODE={}", code());
+    let is = |key: &str, value: &str| std::env::var(key).is_ok_and(|found| found == value);
+    if is("CARGO_CFG_TARGET_OS", "linux") && is("CARGO_CFG_TARGET_ENV", "gnu") {
+        println!("cargo::rustc-link-arg-bins=-no-pie");
+    }
+}
+
+/// The digest of the sources.
+fn code() -> String {
     let mut files = Vec::new();
     // The rows of an episode are made in a file of the report.
     for place in ["src", "src/report/tables.rs", "grammar", "Cargo.lock"] {
@@ -32,7 +46,7 @@ fn main() {
         digest.update(&(bytes.len() as u64).to_le_bytes());
         digest.update(&bytes);
     }
-    println!("cargo::rustc-env=FALSIFY_CODE={}", &digest.finalize().to_hex()[..16]);
+    digest.finalize().to_hex()[..16].to_string()
 }
 
 fn gather(place: &Path, files: &mut Vec<PathBuf>) {

@@ -4,6 +4,9 @@
 //! run with them; see `grammar/README.md` for the language.
 #![doc = include_str!("ARCHITECTURE.md")]
 
+// What pest writes for the grammar names it.
+extern crate alloc;
+
 pub mod diagnostic;
 pub mod units;
 pub mod signature;

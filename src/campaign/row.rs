@@ -1,10 +1,12 @@
-use crate::compile::{Evaluation, TrainingKey};
+use crate::compile::{Evaluation, RunId, TrainingKey};
 use crate::env::Outcome;
 use crate::judge::Verdict;
 
 /// One episode of an evaluation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EpisodeRow {
+    /// The short name of the run that it belongs to.
+    pub run_id: RunId,
     /// What the pedestrian was trained in; town and policy are empty for untrained ones.
     pub trained: TrainingKey,
     /// Who it is: `trained`, `sampled`, `random`, `homing`, `intercept`.
@@ -31,6 +33,7 @@ impl EpisodeRow {
     /// Makes the row of an episode of an evaluation.
     pub fn new(evaluation: &Evaluation, episode: u32, outcome: Outcome, verdict: Option<Verdict>) -> Self {
         Self {
+            run_id: evaluation.id,
             trained: evaluation.trained.clone(),
             pedestrian: evaluation.pedestrian.name(),
             town: evaluation.town.clone(),

@@ -1,15 +1,24 @@
 use std::path::PathBuf;
 
+use super::repeat_args::{
+    GateOptions, RENDER_EXAMPLES, REPLAY_EXAMPLES, RenderOptions, ReplayOptions, TickChoice, VERIFY_EXAMPLES,
+    VerifyOptions,
+};
 use super::shard::Named as Shard;
 use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::compile::Overrides;
 
 const EXAMPLES: &str = "\
 Examples:
   falsify run scenarios/*.scn                run all campaigns, reports go to reports/
   falsify run --smoke scenarios/*.scn        see in seconds whether everything works
-  falsify run --list scenarios/*.scn         see what would be run
+  falsify run --list scenarios/*.scn         see what would be run and why, and what is there already
   falsify run --set 'ppo_paper.steps=10000' my.scn
                                              change a value without touching the file
+  falsify run --fail-if 'preventable_rate > 0.05' --junit out.xml my.scn
+                                             pass or fail, for continuous integration
+  falsify replay 1a2b3c4d:17                 see a failure again, `render` draws it
   falsify check my.scn                       find mistakes without running anything
   falsify check --sample 1000 my.scn         see where episodes would begin, and what is rejected
   falsify av check -- python3 my_av.py       see whether a driver of your own speaks the protocol
@@ -19,8 +28,8 @@ Examples:
 
 Exit codes:
   0 done   1 internal error   2 wrong usage or missing file   3 errors in a scenario
-  4 nothing to run   5 a run or a driver failed   6 a report cannot be written   9 cells to merge are missing
-  130 stopped by Ctrl-C or SIGTERM";
+  4 nothing to run   5 a run or a driver failed   6 a report cannot be written   7 a --fail-if holds
+  8 what was repeated came out differently   9 cells to merge are missing   130 stopped by Ctrl-C or SIGTERM";
 
 /// Finds the ways a self-driving car hits a pedestrian.
 #[derive(Debug, Parser)]
@@ -49,6 +58,18 @@ pub enum Command {
     /// Show the settings of this folder, from flags, the environment and falsify.toml.
     #[command(after_help = CONFIG_EXAMPLES)]
     Config,
+    /// Repeat an episode of a report, tell what happened in it and whether it is the same.
+    #[command(after_help = REPLAY_EXAMPLES)]
+    Replay(ReplayOptions),
+    /// Draw an episode of a report, as a strip of six pictures or as one that moves.
+    #[command(after_help = RENDER_EXAMPLES)]
+    Render(RenderOptions),
+    /// Repeat a sample of what a report holds and compare it byte for byte.
+    #[command(after_help = VERIFY_EXAMPLES)]
+    Verify(VerifyOptions),
+    /// Say how much finished work is kept for the campaigns of a folder, and remove what none of them wants any more.
+    #[command(after_help = CELLS_EXAMPLES)]
+    Cells(CellsOptions),
     /// Find mistakes in scenario files without running anything.
     #[command(after_help = CHECK_EXAMPLES)]
     Check(CheckOptions),
@@ -136,6 +157,28 @@ pub struct RunOptions {
     /// Give them up after so many simulator ticks.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub max_ticks: Option<u64>,
+    /// Which episodes are also written tick by tick, as ticks.parquet; they are simulated once more for it.
+    #[arg(long, value_enum, default_value_t = TickChoice::None, value_name = "WHICH")]
+    pub ticks: TickChoice,
+    /// What makes it pass or fail.
+    #[command(flatten)]
+    pub gate: GateOptions,
+}
+
+const CELLS_EXAMPLES: &str = "\
+Examples:
+  falsify cells                              what is kept in reports/.cells, by campaign
+  falsify cells --prune                      remove what belongs to no campaign as it was run last";
+
+/// Options of `falsify cells`.
+#[derive(Debug, Args)]
+pub struct CellsOptions {
+    /// The folder for reports.
+    #[arg(default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
+    pub out: PathBuf,
+    /// Remove cells that no campaign wanted when it was run last.
+    #[arg(long)]
+    pub prune: bool,
 }
 
 /// What of a shard is done.
@@ -240,7 +283,8 @@ pub struct CheckOptions {
     /// What replaces parts of the files.
     #[command(flatten)]
     pub given: GivenOptions,
-    /// Also draw so many beginnings of every spawn in every town, and say how many satisfy each constraint.
+    /// Also draw so many beginnings of every spawn in every town, and say how many satisfy each constraint; also where nobody
+    /// can be placed, to see what stands in the way. Not with SARIF, which has no place for it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     pub sample: Option<u32>,
     /// Folder for the pictures of `--sample`, `spawn-CAMPAIGN-SPAWN-TOWN.svg`.
@@ -265,6 +309,14 @@ pub struct GivenOptions {
     pub allow_external: bool,
 }
 
+impl GivenOptions {
+    /// What they replace.
+    pub fn overrides(&self) -> Overrides {
+        let (maps, settings) = (self.map.iter().cloned().collect(), self.set.clone());
+        Overrides { maps, settings, ..Overrides::default() }
+    }
+}
+
 fn town_and_file(text: &str) -> Result<(String, PathBuf), String> {
     let (town, file) = text.split_once('=').ok_or("write TOWN=FILE")?;
     Ok((town.to_string(), PathBuf::from(file)))
@@ -275,6 +327,8 @@ Examples:
   falsify check my.scn                       draw every mistake under its line
   falsify check --format json my.scn         one JSON object a line, for programs
   falsify check --format sarif my.scn        SARIF 2.1.0, which code hosts show beside the lines
+  falsify check --sample 1000 --format json my.scn
+                                             where episodes would begin, for programs
 
 Exit codes: 0 no errors   2 missing file   3 errors";
 
@@ -294,12 +348,14 @@ Examples:
   falsify explain                            list everything
   falsify explain missing-unit               a diagnostic, with a bad and a good example
   falsify explain policy idm                 the keys of a kind, with types, units and defaults
-  falsify explain training ppo gamma         one key";
+  falsify explain training ppo gamma         one key
+  falsify explain matrix                     a word of the language, with an example";
 
 /// Options of `falsify explain`.
 #[derive(Debug, Args)]
 pub struct ExplainOptions {
-    /// A code; a form, a form and a kind, and a key of it; or `events`, `variables`, `units`.
+    /// A code; a form, a form and a kind, and a key of it; a word such as `param` or `normal`; an event, a variable; or `events`,
+    /// `variables`, `units`.
     #[arg(value_name = "WORD")]
     pub words: Vec<String>,
 }
@@ -321,7 +377,8 @@ const DEBUG_EXAMPLES: &str = "\
 Examples:
   falsify debug ast my.scn                   what was written
   falsify debug hir my.scn                   what is meant: names resolved, SI values, defaults filled in
-  falsify debug plan my.scn                  what would be run, with every figure";
+  falsify debug plan my.scn                  what would be run, with every figure
+  falsify debug hir --set 'far=20 m' my.scn  the same with another value";
 
 /// Options of `falsify debug`.
 #[derive(Debug, Args)]
@@ -332,6 +389,9 @@ pub struct DebugOptions {
     /// A scenario file.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
+    /// What replaces parts of the file; maps matter to the plan alone.
+    #[command(flatten)]
+    pub given: GivenOptions,
 }
 
 /// What can be shown of a file.
@@ -356,7 +416,7 @@ Examples:
 const MAP_EXAMPLES: &str = "\
 Examples:
   falsify map Town02.xodr                    Town02.svg, and what the map holds
-  falsify map my.scn --out maps              every town of a scenario";
+  falsify map my.scn --out maps              every town of a scenario, imported ones, too";
 
 const FMT_EXAMPLES: &str = "\
 Examples:

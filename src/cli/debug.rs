@@ -1,28 +1,28 @@
 use std::path::Path;
 
-use super::args::{DebugOptions, GivenOptions, Tree};
+use super::args::{DebugOptions, Tree};
 use super::{ExitCode, front};
 use crate::compile::{Catalog, Plan};
 use crate::diagnostic::{Severity, Sources};
 use crate::env::Scenario;
-use crate::lang::{self, outline};
+use crate::lang::{self, Defaults, outline};
 
 /// `falsify debug`
 pub fn debug(options: &DebugOptions) -> ExitCode {
     match options.tree {
-        Tree::Plan => match front::compile_files(std::slice::from_ref(&options.file), &GivenOptions::default()) {
+        Tree::Plan => match front::compile_files(std::slice::from_ref(&options.file), &options.given) {
             Ok((plan, _)) => {
                 front::say(show_plan(&plan).trim_end());
                 ExitCode::Done
             }
             Err(code) => code,
         },
-        tree => show_tree(tree, &options.file),
+        tree => show_tree(tree, &options.file, &options.given.set),
     }
 }
 
 /// Shows what the front end made of a file, as far as it came.
-fn show_tree(tree: Tree, file: &Path) -> ExitCode {
+fn show_tree(tree: Tree, file: &Path, settings: &[String]) -> ExitCode {
     let mut sources = Sources::default();
     let read = |path: &Path| std::fs::read_to_string(path);
     let mut loaded = match lang::load(&[file.to_path_buf()], &read, &mut sources) {
@@ -33,14 +33,17 @@ fn show_tree(tree: Tree, file: &Path) -> ExitCode {
         }
     };
     let mut said = std::mem::take(&mut loaded.diagnostics);
+    let (settings, wrong) = lang::settings(settings, &mut sources);
+    said.extend(wrong);
+    said.extend(lang::apply(&settings, &mut loaded));
     if let Tree::Ast = tree {
         let roots = loaded.files.iter().filter(|file| loaded.roots.contains(&file.source));
         roots.for_each(|root| front::say(outline(root).trim_end()));
     } else {
         let catalog = Catalog::builtin();
         // A matrix belongs to the files, not to the program that one of its combinations makes.
-        said.extend(lang::matrices(&mut loaded, &catalog.forms, &[]).1);
-        let (program, more) = lang::check(&loaded, &sources, &catalog.forms, &catalog.vocabulary);
+        said.extend(lang::matrices(&mut loaded, &catalog.forms, &settings).1);
+        let (program, more) = lang::check(&loaded, &sources, &catalog.forms, &mut Defaults::new(&catalog.vocabulary));
         said.extend(more);
         front::say(outline(&program).trim_end());
     }
@@ -51,15 +54,15 @@ fn show_tree(tree: Tree, file: &Path) -> ExitCode {
 fn show_plan(plan: &Plan) -> String {
     let mut text = String::new();
     for town in &plan.towns {
-        text.push_str(&format!("town {}: {} roads\n", town.name, town.town.roads.len()));
+        text.push_str(&format!("town {}: {}\n", town.name, front::count(town.town.roads.len(), "road")));
     }
     for campaign in &plan.campaigns {
         text.push_str(&format!("campaign {}\n", campaign.name));
         for training in &campaign.trainings {
             let key = &training.key;
-            let environments = training.environments;
+            let environments = front::count(training.environments, "environment");
             text.push_str(&format!(
-                "  training: {} in {} against {}, run {}, {environments} environments\n",
+                "  training: {} in {} against {}, run {}, {environments}\n",
                 key.reward, key.town, key.policy, key.run
             ));
             text.push_str(&show_scenario(&training.scenario));
@@ -68,7 +71,7 @@ fn show_plan(plan: &Plan) -> String {
         for evaluation in &campaign.evaluations {
             let key = &evaluation.trained;
             text.push_str(&format!(
-                "  evaluation: {} ({}, {}, {}, run {}) in {} against {} with {}, {} episodes\n",
+                "  evaluation: {} ({}, {}, {}, run {}) in {} against {} with {}, {}\n",
                 evaluation.pedestrian.name(),
                 key.reward,
                 key.town,
@@ -77,7 +80,7 @@ fn show_plan(plan: &Plan) -> String {
                 evaluation.town,
                 evaluation.policy,
                 evaluation.vehicle,
-                evaluation.episodes
+                front::count(evaluation.episodes as usize, "episode")
             ));
             text.push_str(&show_scenario(&evaluation.scenario));
         }

@@ -15,6 +15,10 @@ pub enum ExitCode {
     RunFailed = 5,
     /// A report cannot be written.
     WriteFailed = 6,
+    /// A limit of `--fail-if` was broken.
+    GateFailed = 7,
+    /// What was repeated came out differently.
+    Differs = 8,
     /// Cells are missing that are to be put together.
     Incomplete = 9,
     /// The user stopped it.

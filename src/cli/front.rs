@@ -14,7 +14,7 @@ use crate::compile::{Catalog, Compiled, Overrides, Plan, compile_with};
 use crate::diagnostic::{Colour, Diagnostic, Severity, Sources, render};
 use crate::lang::{Reader, library, reason};
 use crate::process::ProcessOpener;
-use crate::report::FileRecord;
+use crate::report::{Call, FileRecord};
 
 const ERROR: Style = AnsiColor::Red.on_default().bold();
 const WARNING: Style = AnsiColor::Yellow.on_default().bold();
@@ -81,6 +81,11 @@ impl Reader for Files {
     }
 }
 
+/// A number of things: `1 file`, `2 files`.
+pub fn count(number: usize, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
+}
+
 /// Draws diagnostics on the error stream, the first of them if there are many.
 pub fn show(diagnostics: &[Diagnostic], sources: &Sources) {
     for diagnostic in diagnostics.iter().take(SHOWN) {
@@ -102,18 +107,37 @@ pub struct Gathered {
     pub records: Vec<FileRecord>,
 }
 
+/// What the program was given, for whoever repeats it.
+pub fn call(files: &[PathBuf], given: &GivenOptions) -> Call {
+    let text = |path: &PathBuf| path.display().to_string();
+    Call {
+        folder: std::env::current_dir().map_or_else(|_| String::new(), |folder| text(&folder)),
+        scenarios: files.iter().map(text).collect(),
+        maps: given.map.iter().map(|(town, file)| format!("{town}={}", file.display())).collect(),
+        set: given.set.clone(),
+        allow_external: given.allow_external,
+    }
+}
+
 /// Reads, checks and compiles files, and says nothing about their contents.
 ///
 /// # Errors
 /// The exit code, after the reason has been printed.
 pub fn gather(files: &[PathBuf], given: &GivenOptions) -> Result<Gathered, ExitCode> {
+    gather_with(files, given, given.overrides())
+}
+
+/// Does as [`gather`], with replacements that need not be the user's alone.
+///
+/// # Errors
+/// As [`gather`].
+pub fn gather_with(files: &[PathBuf], given: &GivenOptions, overrides: Overrides) -> Result<Gathered, ExitCode> {
     let mut sources = Sources::default();
     let read = Files::default();
     let catalog = match given.allow_external {
         true => Catalog::builtin().with_opener(Arc::new(ProcessOpener::default())),
         false => Catalog::builtin(),
     };
-    let overrides = Overrides { maps: given.map.iter().cloned().collect(), settings: given.set.clone() };
     let compiled = match compile_with(files, &overrides, &catalog, &read, &mut sources) {
         Ok(compiled) => compiled,
         Err((path, error)) => {
@@ -133,21 +157,29 @@ pub fn gather(files: &[PathBuf], given: &GivenOptions) -> Result<Gathered, ExitC
 /// # Errors
 /// The exit code, after the reason has been printed.
 pub fn compile_files(files: &[PathBuf], given: &GivenOptions) -> Result<(Plan, Vec<FileRecord>), ExitCode> {
-    let Gathered { compiled, sources, records } = gather(files, given)?;
-    show(&compiled.diagnostics, &sources);
-    let errors = compiled.diagnostics.iter().filter(|each| each.severity == Severity::Error).count();
-    match compiled.plan {
-        Some(plan) => match given.map.iter().map(|(name, _)| name).find(|name| !plan.has_town(name)) {
-            None => Ok((plan, records)),
-            Some(name) => {
-                fail(&format!("--map names the town `{name}`, which nothing uses"));
-                Err(ExitCode::Usage)
-            }
-        },
-        None => {
-            let plural = if errors == 1 { "" } else { "s" };
-            fail(&format!("{errors} error{plural} found; nothing was run"));
-            Err(ExitCode::Scenario)
+    let gathered = gather(files, given)?;
+    tell(&gathered, given, "nothing was run")?;
+    Ok((gathered.compiled.plan.expect("no errors were told"), gathered.records))
+}
+
+/// Says what is wrong with files; `consequence` is what errors lead to.
+///
+/// # Errors
+/// There are errors, or a map is given for a town that nothing uses.
+pub fn tell(gathered: &Gathered, given: &GivenOptions, consequence: &str) -> Result<(), ExitCode> {
+    let Compiled { plan, diagnostics, .. } = &gathered.compiled;
+    show(diagnostics, &gathered.sources);
+    let Some(plan) = plan else {
+        let errors = diagnostics.iter().filter(|each| each.severity == Severity::Error).count();
+        let consequence = if consequence.is_empty() { String::new() } else { format!("; {consequence}") };
+        fail(&format!("{} found{consequence}", count(errors, "error")));
+        return Err(ExitCode::Scenario);
+    };
+    match given.map.iter().map(|(name, _)| name).find(|name| !plan.has_town(name)) {
+        None => Ok(()),
+        Some(name) => {
+            fail(&format!("--map names the town `{name}`, which nothing uses"));
+            Err(ExitCode::Usage)
         }
     }
 }

@@ -2,6 +2,7 @@ use std::path::Path;
 
 use super::args::{GivenOptions, MapOptions};
 use super::{ExitCode, front};
+use crate::compile::Overrides;
 use crate::lang::reason;
 use crate::report;
 use crate::road::{LaneKind, Town, opendrive};
@@ -12,8 +13,13 @@ pub fn map(options: &MapOptions) -> ExitCode {
     let towns = if is_scenario {
         // Drawing starts no program.
         let given = GivenOptions { allow_external: true, ..GivenOptions::default() };
-        match front::compile_files(std::slice::from_ref(&options.file), &given) {
-            Ok((plan, _)) => plan.towns.into_iter().map(|named| named.town).collect(),
+        let overrides = Overrides { imported_towns: true, ..Overrides::default() };
+        let gathered = match front::gather_with(std::slice::from_ref(&options.file), &given, overrides) {
+            Ok(gathered) => gathered,
+            Err(code) => return code,
+        };
+        match front::tell(&gathered, &given, "nothing was drawn") {
+            Ok(()) => gathered.compiled.plan.into_iter().flat_map(|plan| plan.towns).map(|named| named.town).collect(),
             Err(code) => return code,
         }
     } else {
@@ -61,7 +67,8 @@ fn describe(town: &Town) {
     let inside = town.roads.iter().filter(|road| road.junction.is_some()).count();
     front::say(&format!("town {}", town.name));
     front::say(&format!("  extent          {:.0} m × {:.0} m", high.x - low.x, high.y - low.y));
-    front::say(&format!("  roads           {} ({inside} inside {} junctions)", town.roads.len(), town.junctions.len()));
+    let junctions = front::count(town.junctions.len(), "junction");
+    front::say(&format!("  roads           {} ({inside} inside {junctions})", town.roads.len()));
     front::say(&format!("  driving lanes   {:.2} km", kilometres(LaneKind::Driving)));
     front::say(&format!("  sidewalks       {:.2} km", kilometres(LaneKind::Sidewalk)));
     front::say(&format!("  traffic lights  {}", town.traffic_lights.len()));

@@ -1,6 +1,7 @@
 //! The command line: arguments, commands, progress, exit codes.
 
 mod args;
+mod repeat_args;
 mod exit_code;
 mod front;
 mod interrupt;
@@ -12,7 +13,14 @@ mod shard;
 mod merge;
 mod status;
 mod list;
+mod cells;
+mod gate;
+mod repeat;
+mod replay;
+mod render;
+mod verify;
 mod check;
+mod beginnings;
 mod fmt;
 mod explain;
 mod new;
@@ -46,7 +54,7 @@ fn run_command() -> ExitCode {
     };
     arguments.color.apply();
     let mut settings = None;
-    if matches.subcommand_name().is_some_and(settings::concern) {
+    if matches.subcommand_name().is_some_and(|name| settings::concern(&command(), name)) {
         let found = std::env::current_dir().map_or(Ok(None), |folder| settings::find(&folder, &command()));
         settings = match found {
             Ok(settings) => settings,
@@ -67,6 +75,10 @@ fn run_command() -> ExitCode {
         args::Command::Run(options) => run::run(&options),
         args::Command::Status(options) => status::status(&options),
         args::Command::Merge(options) => merge::merge(&options),
+        args::Command::Replay(options) => replay::replay(&options),
+        args::Command::Render(options) => render::render(&options),
+        args::Command::Verify(options) => verify::verify(&options),
+        args::Command::Cells(options) => cells::cells(&options),
         args::Command::Check(options) => check::check(&options),
         args::Command::Explain(options) => explain::explain(&options),
         args::Command::New(options) => new::new(&options),

@@ -2,12 +2,14 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use super::args::{Output, RunOptions, TableFormat};
+use super::gate::Gates;
 use super::progress::{Event, Progress};
+use super::repeat_args::TickChoice;
 use super::{ExitCode, front, interrupt, list, shard};
 use crate::campaign::{self, Cell, Finished};
 use crate::compile::Campaign;
 use crate::report::{
-    self, Episodes, FileRecord, Formats, Gathered, Manifest, Metrics, ReportFolder, TrainingRecord, WriteError,
+    self, Episodes, FileRecord, Formats, Gathered, Manifest, Metrics, ReportFolder, TrainingRecord, Wanted, WriteError,
 };
 use crate::seed::Seed;
 use crate::store::{CODE, Ids, Index, Kept, Limits, Note, Store, StoreError, vector_instructions};
@@ -45,6 +47,10 @@ pub fn pool(threads: u16) -> Result<rayon::ThreadPool, ExitCode> {
 }
 
 fn run_or_report(options: &RunOptions, work: Work) -> ExitCode {
+    let gates = match Gates::new(&options.gate) {
+        Ok(gates) => gates,
+        Err(code) => return code,
+    };
     let (mut plan, files) = match front::compile_files(&options.files, &options.given) {
         Ok(compiled) => compiled,
         Err(code) => return code,
@@ -89,7 +95,7 @@ fn run_or_report(options: &RunOptions, work: Work) -> ExitCode {
     for campaign in &plan.campaigns {
         let carry_out = || match shard {
             Some(shard) => shard::carry_out(campaign, options, shard, &store),
-            None => carry_out(campaign, options, &files, &store, work),
+            None => carry_out(campaign, options, &files, &store, &gates, work),
         };
         match pool.install(carry_out) {
             Ok(ExitCode::Done) => {}
@@ -100,8 +106,13 @@ fn run_or_report(options: &RunOptions, work: Work) -> ExitCode {
             }
         }
         if interrupt::asked() {
-            return ExitCode::Interrupted;
+            worst = ExitCode::Interrupted;
+            break;
         }
+    }
+    if let Err(message) = gates.write() {
+        front::fail(&message);
+        return ExitCode::WriteFailed;
     }
     worst
 }
@@ -117,6 +128,7 @@ fn carry_out(
     options: &RunOptions,
     files: &[FileRecord],
     store: &Store,
+    gates: &Gates<'_>,
     work: Work,
 ) -> Result<ExitCode, String> {
     let (name, seed) = (name(campaign, options), options.seed);
@@ -147,7 +159,6 @@ fn carry_out(
         return Err(kept(&error, &options.out));
     }
     index.write(store, &name, campaign, seed).map_err(failed)?;
-    interrupt::hold(true);
     let written = |error: WriteError| kept(&error.to_string(), &options.out);
     let gathered = report::gather(&folder, campaign, &Episodes::new(campaign, &keeper)).map_err(written)?;
     if gathered.episodes == 0
@@ -161,22 +172,32 @@ fn carry_out(
     let times = (keeper.training_seconds(), began.elapsed().as_secs_f64());
     let manifest = manifest(campaign, options, files, &finished, &gathered, times);
     report::write(&folder, campaign, &finished, &gathered, &manifest).map_err(written)?;
+    if options.ticks != TickChoice::None {
+        let all = options.ticks == TickChoice::All;
+        let wanted = Wanted::of(&Episodes::new(campaign, &keeper), &finished, all).map_err(written)?;
+        report::write_ticks(&folder, &Seed::root(seed), &wanted).map_err(written)?;
+    }
+    interrupt::hold(true);
     let place = {
         let _door = store.door();
-        folder.finish(manifest.complete).map_err(written)?
+        folder.finish(manifest.complete).map_err(written)
     };
     interrupt::hold(false);
+    let place = place?;
+    let metrics = cells(campaign, &finished, &gathered, options.format).map_err(|error| error.to_string())?;
     match options.format {
+        Output::Human => front::say(&place.join("summary.md").display().to_string()),
         Output::Json => Event::ReportWritten { campaign: &name, folder: &place, complete: manifest.complete }.tell(),
-        Output::Human => {
-            print_cells(campaign, &finished, &gathered).map_err(|error| error.to_string())?;
-            front::say(&place.join("summary.md").display().to_string());
-        }
     }
+    let passed = gates.judge(&manifest, &metrics);
     let failed = finished.trainings.iter().any(|training| training.result.is_err())
         || finished.searches.iter().any(|search| search.error.is_some());
     let whole = manifest.complete || finished.interrupted;
-    Ok(if failed || !whole || manifest.errors > 0 { ExitCode::RunFailed } else { ExitCode::Done })
+    Ok(match (failed || !whole || manifest.errors > 0, passed) {
+        (true, _) => ExitCode::RunFailed,
+        (false, false) => ExitCode::GateFailed,
+        (false, true) => ExitCode::Done,
+    })
 }
 
 /// What tables are written as.
@@ -254,6 +275,7 @@ fn manifest(
         code: CODE.into(),
         campaign: campaign.name.clone(),
         seed: options.seed,
+        call: front::call(&options.files, &options.given),
         settings: campaign.settings.clone(),
         smoke: options.smoke,
         complete: trained == campaign.trainings.len()
@@ -275,13 +297,21 @@ fn manifest(
     }
 }
 
-/// Prints the cells, narrow enough for a terminal.
-fn print_cells(campaign: &Campaign, finished: &Finished, gathered: &Gathered) -> Result<(), WriteError> {
+/// Works the cells out, and prints them for people, narrow enough for a terminal.
+fn cells(
+    campaign: &Campaign,
+    finished: &Finished,
+    gathered: &Gathered,
+    format: Output,
+) -> Result<Metrics, WriteError> {
     let failed = |source| WriteError::Table { name: "cells".into(), source };
-    let cells = Metrics::of_runs(gathered.runs.clone()).and_then(|metrics| metrics.cells()).map_err(failed)?;
-    front::say(report::table(&campaign.name, &cells).trim_end());
-    if !finished.searches.is_empty() {
-        front::say(report::search_table(&report::search_cells(&finished.searches)).trim_end());
+    let metrics = Metrics::of_runs(gathered.runs.clone()).map_err(failed)?;
+    if format == Output::Human {
+        let cells = metrics.cells().map_err(failed)?;
+        front::say(report::table(&campaign.name, &cells).trim_end());
+        if !finished.searches.is_empty() {
+            front::say(report::search_table(&report::search_cells(&finished.searches)).trim_end());
+        }
     }
-    Ok(())
+    Ok(metrics)
 }

@@ -22,9 +22,6 @@ pub const FILE: &str = "falsify.toml";
 pub const KEYS: [&str; 9] =
     ["out", "seed", "threads", "formats", "format", "progress", "checkpoint", "cell_time", "max_ticks"];
 
-/// The commands that ask for the settings.
-const COMMANDS: [&str; 4] = ["run", "merge", "status", "config"];
-
 /// What a file sets.
 #[derive(Debug)]
 pub struct Settings {
@@ -34,9 +31,21 @@ pub struct Settings {
     pub values: BTreeMap<&'static str, (Vec<String>, usize)>,
 }
 
-/// Whether a command asks for the settings.
-pub fn concern(command: &str) -> bool {
-    COMMANDS.contains(&command)
+/// Whether a command asks for settings.
+pub fn concern(command: &Command, name: &str) -> bool {
+    let options: Vec<Arg> = KEYS.into_iter().map(|key| option(command, key)).collect();
+    let asked = command.find_subcommand(name).into_iter().flat_map(Command::get_arguments);
+    asked.into_iter().any(|arg| options.iter().any(|option| means(arg, option)))
+}
+
+/// Whether an option of some command is the one that a setting stands for: it listens to the same variable, or has its name where
+/// there is none.
+fn means(arg: &Arg, option: &Arg) -> bool {
+    match (arg.get_env(), option.get_env()) {
+        (Some(one), Some(other)) => one == other,
+        (None, None) => arg.get_id() == option.get_id(),
+        _ => false,
+    }
 }
 
 /// The option of `falsify run` that a setting stands for.
@@ -66,17 +75,21 @@ pub fn find(folder: &Path, command: &Command) -> Result<Option<Settings>, ExitCo
 }
 
 /// Makes the settings the defaults of the options that they stand for.
-pub fn apply(command: Command, settings: &Settings) -> Command {
-    COMMANDS.iter().fold(command, |command, name| {
-        command.mut_subcommand(name, |mut subcommand| {
-            for (key, (values, _)) in &settings.values {
-                if subcommand.get_arguments().any(|arg| arg.get_id() == *key) {
-                    subcommand = subcommand.mut_arg(key, |arg| arg.default_values(values));
+pub fn apply(mut command: Command, settings: &Settings) -> Command {
+    let names: Vec<String> = command.get_subcommands().map(|each| each.get_name().to_string()).collect();
+    for (key, (values, _)) in &settings.values {
+        let option = option(&command, key);
+        for name in &names {
+            command = command.mut_subcommand(name, |subcommand| {
+                let meant = subcommand.get_arguments().find(|arg| means(arg, &option)).map(|arg| arg.get_id().clone());
+                match meant {
+                    Some(id) => subcommand.mut_arg(id, |arg| arg.default_values(values)),
+                    None => subcommand,
                 }
-            }
-            subcommand
-        })
-    })
+            });
+        }
+    }
+    command
 }
 
 fn read(path: &Path, text: &str, source: SourceId, command: &Command) -> Result<Settings, Vec<Diagnostic>> {

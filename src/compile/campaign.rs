@@ -81,6 +81,7 @@ pub fn form() -> Form {
         Param::required("spawn", name("spawn"), "Where episodes begin."),
         Param::required("episode", name("episode"), "How long they last."),
         Param::required("training", name("training"), "How pedestrians are trained."),
+        Param::optional("beside", names("published"), "Published figures to stand beside those of this campaign."),
     ];
     Form {
         name: "campaign",

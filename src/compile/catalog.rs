@@ -3,7 +3,9 @@ use std::sync::Arc;
 use super::falsifier::FalsifierKind;
 use super::outside::{self, OutsideKind};
 use super::policy::PolicyKind;
-use super::{adversary, campaign, episode, falsifier, policy, reward, sensors, spawn, town, training, vehicle};
+use super::{
+    adversary, campaign, episode, falsifier, policy, published, reward, sensors, spawn, town, training, vehicle,
+};
 use crate::av::external::Opener;
 use crate::signature::{Form, Vocabulary};
 
@@ -34,6 +36,7 @@ impl Catalog {
             episode::form(),
             training::form(),
             falsifier::form(&falsifiers),
+            published::form(),
             campaign::form(),
         ];
         Self { forms, vocabulary: crate::env::vocabulary(), policies, outside, opener: None, falsifiers }

@@ -3,12 +3,13 @@ use std::fmt::Write;
 use super::Catalog;
 use crate::lang::mistakes::{Mistake, mistakes};
 use crate::lang::nearest;
-use crate::signature::{Param, Signature};
+use crate::lang::words::{WORDS, Word};
+use crate::signature::{Event, Param, Signature, Variable};
 use crate::units::UNIT_NAMES;
 
 impl Catalog {
-    /// Explains a diagnostic code, a form, a kind (`policy idm`), a block or key of either (`policy idm margin`), or one of
-    /// `events`, `variables`, `units`.
+    /// Explains a diagnostic code, a form, a kind (`policy idm`), a block or key of either (`policy idm margin`), a word of the
+    /// language (`matrix`), an event, a variable, or all `events`, `variables`, `units`.
     ///
     /// # Errors
     /// What is not known, with the nearest that is.
@@ -27,6 +28,9 @@ impl Catalog {
                 _ => {}
             }
         }
+        if let Some(page) = self.word(&words) {
+            return Ok(page);
+        }
         if let Some(form) = self.forms.iter().find(|form| form.name == *first) {
             if rest.is_empty() {
                 return Ok(self.form(form.name));
@@ -44,7 +48,25 @@ impl Catalog {
             }
             return Err(unknown(&format!("{first} {}", rest.join(" ")), &self.words_of(form.name), first));
         }
-        // A kind or a key may be named alone.
+        let found = self.named(&words);
+        if !found.is_empty() {
+            return Ok(found.join("\n"));
+        }
+        let mut known: Vec<&str> = mistakes.iter().map(|mistake| mistake.code).collect();
+        known.extend(["events", "variables", "units"]);
+        known.extend(WORDS.iter().map(|word| word.name));
+        known.extend(self.vocabulary.events.iter().map(|event| event.name));
+        known.extend(self.vocabulary.variables.iter().map(|variable| variable.name));
+        let all: Vec<String> = self.forms.iter().flat_map(|form| self.words_of(form.name)).collect();
+        known.extend(self.forms.iter().map(|form| form.name));
+        known.extend(all.iter().map(String::as_str));
+        let known: Vec<String> = known.into_iter().map(str::to_string).collect();
+        Err(unknown(&words.join(" "), &known, ""))
+    }
+
+    /// Kinds and keys of that name, which may be named without their form.
+    fn named(&self, words: &[&str]) -> Vec<String> {
+        let Some((first, rest)) = words.split_first() else { return Vec::new() };
         let mut found = Vec::new();
         for form in &self.forms {
             for signature in form.kinds.iter().chain(&form.plain) {
@@ -52,20 +74,11 @@ impl Catalog {
                     true => format!("{} name {{ … }}", form.name),
                     false => format!("{} name = {}(…)", form.name, signature.name),
                 };
-                let inner = if signature.name == *first { rest } else { &words[..] };
+                let inner = if signature.name == *first { rest } else { words };
                 found.extend(inside(&head, signature, inner).filter(|_| signature.name == *first || !inner.is_empty()));
             }
         }
-        if !found.is_empty() {
-            return Ok(found.join("\n"));
-        }
-        let mut known: Vec<&str> = mistakes.iter().map(|mistake| mistake.code).collect();
-        known.extend(["events", "variables", "units"]);
-        let all: Vec<String> = self.forms.iter().flat_map(|form| self.words_of(form.name)).collect();
-        known.extend(self.forms.iter().map(|form| form.name));
-        known.extend(all.iter().map(String::as_str));
-        let known: Vec<String> = known.into_iter().map(str::to_string).collect();
-        Err(unknown(&words.join(" "), &known, ""))
+        found
     }
 
     /// All that can be explained.
@@ -75,6 +88,8 @@ impl Catalog {
             let kinds: Vec<&str> = form.kinds.iter().map(|kind| kind.name).collect();
             let _ = writeln!(page, "  {:10}  {}", form.name, kinds.join(", "));
         }
+        let words: Vec<&str> = WORDS.iter().map(|word| word.name).collect();
+        let _ = writeln!(page, "\nWords; `falsify explain WORD`:\n\n  {}", words.join(", "));
         page.push_str("\n  events      what rewards answer to\n  variables   what formulas can name\n");
         page.push_str("  units       what quantities are written in\n\n");
         page.push_str("Diagnostics; `falsify explain CODE`:\n\n");
@@ -115,25 +130,55 @@ impl Catalog {
         words
     }
 
-    fn events(&self) -> String {
-        let mut page = String::from("Events: `on event => formula` inside a reward.\n");
-        for event in &self.vocabulary.events {
-            let _ = writeln!(page, "\non {}\n    {}", event.name, event.doc);
-            if !event.words.is_empty() {
-                let _ = writeln!(page, "    words: {}", event.words.join(", "));
-            }
-            let _ = writeln!(page, "    variables: {}", event.variables.join(", "));
+    /// A word of the language, an event (`hit`, `on hit`) or a variable; several of these if they share the name.
+    fn word(&self, words: &[&str]) -> Option<String> {
+        let name = match words {
+            ["on", name] | [name] => *name,
+            _ => return None,
+        };
+        let mut pages: Vec<String> = Vec::new();
+        pages.extend(WORDS.iter().filter(|word| word.name == name).map(explain_word));
+        pages.extend(self.vocabulary.events.iter().filter(|each| each.name == name).map(event));
+        let variables = self.vocabulary.variables.iter().filter(|each| each.name == name);
+        pages.extend(variables.map(variable));
+        // A form or key may have the name of an event or variable.
+        if !pages.is_empty() && words.len() == 1 {
+            pages.extend(self.named(words));
         }
-        page
+        (!pages.is_empty()).then(|| pages.join("\n"))
+    }
+
+    fn events(&self) -> String {
+        let all = self.vocabulary.events.iter().map(|each| format!("\n{}", event(each)));
+        std::iter::once("Events: `on event => formula` inside a reward.\n".to_string()).chain(all).collect()
     }
 
     fn variables(&self) -> String {
         let mut page = String::from("Variables: what formulas can name.\n\n");
-        for variable in &self.vocabulary.variables {
-            let _ = writeln!(page, "{} ({})\n    {}", variable.name, variable.dimension, variable.doc);
-        }
+        self.vocabulary.variables.iter().for_each(|each| page.push_str(&variable(each)));
         page
     }
+}
+
+fn event(event: &Event) -> String {
+    let mut page = format!("on {}\n    {}\n", event.name, event.doc);
+    if !event.words.is_empty() {
+        let _ = writeln!(page, "    words: {}", event.words.join(", "));
+    }
+    let _ = writeln!(page, "    variables: {}", event.variables.join(", "));
+    page
+}
+
+fn variable(variable: &Variable) -> String {
+    format!("{} ({})\n    {}\n", variable.name, variable.dimension, variable.doc)
+}
+
+fn explain_word(word: &Word) -> String {
+    format!("{}\n\n{}\n\n{}", word.name, word.text, indented(word.example))
+}
+
+fn indented(text: &str) -> String {
+    text.lines().map(|line| format!("    {line}\n")).collect()
 }
 
 fn units() -> String {
@@ -205,7 +250,6 @@ fn first_sentence(text: &str) -> &str {
 }
 
 fn explain_mistake(mistake: &Mistake) -> String {
-    let indented = |text: &str| text.lines().map(|line| format!("    {line}\n")).collect::<String>();
     let Mistake { code, text, bad, good } = mistake;
     format!("{code}\n\n{text}\n\nNot so:\n\n{}\nBut so:\n\n{}", indented(bad), indented(good))
 }

@@ -4,8 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::lower::{BuiltTown, Lowering};
-use super::plan::{Campaign, Driver, Evaluation, NamedTown, Pedestrian, Search, SearchKey, Training, TrainingKey};
-use super::{adversary, episode, falsifier, policy, reward, training, vehicle};
+use super::plan::{
+    Campaign, Driver, Evaluation, NamedTown, Pedestrian, Published, Search, SearchKey, Training, TrainingKey,
+};
+use super::{RunId, adversary, episode, falsifier, policy, published, reward, training, vehicle};
 use crate::env::{Adversary, EpisodeRule, PolicyMaker, RewardRule, Scenario, SpawnRule};
 use crate::falsifier::Falsifier;
 use crate::lang::codes;
@@ -121,6 +123,7 @@ impl Lowering<'_> {
             trainings: Vec::new(),
             evaluations: Vec::new(),
             searches: Vec::new(),
+            published: self.published(block),
         };
         let mut rewards = BTreeMap::new();
         for train in block.nested("train") {
@@ -212,6 +215,7 @@ impl Lowering<'_> {
             let scenarios: BTreeMap<&String, _> =
                 rewards.iter().map(|(name, reward)| (name, scenario(reward))).collect();
             campaign.evaluations.extend(who.iter().map(|(pedestrian, trained)| Evaluation {
+                id: RunId::default(),
                 pedestrian: *pedestrian,
                 trained: trained.clone(),
                 town: place.town.name.clone(),
@@ -241,6 +245,7 @@ impl Lowering<'_> {
             let recipe = self.recipe(&[ground.as_slice(), &rival.declarations].concat());
             campaign.searches.extend((0..runs).map(|run| Search {
                 key: SearchKey {
+                    id: RunId::default(),
                     falsifier: rival.name.clone(),
                     method: rival.method,
                     reward: rival.reward.0.clone(),
@@ -353,6 +358,12 @@ impl Lowering<'_> {
         let mut seen = BTreeSet::new();
         let all = blocks.flat_map(|block| block.arguments.references("policies"));
         all.filter(|id| seen.insert(*id)).map(|id| policy::describe(self.program.get(id), self)).collect()
+    }
+
+    fn published(&mut self, campaign: &Block) -> Vec<Published> {
+        let arguments = &campaign.arguments;
+        let named = if arguments.has("beside") { arguments.references("beside") } else { Vec::new() };
+        named.into_iter().map(|id| published::lower(self.program.get(id), self.program, self.said)).collect()
     }
 
     fn rewards(&self, block: &Block) -> Vec<Axis<RewardRule>> {

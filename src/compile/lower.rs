@@ -11,7 +11,7 @@ use crate::diagnostic::{Diagnostic, Severity, Sources};
 use crate::env::{PolicyMaker, SpawnRule};
 use crate::geometry::Obstacles;
 use crate::lang::hir::{Block, Declaration, Program};
-use crate::lang::{self, Matrix, Reader, codes};
+use crate::lang::{self, Defaults, Matrix, Reader, codes};
 use crate::road::Town;
 use crate::signature::{Arguments, DeclarationId, Value};
 
@@ -20,6 +20,9 @@ use crate::signature::{Arguments, DeclarationId, Value};
 pub struct Compiled {
     /// What is to be run; none when a diagnostic is an error.
     pub plan: Option<Plan>,
+    /// What would be run if only somebody could be placed where nobody can: good for drawing beginnings, not for running. None
+    /// when there is a plan, and when anything else is wrong.
+    pub unplaced: Option<Plan>,
     /// Everything that is to be said.
     pub diagnostics: Vec<Diagnostic>,
 }
@@ -31,6 +34,8 @@ pub struct Overrides {
     pub maps: BTreeMap<String, PathBuf>,
     /// Values for parameters and keys: `name=value`.
     pub settings: Vec<String>,
+    /// Whether imported towns are among the plan's, too, as far as they can be built.
+    pub imported_towns: bool,
 }
 
 /// Reads, checks and lowers files with all that they import.
@@ -68,7 +73,7 @@ pub fn compile_with(
     let is_error = |each: &Diagnostic| each.severity == Severity::Error;
     if diagnostics.iter().any(is_error) {
         lang::once(&mut diagnostics);
-        return Ok(Compiled { plan: None, diagnostics });
+        return Ok(Compiled { plan: None, unplaced: None, diagnostics });
     }
     let mut shared = Shared::default();
     let read = &Noting::new(read);
@@ -78,6 +83,9 @@ pub fn compile_with(
         let mut lowering =
             Lowering { program, catalog, sources, read, maps, said: &mut diagnostics, shared: &mut shared, digests };
         lowering.variant(variant, &mut plan);
+        if overrides.imported_towns && variant.multiplied.is_none() {
+            lowering.imported_towns(&mut plan);
+        }
     }
     let outside: Vec<String> = settings.iter().map(|each| each.text(sources)).collect();
     plan.campaigns.iter_mut().for_each(|campaign| drop(campaign.settings.splice(0..0, outside.iter().cloned())));
@@ -86,8 +94,13 @@ pub fn compile_with(
     warn_of_unused(base, &shared.used, &mut diagnostics);
     // One mistake may show in many cells.
     lang::once(&mut diagnostics);
-    let plan = (!diagnostics.iter().any(is_error)).then_some(plan);
-    Ok(Compiled { plan, diagnostics })
+    let errors: Vec<&Diagnostic> = diagnostics.iter().filter(|each| is_error(each)).collect();
+    let (plan, unplaced) = match errors.as_slice() {
+        [] => (Some(plan), None),
+        errors if errors.iter().all(|each| codes::is_unplaceable(each)) => (None, Some(plan)),
+        _ => (None, None),
+    };
+    Ok(Compiled { plan, unplaced, diagnostics })
 }
 
 /// The files checked with one combination of settings, and the campaigns that are run that way.
@@ -108,8 +121,9 @@ fn variants(
     sources: &Sources,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Vec<Variant> {
+    let mut defaults = Defaults::new(&catalog.vocabulary);
     let mut check = |loaded: &lang::Loaded| {
-        let (program, said) = lang::check(loaded, sources, &catalog.forms, &catalog.vocabulary);
+        let (program, said) = lang::check(loaded, sources, &catalog.forms, &mut defaults);
         diagnostics.extend(said);
         program
     };
@@ -185,11 +199,24 @@ impl Lowering<'_> {
             if chosen {
                 let mut campaign = self.campaign(declaration);
                 campaign.name = named(&campaign.name, &variant.settings);
+                campaign.name_runs();
                 campaign.docs.extend(variant.settings.iter().map(|setting| format!("With {setting}.")));
                 campaign.settings.clone_from(&variant.settings);
                 campaign.words = self.note_used(declaration.id);
                 plan.campaigns.push(campaign);
             }
+        }
+    }
+
+    /// Adds the towns that files import. One that cannot be built is left out: nothing wants it.
+    fn imported_towns(&mut self, plan: &mut Plan) {
+        let program = self.program;
+        let imported = |each: &&Declaration| each.form == "town" && !program.roots.contains(&each.source);
+        let mut unsaid = Vec::new();
+        for declaration in program.declarations.iter().filter(imported) {
+            let map = self.maps.get(&declaration.name).map(PathBuf::as_path);
+            let built = town::lower(declaration, map, self.sources, self.read, &mut unsaid);
+            plan.towns.extend(built.map(|town| NamedTown { name: declaration.name.clone(), town: Arc::new(town) }));
         }
     }
 

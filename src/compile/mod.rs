@@ -20,15 +20,19 @@ mod reward;
 mod episode;
 mod training;
 mod falsifier;
+mod published;
 mod campaign;
 mod plan;
 mod recipe;
+mod run_id;
 mod lower;
 mod grid;
 
 pub use catalog::Catalog;
 pub use lower::{Compiled, Overrides, compile, compile_with};
 pub use plan::{
-    Campaign, Documented, Driver, Evaluation, NamedTown, Pedestrian, Plan, Search, SearchKey, Training, TrainingKey,
+    Campaign, Documented, Driver, Evaluation, NamedTown, Pedestrian, Plan, Published, PublishedCell, PublishedFigure,
+    Search, SearchKey, Training, TrainingKey,
 };
 pub use recipe::Recipe;
+pub use run_id::RunId;

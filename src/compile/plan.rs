@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use super::Recipe;
+use super::{Recipe, RunId};
 use crate::env::Scenario;
 use crate::falsifier::Falsifier;
 use crate::rl::PpoConfig;
@@ -28,8 +28,9 @@ impl Campaign {
     pub fn beginnings(&self) -> Vec<(&str, &Arc<Scenario>)> {
         let trained = self.trainings.iter().map(|training| (training.key.town.as_str(), &training.scenario));
         let tried = self.evaluations.iter().map(|evaluation| (evaluation.town.as_str(), &evaluation.scenario));
+        let searched = self.searches.iter().map(|search| (search.key.town.as_str(), &search.scenario));
         let mut all: Vec<(&str, &Arc<Scenario>)> = Vec::new();
-        for (town, scenario) in trained.chain(tried) {
+        for (town, scenario) in trained.chain(tried).chain(searched) {
             if all.iter().all(|(other, known)| *other != town || known.spawn != scenario.spawn) {
                 all.push((town, scenario));
             }
@@ -59,6 +60,43 @@ pub struct Campaign {
     pub evaluations: Vec<Evaluation>,
     /// The searches, in order of block, town, policy, falsifier, run.
     pub searches: Vec<Search>,
+    /// What others have published, to stand beside its figures.
+    pub published: Vec<Published>,
+}
+
+/// A published table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Published {
+    /// Where it is from.
+    pub source: String,
+    /// How many trainings its figures are averaged over.
+    pub runs: u32,
+    /// Its cells.
+    pub cells: Vec<PublishedCell>,
+}
+
+/// A cell of a published table: it stands beside every cell of ours with one of these rewards, towns and policies.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PublishedCell {
+    /// Names of rewards.
+    pub rewards: Vec<String>,
+    /// Names of towns.
+    pub towns: Vec<String>,
+    /// Names of driving policies.
+    pub policies: Vec<String>,
+    /// Its figures.
+    pub figures: Vec<PublishedFigure>,
+}
+
+/// A published figure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PublishedFigure {
+    /// Our column for it, without `_mean`.
+    pub column: &'static str,
+    /// The mean over the published runs.
+    pub mean: f64,
+    /// Their sample standard deviation, if it is given.
+    pub sd: Option<f64>,
 }
 
 /// A declaration that a campaign uses, with its documentation.
@@ -153,6 +191,8 @@ impl Pedestrian {
 /// One pedestrian tried in one town against one policy.
 #[derive(Debug, Clone)]
 pub struct Evaluation {
+    /// Its short name.
+    pub id: RunId,
     /// Who is tried.
     pub pedestrian: Pedestrian,
     /// What it was trained in; for the untrained ones, whose reward and run these rows are compared with.
@@ -178,6 +218,8 @@ pub struct Evaluation {
 /// What distinguishes a search from the others of its campaign.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct SearchKey {
+    /// Its short name.
+    pub id: RunId,
     /// Name of the falsifier.
     pub falsifier: String,
     /// Its kind.

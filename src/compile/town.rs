@@ -19,6 +19,10 @@ const SIGN_HALF_SIZE: f64 = 1.4;
 const MOST_TREES: f64 = 20_000.0;
 /// Step with which the ground under an obstacle is searched for lanes (m).
 const UNDER_STEP: f64 = 1.0;
+/// Most steps along one side of an obstacle.
+const MOST_STEPS: f64 = 1e9;
+/// What is allowed for the difference between a lane and the straight pieces that it is looked for by (m).
+const UNDER_SLACK: f64 = 5.0;
 
 /// The form `town`.
 pub fn form() -> Form {
@@ -314,22 +318,31 @@ fn standing(block: &Block, said: &mut Vec<Diagnostic>) -> Vec<(Span, OrientedBox
     all
 }
 
-/// The road on one of whose driving lanes a box stands.
+/// The road on one of whose driving lanes a box stands: places less than a metre apart are asked, beginning with whole parts of
+/// the box that lie far from all lanes.
 fn road_under(town: &Town, own: &OrientedBox) -> Option<u32> {
-    let steps = |half: f64| (2.0 * half / UNDER_STEP).ceil().max(1.0) as u32;
-    let (along, across) = (steps(own.half.x), steps(own.half.y));
-    let places = (0..=along).flat_map(|i| (0..=across).map(move |j| (f64::from(i), f64::from(j))));
-    places
-        .map(|(i, j)| {
-            let share = Vector::new(2.0 * i / f64::from(along) - 1.0, 2.0 * j / f64::from(across) - 1.0);
-            own.pose.to_world(own.half.component_mul(&share))
-        })
-        .find_map(|place| {
-            let lane = town.nearest_lane(place, LaneFilter::Driving)?;
-            let beside = town.pose(lane).to_local(place);
-            let inside = beside.y.abs() < town.lane_width(lane) / 2.0 && beside.x.abs() < UNDER_STEP;
-            inside.then(|| town.roads[lane.road.0 as usize].id)
-        })
+    let steps = (own.half * 2.0 / UNDER_STEP).map(|steps| steps.ceil().clamp(1.0, MOST_STEPS));
+    let far = town.widest_driving_lane() / 2.0 + UNDER_SLACK;
+    let mut open = vec![(Vector::zeros(), steps)];
+    while let Some((first, last)) = open.pop() {
+        let place =
+            |step: Vector| own.pose.to_world(own.half.component_mul(&(step * 2.0).component_div(&steps)) - own.half);
+        let middle = place((first + last) / 2.0);
+        let lane = town.nearest_lane(middle, LaneFilter::Driving)?;
+        let beside = town.pose(lane).to_local(middle);
+        if first == last {
+            if beside.y.abs() < town.lane_width(lane) / 2.0 && beside.x.abs() < UNDER_STEP {
+                return Some(town.roads[lane.road.0 as usize].id);
+            }
+        } else if beside.norm() <= far + (place(last) - middle).norm() && beside.norm().is_finite() {
+            let (side, extent) = (last - first).argmax();
+            let (mut end, mut begin) = (last, first);
+            end[side] = first[side] + (extent / 2.0).floor();
+            begin[side] = end[side] + 1.0;
+            open.extend([(begin, last), (first, end)]);
+        }
+    }
+    None
 }
 
 fn pose(value: &Value) -> Pose {

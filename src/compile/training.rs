@@ -191,7 +191,8 @@ mod tests {
         let read = |_: &std::path::Path| Ok(format!("edition 1 training it = {text}"));
         let loaded = lang::load(&["t.scn".into()], &read, &mut sources).unwrap();
         let catalog = Catalog::builtin();
-        let (program, said) = lang::check(&loaded, &sources, &catalog.forms, &catalog.vocabulary);
+        let (program, said) =
+            lang::check(&loaded, &sources, &catalog.forms, &mut lang::Defaults::new(&catalog.vocabulary));
         assert_eq!(said, []);
         lower(&program.declarations[0].block.arguments)
     }

@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use super::Spawn;
+use super::{Spawn, Trail};
 use crate::av::{DrivingMode, Fault};
 
 /// Why an episode ended.
@@ -46,6 +46,8 @@ pub struct Outcome {
     pub last_mode: DrivingMode,
     /// A digest of every state of the episode: equal digests mean equal episodes.
     pub digest: u64,
+    /// Marks of the digest on the way, which tell where two episodes part.
+    pub trail: Trail,
 }
 
 impl Outcome {

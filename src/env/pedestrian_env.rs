@@ -1,12 +1,12 @@
 use std::sync::Arc;
 
 use super::running::RunningEpisode;
-use super::{Ending, Observation, Outcome, RewardRule, Scenario, Situation, Spawn, SpawnRule};
+use super::{Ending, Observation, Outcome, RewardRule, Scenario, Situation, Spawn, SpawnRule, Trail};
 use crate::av::{DrivingMode, DrivingPolicy, Fault, Sensors};
 use crate::geometry::{Pose, wrap_angle};
 use crate::rl::{Env, Step};
 use crate::seed::Seed;
-use crate::sim::{Contact, LightCycle, Scene, WalkCommand, World};
+use crate::sim::{Contact, Control, LightCycle, Scene, WalkCommand, World};
 use rand::RngExt;
 
 /// A logical scenario made runnable: it draws concrete episodes from it, one after another.
@@ -51,7 +51,10 @@ struct Episode {
     reward: f64,
     least_gap: f64,
     mode: DrivingMode,
+    /// What the driver did in the last tick.
+    control: Control,
     digest: u64,
+    trail: Trail,
     outcome: Option<Outcome>,
 }
 
@@ -67,6 +70,8 @@ impl PedestrianEnv {
 
     fn with_policy(scenario: Arc<Scenario>, seed: Seed, policy: Box<dyn DrivingPolicy>) -> Self {
         let lights = scenario.episode.traffic_lights.then(LightCycle::default);
+        // No tick is to wait for it.
+        scenario.town.prepare();
         let world = World::new(
             scenario.town.clone(),
             scenario.obstacles.clone(),
@@ -86,7 +91,9 @@ impl PedestrianEnv {
             reward: 0.0,
             least_gap: f64::INFINITY,
             mode: DrivingMode::Cruise,
+            control: Control::default(),
             digest: 0,
+            trail: Trail::default(),
             outcome: None,
         };
         let rule = &scenario.episode;
@@ -145,7 +152,9 @@ impl PedestrianEnv {
             reward: 0.0,
             least_gap: self.world.gap(),
             mode: DrivingMode::Cruise,
+            control: Control::default(),
             digest: 0,
+            trail: Trail::default(),
             outcome: None,
         };
         self.next_episode = number + 1;
@@ -203,6 +212,11 @@ impl PedestrianEnv {
         self.episode.contact.as_ref()
     }
 
+    /// What the driver did in the last tick: its mode, its pedals and its wheel.
+    pub fn driven(&self) -> (DrivingMode, Control) {
+        (self.policy.mode(), self.episode.control)
+    }
+
     /// Carries a command out for as many ticks as the scenario holds it.
     pub fn walk(&mut self, command: WalkCommand) -> Step {
         self.set_out(command);
@@ -241,6 +255,7 @@ impl PedestrianEnv {
         self.episode.held += 1;
         let contact = self.world.tick(control, self.episode.command);
         self.episode.contact = contact;
+        self.episode.control = control;
         self.record();
         let over = contact.is_some() || self.world.ticks >= limit || self.episode.held >= hold;
         over.then(|| self.settle(contact))
@@ -272,6 +287,7 @@ impl PedestrianEnv {
 
     /// Pays for the decision and ends the episode when it is over.
     fn settle(&mut self, contact: Option<Contact>) -> Step {
+        self.episode.trail.mark(self.episode.digest);
         let (rule, reward) = (&self.scenario.episode, &self.scenario.reward);
         let situation = self.situation(contact.as_ref());
         let lost = || rule.end_when.as_ref().is_some_and(|condition| situation.satisfies(condition));
@@ -314,6 +330,7 @@ impl PedestrianEnv {
             least_gap: if contact.is_some() { 0.0 } else { self.episode.least_gap },
             last_mode: self.episode.mode,
             digest: self.episode.digest,
+            trail: self.episode.trail,
         });
     }
 

@@ -1,18 +1,55 @@
-use super::EpisodeRule;
-use crate::sim::{Contact, PedestrianState, VehicleState, WalkCommand, World};
+use super::{EpisodeRule, Scenario};
+use crate::av::DrivingMode;
+use crate::geometry::{OrientedBox, Point, Vector};
+use crate::sim::{Contact, Control, PedestrianState, VehicleState, WalkCommand, World};
 
-/// Where everybody was at a tick.
+/// From the bumper back to the driver's eye (m).
+const EYE: f64 = 1.9;
+
+/// Where everybody was at a tick, and what the driver had done to get there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment {
     /// The car.
     pub ego: VehicleState,
     /// The pedestrian.
     pub pedestrian: PedestrianState,
+    /// What the driver was doing in the tick that led here; at the beginning, nothing yet.
+    pub mode: DrivingMode,
+    /// Its pedals and its wheel in that tick.
+    pub control: Control,
+}
+
+impl Moment {
+    /// Where the driver's eye is: 1.9 m behind the bumper, on the axis.
+    pub fn eye(&self, scenario: &Scenario) -> Point {
+        self.ego.pose.to_world(Vector::new(scenario.vehicle.half_length - EYE, 0.0))
+    }
+
+    /// Whether the middle or an edge of the pedestrian is in sight from the driver's eye.
+    pub fn in_sight(&self, scenario: &Scenario) -> bool {
+        let (radius, position) = (scenario.adversary.body.radius, self.pedestrian.pose.position());
+        let eye = self.eye(scenario);
+        let sight = (position - eye).try_normalize(1e-9).unwrap_or_else(Vector::x);
+        let edge = Vector::new(-sight.y, sight.x) * radius;
+        [Vector::zeros(), edge, -edge].iter().any(|offset| !scenario.obstacles.blocks_sight(eye, position + offset))
+    }
+
+    /// Distance from the pedestrian's disc to the car's box (m); 0 when they touch.
+    pub fn gap(&self, scenario: &Scenario) -> f64 {
+        let place = self.pedestrian.pose.position();
+        (self.outline(scenario).distance_to(place) - scenario.adversary.body.radius).max(0.0)
+    }
+
+    /// The box that the car fills.
+    pub fn outline(&self, scenario: &Scenario) -> OrientedBox {
+        self.ego.outline(&scenario.vehicle)
+    }
 }
 
 /// What happened in an episode: the commands of the pedestrian, and where everybody was from tick to tick.
 ///
-/// Its memory is there before the episode begins.
+/// Its memory is there before the episode begins. What can be said of a moment afterwards, such as who saw whom, is not
+/// written down.
 #[derive(Debug, Clone)]
 pub struct Recording {
     commands: Vec<WalkCommand>,
@@ -38,7 +75,7 @@ impl Recording {
     pub fn begin(&mut self, world: &World) {
         self.commands.clear();
         self.moments.clear();
-        self.watch(world, None);
+        self.watch(world, None, Default::default());
     }
 
     /// Notes a decision of the pedestrian.
@@ -46,9 +83,9 @@ impl Recording {
         self.commands.push(command);
     }
 
-    /// Notes where everybody is after a tick, and whether they touched in it.
-    pub fn watch(&mut self, world: &World, contact: Option<&Contact>) {
-        self.moments.push(Moment { ego: world.ego, pedestrian: world.pedestrian });
+    /// Notes where everybody is after a tick, whether they touched in it, and what the driver did.
+    pub fn watch(&mut self, world: &World, contact: Option<&Contact>, (mode, control): (DrivingMode, Control)) {
+        self.moments.push(Moment { ego: world.ego, pedestrian: world.pedestrian, mode, control });
         self.contact = contact.copied();
     }
 

@@ -113,7 +113,7 @@ impl<T> Trial<'_, T> {
             env.set_out(command);
             loop {
                 let step = env.tick();
-                recording.watch(env.world(), env.contact());
+                recording.watch(env.world(), env.contact(), env.driven());
                 if step.is_some() {
                     break;
                 }
@@ -144,7 +144,7 @@ impl<T> Trial<'_, T> {
             let mut failed = Vec::new();
             for place in running {
                 let step = place.env.tick();
-                place.recording.watch(place.env.world(), place.env.contact());
+                place.recording.watch(place.env.world(), place.env.contact(), place.env.driven());
                 let Some(_) = step else { continue };
                 match (place.env.outcome().copied(), place.episode) {
                     (Some(outcome), Some(episode)) => {

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use crate::env::{Outcome, PedestrianEnv, Scenario};
+use crate::env::{Outcome, PedestrianEnv, Recording, Scenario};
 use crate::seed::Seed;
 use crate::sim::WalkCommand;
 
@@ -20,11 +20,34 @@ pub struct Failure {
 impl Failure {
     /// Simulates it again under the seed of the search; none when the commands do not lead to an end.
     pub fn replay(&self, scenario: &Arc<Scenario>, seed: Seed) -> Option<Outcome> {
-        let mut env = PedestrianEnv::new(scenario.clone(), seed);
-        env.begin(self.beginning);
-        for command in &self.commands {
-            env.walk(*command);
-        }
-        env.outcome().copied()
+        follow(scenario, seed, self.beginning, &self.commands).map(|(outcome, _)| outcome)
     }
+}
+
+/// Walks as these commands say from a beginning under the seed of a search; none when they do not lead to an end.
+pub fn follow(
+    scenario: &Arc<Scenario>,
+    seed: Seed,
+    beginning: u64,
+    commands: &[WalkCommand],
+) -> Option<(Outcome, Recording)> {
+    let mut env = PedestrianEnv::new(scenario.clone(), seed);
+    let mut recording = Recording::new(&scenario.episode);
+    env.begin(beginning);
+    recording.begin(env.world());
+    for command in commands {
+        if env.outcome().is_some() {
+            return None;
+        }
+        recording.decide(*command);
+        env.set_out(*command);
+        loop {
+            let step = env.tick();
+            recording.watch(env.world(), env.contact(), env.driven());
+            if step.is_some() {
+                break;
+            }
+        }
+    }
+    env.outcome().map(|outcome| (*outcome, recording))
 }

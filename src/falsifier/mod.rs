@@ -22,7 +22,7 @@ mod tree_search;
 mod learning;
 
 pub use episodes::{try_walker, watch_walker};
-pub use failure::Failure;
+pub use failure::{Failure, follow};
 pub use homing::Homing;
 pub use intercept::Intercept;
 pub use learning::Learning;

@@ -1,10 +1,8 @@
 use super::{DrivenPath, Place};
 use crate::av::reference_drivers::Threat;
 use crate::env::{Moment, Recording, Scenario};
-use crate::geometry::{Obstacles, OrientedBox, Point, Pose, Vector};
+use crate::geometry::{OrientedBox, Point, Vector};
 
-/// From the bumper back to the driver's eye (m).
-const EYE: f64 = 1.9;
 /// A pedestrian that has been no danger for so long (s) begins a new approach.
 const FORGETTING: f64 = 1.0;
 /// For how long after the recorded touch the pedestrian goes on (s).
@@ -63,7 +61,7 @@ impl Encounter {
             radius: body.radius,
         };
         let ways = ways(moments);
-        let begun = encounter.rewind(moments, &ways, &scenario.obstacles);
+        let begun = encounter.rewind(moments, &ways, scenario);
         encounter.start = ways[begun];
         encounter.warning = (moments.len() - 2 - begun) as f64 * dt + contact.fraction * dt;
         let mut fastest = 0.0_f64;
@@ -88,7 +86,7 @@ impl Encounter {
     }
 
     /// The tick at which the approach began that ended in the touch: the one before the touch at the latest.
-    fn rewind(&self, moments: &[Moment], ways: &[f64], obstacles: &Obstacles) -> usize {
+    fn rewind(&self, moments: &[Moment], ways: &[f64], scenario: &Scenario) -> usize {
         let last = moments.len() - 2;
         let patience = (FORGETTING / self.dt).ceil() as usize;
         let mut begun = last;
@@ -96,7 +94,7 @@ impl Encounter {
             if begun - tick > patience {
                 break;
             }
-            if self.is_dangerous(&moments[tick], ways[tick], obstacles) {
+            if self.is_dangerous(&moments[tick], ways[tick], scenario) {
                 begun = tick;
             }
         }
@@ -104,20 +102,12 @@ impl Encounter {
     }
 
     /// Whether the pedestrian is not behind the car, is in its way or on the way into it, and can be seen.
-    fn is_dangerous(&self, moment: &Moment, way: f64, obstacles: &Obstacles) -> bool {
+    fn is_dangerous(&self, moment: &Moment, way: f64, scenario: &Scenario) -> bool {
         let position = moment.pedestrian.pose.position();
         let place = self.path.place(position, way);
         let step = Step { position, place, velocity: moment.pedestrian.velocity };
         let threat = self.threat(&step, &step, 0.0, way);
-        threat.is_some_and(|threat| threat.is_on_its_way()) && self.sees(&moment.ego.pose, position, obstacles)
-    }
-
-    /// Whether the middle or an edge of the pedestrian is in sight from the driver's eye.
-    fn sees(&self, ego: &Pose, pedestrian: Point, obstacles: &Obstacles) -> bool {
-        let eye = ego.to_world(Vector::new(self.half.x - EYE, 0.0));
-        let sight = (pedestrian - eye).try_normalize(1e-9).unwrap_or_else(Vector::x);
-        let edge = Vector::new(-sight.y, sight.x) * self.radius;
-        [Vector::zeros(), edge, -edge].iter().any(|offset| !obstacles.blocks_sight(eye, pedestrian + offset))
+        threat.is_some_and(|threat| threat.is_on_its_way()) && moment.in_sight(scenario)
     }
 
     /// The pedestrian between two ticks as a driver so far along the path (m) sees it; none when it is behind the car.

@@ -3,38 +3,39 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::ast::{self, Entry, Name};
+use super::defaults::Defaults;
 use super::formula::Scope;
 use super::hir::{Block, Clause, Declaration, Program};
-use super::names::{Names, names_of_all};
+use super::names::names_of_all;
 use super::params::Params;
 use super::value::{Context, plain_number, value};
-use super::{Loaded, codes, parse};
+use super::{Loaded, codes};
 use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
-use crate::signature::{Arguments, DeclarationId, Form, Param, Signature, Type, Value, Vocabulary};
+use crate::signature::{Arguments, DeclarationId, Form, Signature, Type, Value};
 
 /// Checks all files against what the language offers.
 ///
 /// Gives the program and everything that is wrong with it; the program may only be compiled when no diagnostic is an
 /// error.
-pub fn check(
+pub fn check<'f>(
     loaded: &Loaded,
     sources: &Sources,
-    forms: &[Form],
-    vocabulary: &Vocabulary,
+    forms: &'f [Form],
+    defaults: &mut Defaults<'f>,
 ) -> (Program, Vec<Diagnostic>) {
+    let vocabulary = defaults.vocabulary();
     let mut diagnostics = Vec::new();
     let ids = number_declarations(&loaded.files);
     let mut declarations = Vec::new();
     let form_names: Vec<&str> = forms.iter().map(|form| form.name).collect();
     let names = names_of_all(&loaded.files, &ids, &mut diagnostics);
     let mut params = Params::resolve(loaded, &names, forms, vocabulary, sources, &mut diagnostics);
-    let mut defaults = Defaults { vocabulary, known: BTreeMap::new() };
     for (place, file) in loaded.files.iter().enumerate() {
         let context = Context { vocabulary, names: &names[place], sources };
         for (declaration, id) in file.declarations.iter().zip(&ids[&file.source]) {
             let declaration = params.replace(declaration, place);
             let before = diagnostics.len();
-            let mut checker = Checker { context: &context, defaults: &mut defaults, diagnostics: &mut diagnostics };
+            let mut checker = Checker { context: &context, defaults, diagnostics: &mut diagnostics };
             declarations.push(checker.declaration(&declaration, *id, file.source, forms, &form_names));
             params.explain(&mut diagnostics[before..]);
         }
@@ -226,34 +227,4 @@ impl<'f> Checker<'_, '_, 'f> {
         let formula = plain_number(&written.formula, &scope, self.diagnostics)?;
         Some(Clause { event: event.name, word, formula, span: name.span })
     }
-}
-
-/// The defaults of signatures, each read once.
-struct Defaults<'f> {
-    vocabulary: &'f Vocabulary,
-    /// By the address of the parameter.
-    known: BTreeMap<*const Param, Value>,
-}
-
-impl<'f> Defaults<'f> {
-    /// A default, which is written as in a file.
-    fn value(&mut self, param: &'f Param, text: &str, names: &Names) -> Value {
-        if let Type::Reference(form) = param.ty {
-            // A default declaration is one of the standard library's, and may not be imported.
-            return names.find(form, text).map_or(Value::Absent, Value::Reference);
-        }
-        self.known.entry(param).or_insert_with(|| read(param, text, self.vocabulary)).clone()
-    }
-}
-
-fn read(param: &Param, text: &str, vocabulary: &Vocabulary) -> Value {
-    let mut sources = Sources::default();
-    let source = sources.add(format!("<default of {}>", param.name), text);
-    let mut diagnostics = Vec::new();
-    let names = Names::default();
-    let inner = Context { vocabulary, names: &names, sources: &sources };
-    let checked = parse::parse_value(source, text)
-        .ok()
-        .and_then(|expression| value(&expression, &param.ty, &inner, &mut diagnostics));
-    checked.unwrap_or_else(|| panic!("the default `{text}` of `{}` does not fit its type: {diagnostics:?}", param.name))
 }

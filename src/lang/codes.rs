@@ -480,6 +480,11 @@ pub fn unplaceable(span: Span, town: &str, reason: &str) -> Diagnostic {
     Diagnostic::error("unplaceable", span, format!("nobody can be placed in `{town}`: {reason}"))
 }
 
+/// Whether a diagnostic says that nobody can be placed.
+pub fn is_unplaceable(diagnostic: &Diagnostic) -> bool {
+    diagnostic.code == "unplaceable"
+}
+
 /// A scenario names a program to be started, and the user has not allowed that.
 pub fn external_not_allowed(span: Span, command: &str) -> Diagnostic {
     Diagnostic::error("external-not-allowed", span, format!("this scenario wants to start the program `{command}`"))

@@ -2,6 +2,7 @@
 //!
 //! A parameter is checked against its type once, where it is declared; what takes its place elsewhere is a known value.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::ast::{Clause, Declaration, Entry, Expression, ExpressionKind, Known, Param, Property};
@@ -11,9 +12,6 @@ use super::{Loaded, codes, hir};
 use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
 use crate::signature::{Form, Type, Value, Vocabulary};
 use crate::units::Dimension;
-
-/// The longest chain of parameters that are defined by each other.
-const MOST_STEPS: usize = 50;
 
 /// Words for types that are dimensions.
 pub const DIMENSIONS: &[(&str, Dimension)] = &[
@@ -58,19 +56,23 @@ impl<'a> Params<'a> {
         let mut params = Self { loaded, names, forms, vocabulary, sources, known, used, uses };
         for (place, file) in loaded.files.iter().enumerate() {
             for index in 0..file.params.len() {
-                params.find(place, (file.source, index), &mut Vec::new(), diagnostics);
+                if !params.known.contains_key(&(file.source, index)) {
+                    params.find(place, (file.source, index), diagnostics);
+                }
             }
         }
         params
     }
 
     /// The declaration with known values in place of parameters; `place` is its file's in the order of the files.
-    pub fn replace(&mut self, declaration: &Declaration, place: usize) -> Declaration {
-        let mut copy = declaration.clone();
-        if self.names[place].has_params() {
-            self.entries(&mut copy.entries, place);
+    pub fn replace<'d>(&mut self, declaration: &'d Declaration, place: usize) -> Cow<'d, Declaration> {
+        let names = &self.names[place];
+        if !names.has_params() || !declaration.entries.iter().any(|entry| entry_mentions(entry, names)) {
+            return Cow::Borrowed(declaration);
         }
-        copy
+        let mut copy = declaration.clone();
+        self.entries(&mut copy.entries, place);
+        Cow::Owned(copy)
     }
 
     /// Shows where a value comes from, in messages about places where a parameter stands.
@@ -113,42 +115,48 @@ impl<'a> Params<'a> {
         self.loaded.files.binary_search_by_key(&source, |file| file.source).expect("the file is loaded")
     }
 
-    fn find(
-        &mut self,
-        place: usize,
-        id: ParamId,
-        open: &mut Vec<ParamId>,
-        diagnostics: &mut Vec<Diagnostic>,
-    ) -> Option<ExpressionKind> {
-        if let Some(known) = self.known.get(&id) {
-            return known.clone();
+    /// Checks a parameter, after those that it is defined by; without recursion, since a chain of them may be of any length.
+    fn find(&mut self, place: usize, id: ParamId, diagnostics: &mut Vec<Diagnostic>) {
+        let mut open = vec![self.begin(place, id, diagnostics)];
+        let mut begun = BTreeSet::from([id]);
+        while let Some((place, id, needed)) = open.last_mut() {
+            let (place, id) = (*place, *id);
+            if let Some(next) = needed.pop() {
+                if self.known.contains_key(&next) {
+                    continue;
+                }
+                if begun.insert(next) {
+                    let next = self.begin(self.place(next.0), next, diagnostics);
+                    open.push(next);
+                } else {
+                    let name = &self.param(next).name;
+                    diagnostics.push(codes::param_cycle(name.span, &name.text));
+                    self.known.insert(next, None);
+                }
+                continue;
+            }
+            open.pop();
+            // What was part of a circle is known to be wrong.
+            if !self.known.contains_key(&id) {
+                let param = self.param(id);
+                let mut written = param.value.clone();
+                self.expression(&mut written, place);
+                let found = self.checked(param, &written, place, diagnostics);
+                self.known.insert(id, found);
+            }
         }
+    }
+
+    /// A parameter that is to be checked, with those that come before it, the first one last.
+    fn begin(&self, place: usize, id: ParamId, diagnostics: &mut Vec<Diagnostic>) -> (usize, ParamId, Vec<ParamId>) {
         let param = self.param(id);
-        if open.contains(&id) || open.len() > MOST_STEPS {
-            diagnostics.push(codes::param_cycle(param.name.span, &param.name.text));
-            self.known.insert(id, None);
-            return None;
-        }
         if self.vocabulary.variables.iter().any(|variable| variable.name == param.name.text) {
             diagnostics.push(codes::reserved_name(param.name.span, &param.name.text));
         }
-        open.push(id);
-        // What it is defined by comes first.
         let mut needed = Vec::new();
         mentioned(&param.value, &self.names[place], &mut needed);
-        for inner in needed {
-            self.find(self.place(inner.0), inner, open, diagnostics);
-        }
-        open.pop();
-        if let Some(found) = self.known.get(&id) {
-            // It was part of a circle.
-            return found.clone();
-        }
-        let mut written = param.value.clone();
-        self.expression(&mut written, place);
-        let found = self.checked(param, &written, place, diagnostics);
-        self.known.insert(id, found.clone());
-        found
+        needed.reverse();
+        (place, id, needed)
     }
 
     /// The value of a parameter, if it fits its type.
@@ -244,6 +252,20 @@ impl<'a> Params<'a> {
             }
             ExpressionKind::Number { .. } | ExpressionKind::Text(_) | ExpressionKind::Known(_) => {}
         }
+    }
+}
+
+/// Whether anything in an entry names a parameter.
+fn entry_mentions(entry: &Entry, names: &Names) -> bool {
+    let any = |value: &Expression| {
+        let mut found = Vec::new();
+        mentioned(value, names, &mut found);
+        !found.is_empty()
+    };
+    match entry {
+        Entry::Property(Property { value, .. }) | Entry::Bare(value) => any(value),
+        Entry::Clause(Clause { formula, .. }) => any(formula),
+        Entry::Child(child) => child.entries.iter().any(|entry| entry_mentions(entry, names)),
     }
 }
 

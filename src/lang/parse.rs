@@ -2,9 +2,8 @@
 
 use pest::Parser;
 use pest::error::{ErrorVariant, InputLocation};
-use pest::iterators::Pair;
-use pest::pratt_parser::{Assoc, Op, PrattParser};
-use std::sync::LazyLock;
+use pest::iterators::{Pair, Pairs};
+use std::iter::Peekable;
 
 use super::ast::{
     Clause, Declaration, Entry, Expression, ExpressionKind, File, Import, Name, Operator, Param, Property,
@@ -27,6 +26,10 @@ const MAX_BYTES: usize = 4 << 20;
 
 /// Most terms and operators of one expression; later phases walk it recursively.
 const MAX_TERMS: usize = 500;
+
+/// Most statements of no known shape that are read once more to tell what is wrong with them; a file with more of them is no
+/// scenario.
+const MOST_REREAD: usize = 1000;
 
 /// Reads a file's text into a tree, with everything that could be read and one diagnostic for each statement that
 /// could not.
@@ -86,7 +89,7 @@ impl Reader {
     fn item(&mut self, pair: Pair<Rule>, file: &mut File) {
         match pair.as_rule() {
             Rule::edition => {
-                let number = pair.into_inner().next().expect("edition has a number");
+                let number = pair.into_inner().nth(1).expect("edition has a number");
                 file.edition = Some((read_number(number.as_str()), self.span(&number)));
             }
             Rule::import => {
@@ -180,7 +183,7 @@ impl Reader {
                     entries.push(Entry::Property(Property { key, value }));
                 }
                 Rule::clause => {
-                    let mut inner = part.into_inner().filter(|p| p.as_rule() != Rule::doc);
+                    let mut inner = part.into_inner().filter(|p| !matches!(p.as_rule(), Rule::doc | Rule::on_word));
                     let mut event = inner.next().expect("a clause has an event").into_inner();
                     let name = self.name(event.next().expect("an event has a name"));
                     let word = event.next().map(|word| self.name(word));
@@ -219,15 +222,24 @@ impl Reader {
             self.diagnostics.push(codes::too_long(span, MAX_TERMS));
             return Expression { kind: ExpressionKind::Number { value: 0.0, unit: None }, span };
         }
-        let reader = std::cell::RefCell::new(self);
-        PRATT
-            .map_primary(|term| reader.borrow_mut().term(term))
-            .map_infix(|left, operator, right| {
-                let span = left.span.to(right.span);
-                let operator = operator_of(operator.as_rule());
-                Expression { kind: ExpressionKind::Binary { operator, left: left.into(), right: right.into() }, span }
-            })
-            .parse(pairs)
+        let mut pairs = pairs.peekable();
+        let first = self.term(pairs.next().expect("an expression has a term"));
+        self.operations(first, &mut pairs, 0)
+    }
+
+    /// What follows a term, as far as its operators bind at least so tightly.
+    fn operations(&mut self, first: Expression, pairs: &mut Peekable<Pairs<Rule>>, least: u8) -> Expression {
+        let mut left = first;
+        while let Some((operator, tightness)) = pairs.peek().map(operator).filter(|(_, tightness)| *tightness >= least)
+        {
+            pairs.next();
+            let right = self.term(pairs.next().expect("a term follows an operator"));
+            let right = self.operations(right, pairs, tightness + 1);
+            let span = left.span.to(right.span);
+            let kind = ExpressionKind::Binary { operator, left: left.into(), right: right.into() };
+            left = Expression { kind, span };
+        }
+        left
     }
 
     fn term(&mut self, pair: Pair<Rule>) -> Expression {
@@ -235,9 +247,9 @@ impl Reader {
         let mut result = None;
         for part in pair.into_inner() {
             match part.as_rule() {
-                Rule::negative | Rule::not => prefixes.push((part.as_rule(), self.span(&part))),
+                Rule::prefix => prefixes.push((part.as_str() == "-", self.span(&part))),
                 Rule::conversion => {
-                    let unit = self.name(part.into_inner().next().expect("a conversion has a unit"));
+                    let unit = self.name(part.into_inner().nth(1).expect("a conversion has a unit"));
                     let inner: Expression = result.take().expect("a conversion follows a value");
                     let span = inner.span.to(unit.span);
                     result = Some(Expression { kind: ExpressionKind::Conversion(inner.into(), unit), span });
@@ -250,14 +262,12 @@ impl Reader {
             self.diagnostics.push(codes::too_long(prefixes[0].1, MAX_TERMS));
             return expression;
         }
-        for (sign, span) in prefixes.into_iter().rev() {
+        for (negative, span) in prefixes.into_iter().rev() {
             let span = span.to(expression.span);
-            let kind = match (sign, expression.kind) {
-                (Rule::negative, ExpressionKind::Number { value, unit }) => {
-                    ExpressionKind::Number { value: -value, unit }
-                }
-                (Rule::negative, kind) => ExpressionKind::Negate(Expression { kind, span: expression.span }.into()),
-                (_, kind) => ExpressionKind::Not(Expression { kind, span: expression.span }.into()),
+            let kind = match (negative, expression.kind) {
+                (true, ExpressionKind::Number { value, unit }) => ExpressionKind::Number { value: -value, unit },
+                (true, kind) => ExpressionKind::Negate(Expression { kind, span: expression.span }.into()),
+                (false, kind) => ExpressionKind::Not(Expression { kind, span: expression.span }.into()),
             };
             expression = Expression { kind, span };
         }
@@ -267,20 +277,20 @@ impl Reader {
     fn primary(&mut self, pair: Pair<Rule>) -> Expression {
         let span = self.span(&pair);
         let kind = match pair.as_rule() {
-            Rule::number => ExpressionKind::Number { value: read_number(pair.as_str()), unit: None },
             Rule::quantity => {
                 let mut inner = pair.into_inner();
                 let value = read_number(inner.next().expect("a quantity has a number").as_str());
-                let unit = self.name(inner.next().expect("a quantity has a unit"));
-                ExpressionKind::Number { value, unit: Some(unit) }
+                ExpressionKind::Number { value, unit: inner.next().map(|unit| self.name(unit)) }
             }
             Rule::text => ExpressionKind::Text(inner_text(&pair)),
-            Rule::name => ExpressionKind::Name(pair.as_str().to_string()),
             Rule::call => {
                 let mut inner = pair.into_inner();
                 let function = self.name(inner.next().expect("a call has a name"));
+                let Some(list) = inner.next() else {
+                    return Expression { kind: ExpressionKind::Name(function.text), span: function.span };
+                };
                 let mut arguments = Vec::new();
-                for argument in inner.flat_map(Pair::into_inner) {
+                for argument in list.into_inner() {
                     match self.argument(argument) {
                         Entry::Bare(value) => arguments.push(value),
                         Entry::Property(property) => {
@@ -301,6 +311,9 @@ impl Reader {
 
     /// Reads a statement of no known shape once more, on its own, to find out where it goes wrong.
     fn junk(&mut self, pair: &Pair<Rule>, rule: Rule) {
+        if self.diagnostics.len() >= MOST_REREAD {
+            return self.diagnostics.push(codes::syntax(self.span(pair), String::new()));
+        }
         let start = pair.as_span().start();
         let text = pair.as_str().trim_end();
         // Parentheses that cannot be read are left over from a declaration that can do without.
@@ -369,31 +382,20 @@ fn inner_text(pair: &Pair<Rule>) -> String {
     pair.clone().into_inner().next().map_or_else(String::new, |inner| inner.as_str().to_string())
 }
 
-static PRATT: LazyLock<PrattParser<Rule>> = LazyLock::new(|| {
-    PrattParser::new()
-        .op(Op::infix(Rule::or, Assoc::Left))
-        .op(Op::infix(Rule::and, Assoc::Left))
-        .op(Op::infix(Rule::less, Assoc::Left)
-            | Op::infix(Rule::less_equal, Assoc::Left)
-            | Op::infix(Rule::greater, Assoc::Left)
-            | Op::infix(Rule::greater_equal, Assoc::Left))
-        .op(Op::infix(Rule::add, Assoc::Left) | Op::infix(Rule::subtract, Assoc::Left))
-        .op(Op::infix(Rule::multiply, Assoc::Left) | Op::infix(Rule::divide, Assoc::Left))
-});
-
-fn operator_of(rule: Rule) -> Operator {
-    match rule {
-        Rule::or => Operator::Or,
-        Rule::and => Operator::And,
-        Rule::less => Operator::Less,
-        Rule::less_equal => Operator::LessEqual,
-        Rule::greater => Operator::Greater,
-        Rule::greater_equal => Operator::GreaterEqual,
-        Rule::add => Operator::Add,
-        Rule::subtract => Operator::Subtract,
-        Rule::multiply => Operator::Multiply,
-        Rule::divide => Operator::Divide,
-        other => unreachable!("{other:?} is no operator"),
+/// An operator, and how tightly it binds.
+fn operator(pair: &Pair<Rule>) -> (Operator, u8) {
+    match pair.as_str() {
+        "or" => (Operator::Or, 0),
+        "and" => (Operator::And, 1),
+        "<" => (Operator::Less, 2),
+        "<=" => (Operator::LessEqual, 2),
+        ">" => (Operator::Greater, 2),
+        ">=" => (Operator::GreaterEqual, 2),
+        "+" => (Operator::Add, 3),
+        "-" => (Operator::Subtract, 3),
+        "*" => (Operator::Multiply, 4),
+        "/" => (Operator::Divide, 4),
+        other => unreachable!("`{other}` is no operator"),
     }
 }
 
@@ -420,17 +422,7 @@ fn describe(rule: Rule) -> Option<&'static str> {
         Rule::value | Rule::expression | Rule::term | Rule::primary => "a value",
         Rule::call => "a call",
         Rule::argument => "an argument",
-        Rule::infix
-        | Rule::or
-        | Rule::and
-        | Rule::less
-        | Rule::less_equal
-        | Rule::greater
-        | Rule::greater_equal
-        | Rule::add
-        | Rule::subtract
-        | Rule::multiply
-        | Rule::divide => "an operator",
+        Rule::infix => "an operator",
         Rule::conversion | Rule::in_word => "`in`",
         Rule::EOI | Rule::whole_item | Rule::whole_entry | Rule::whole_value => "the end of the statement",
         Rule::WHITESPACE
@@ -449,8 +441,9 @@ fn describe(rule: Rule) -> Option<&'static str> {
         | Rule::piece
         | Rule::dark
         | Rule::gap
-        | Rule::prefix
-        | Rule::negative
-        | Rule::not => return None,
+        | Rule::plain
+        | Rule::line
+        | Rule::remark
+        | Rule::prefix => return None,
     })
 }

@@ -140,7 +140,7 @@ fn set(first: &Name, path: &[Name], setting: &Setting, loaded: &mut Loaded) -> R
     Ok(())
 }
 
-/// Sets a key of a declaration or of all its blocks with a word.
+/// Sets a key of a declaration, or of its blocks of a form (all of them, or the one of a name), or of its block of a name.
 fn enter(declaration: &mut Declaration, path: &[Name], value: &Expression) -> Result<(), Box<Diagnostic>> {
     let (word, rest) = path.split_first().expect("a path has a word left");
     if rest.is_empty() {
@@ -157,19 +157,37 @@ fn enter(declaration: &mut Declaration, path: &[Name], value: &Expression) -> Re
         }
         return Ok(());
     }
-    let mut found = false;
+    let mut blocks: Vec<&mut Declaration> = Vec::new();
     let mut words: Vec<String> = Vec::new();
     for entry in &mut declaration.entries {
         if let Entry::Child(child) = entry {
-            words.push(child.form.text.clone());
-            if child.form.text == word.text {
-                found = true;
-                enter(child, rest, value)?;
-            }
+            words.extend([&child.form].into_iter().chain(&child.name).map(|known| known.text.clone()));
+            blocks.push(child);
         }
     }
-    let words = words.iter().map(String::as_str);
-    if found { Ok(()) } else { Err(codes::unknown_setting(word.span, &word.text, words).into()) }
+    let named = |block: &Declaration, name: &Name| block.name.as_ref().is_some_and(|known| known.text == name.text);
+    let (by_form, by_name) =
+        (|block: &Declaration| block.form.text == word.text, |block: &Declaration| named(block, word));
+    let rest = if blocks.iter().any(|block| by_form(block)) {
+        blocks.retain(|block| by_form(block));
+        match rest.split_first() {
+            // Of blocks of one form, that of a name.
+            Some((name, inner)) if !inner.is_empty() && blocks.iter().any(|block| named(block, name)) => {
+                blocks.retain(|block| named(block, name));
+                inner
+            }
+            _ => rest,
+        }
+    } else {
+        blocks.retain(|block| by_name(block));
+        rest
+    };
+    if blocks.is_empty() {
+        words.sort_unstable();
+        words.dedup();
+        return Err(codes::unknown_setting(word.span, &word.text, words.iter().map(String::as_str)).into());
+    }
+    blocks.into_iter().try_for_each(|block| enter(block, rest, value))
 }
 
 /// Takes the `matrix` blocks out of the declarations whose form they may multiply. A parameter that was set from outside keeps

@@ -11,10 +11,20 @@ use tempfile::TempDir;
 use super::TableStream;
 
 /// The file whose presence marks a folder as a finished report.
-const MARK: &str = "manifest.toml";
+pub(super) const MARK: &str = "manifest.toml";
 /// The tables of a report, as CSV and Parquet.
-const TABLES: [&str; 8] =
-    ["episodes", "runs", "cells", "failure_modes", "learning_curve", "searches", "search_cells", "search_failures"];
+const TABLES: &[&str] = &[
+    "episodes",
+    "ticks",
+    "runs",
+    "cells",
+    "published",
+    "failure_modes",
+    "learning_curve",
+    "searches",
+    "search_cells",
+    "search_failures",
+];
 
 /// Why a report could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -131,7 +141,7 @@ impl ReportFolder {
         TableStream::begin(schema, open(self.formats.csv, "csv")?, open(self.formats.parquet, "parquet")?)
     }
 
-    fn write(
+    pub(super) fn write(
         &self,
         name: &str,
         fill: impl FnOnce(&mut BufWriter<fs::File>) -> io::Result<()>,
@@ -207,6 +217,20 @@ pub fn write_csv(path: &Path, table: &DataFrame) -> Result<(), WriteError> {
     CsvWriter::new(&mut bytes)
         .finish(&mut table.clone())
         .map_err(|source| WriteError::Table { name: name(), source })?;
+    write_file(path, &bytes)
+}
+
+/// Writes a table that stands alone, as Parquet where its name ends in `.parquet`, else as CSV.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_table(path: &Path, table: &DataFrame) -> Result<(), WriteError> {
+    if path.extension().is_none_or(|extension| extension != "parquet") {
+        return write_csv(path, table);
+    }
+    let (mut bytes, name) = (Vec::new(), path.display().to_string());
+    let written = ParquetWriter::new(&mut bytes).finish(&mut table.clone());
+    written.map_err(|source| WriteError::Table { name, source })?;
     write_file(path, &bytes)
 }
 

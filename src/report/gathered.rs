@@ -193,6 +193,7 @@ struct Columns<'a> {
     outcome: &'a StringChunked,
     mode: &'a StringChunked,
     digest: &'a StringChunked,
+    trail: &'a StringChunked,
     ticks: &'a UInt32Chunked,
     front: &'a BooleanChunked,
     moving: &'a BooleanChunked,
@@ -208,6 +209,7 @@ impl<'a> Columns<'a> {
             outcome: text(table, "outcome")?,
             mode: text(table, "driving_mode")?,
             digest: text(table, "digest")?,
+            trail: text(table, "trail")?,
             ticks: count(table, "ticks")?,
             front: truth(table, "front")?,
             moving: truth(table, "moving")?,
@@ -247,6 +249,8 @@ impl<'a> Columns<'a> {
         let spawn = Spawn { ego, ego_speed, pedestrian: Pose::new(px, py, pyaw.to_radians()) };
         let last_mode = DrivingMode::named(self.mode.get(row)?)?;
         let digest = u64::from_str_radix(self.digest.get(row)?, 16).ok()?;
-        Some(Outcome { spawn, ending, reward, ticks: self.ticks.get(row)?, duration, least_gap, last_mode, digest })
+        let trail = self.trail.get(row).and_then(|trail| trail.parse().ok()).unwrap_or_default();
+        let ticks = self.ticks.get(row)?;
+        Some(Outcome { spawn, ending, reward, ticks, duration, least_gap, last_mode, digest, trail })
     }
 }

@@ -1,7 +1,7 @@
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Everything that another needs to repeat a campaign.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
     /// Version of this program.
     pub version: String,
@@ -31,14 +31,31 @@ pub struct Manifest {
     pub search_ticks: u64,
     /// Wall time of the whole campaign (s).
     pub wall_time_s: f64,
+    /// How the program was called, for whoever repeats it.
+    pub call: Call,
     /// The scenario files and what they name, in the order they were read.
     pub files: Vec<FileRecord>,
     /// The trainings.
     pub trainings: Vec<TrainingRecord>,
 }
 
+/// What the program was given beside the seed.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Call {
+    /// The folder in which it ran: other paths are relative to it.
+    pub folder: String,
+    /// The scenario files that were named.
+    pub scenarios: Vec<String>,
+    /// Each `--map`, as `TOWN=FILE`.
+    pub maps: Vec<String>,
+    /// Each `--set`, as `NAME=VALUE`.
+    pub set: Vec<String>,
+    /// Whether scenarios might start programs.
+    pub allow_external: bool,
+}
+
 /// A scenario file, or a map or model that it names.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FileRecord {
     /// Its path as given.
     pub path: String,
@@ -47,7 +64,7 @@ pub struct FileRecord {
 }
 
 /// A training.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TrainingRecord {
     /// Name of the town.
     pub town: String,
@@ -78,5 +95,13 @@ impl Manifest {
     /// The manifest as TOML.
     pub fn to_toml(&self) -> String {
         toml::to_string(self).expect("strings and numbers have a form in TOML")
+    }
+
+    /// Reads a manifest.
+    ///
+    /// # Errors
+    /// What the parser says.
+    pub fn from_toml(text: &str) -> Result<Self, String> {
+        toml::from_str(text).map_err(|error| error.message().to_string())
     }
 }

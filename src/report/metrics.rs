@@ -121,6 +121,7 @@ pub fn runs(episodes: &DataFrame) -> PolarsResult<DataFrame> {
     let total = |name: &str| col(name).cast(DataType::UInt32).sum();
     let mut by_run: Vec<Expr> = CELL.iter().map(|name| col(*name)).collect();
     by_run.push(col("run"));
+    by_run.insert(0, col("run_id"));
     let labels = Label::ALL.map(|label| {
         let one = col("verdict").eq(lit(label.name())).fill_null(lit(false));
         one.cast(DataType::UInt32).sum().alias(counted(label))
@@ -286,6 +287,7 @@ mod tests {
             trials: [Trial { impact_speed: None, time: 1.0, least_gap: 0.5 }; 6],
         });
         EpisodeRow {
+            run_id: format!("{run:08x}").parse().unwrap(),
             trained: TrainingKey { town: "a".into(), policy: "p".into(), reward: "r1".into(), run },
             pedestrian: "trained",
             town: "b".into(),
@@ -294,7 +296,17 @@ mod tests {
             adversary: "w".into(),
             block: 0,
             episode,
-            outcome: Outcome { spawn, ending, reward, ticks: 10, duration: 0.5, least_gap, last_mode, digest: 7 },
+            outcome: Outcome {
+                spawn,
+                ending,
+                reward,
+                ticks: 10,
+                duration: 0.5,
+                least_gap,
+                last_mode,
+                digest: 7,
+                trail: Default::default(),
+            },
             verdict,
         }
     }

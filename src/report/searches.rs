@@ -182,6 +182,7 @@ impl<'a, T> Columns<'a, T> {
 pub fn searches(results: &[SearchResult]) -> DataFrame {
     let rows: Vec<(&SearchResult, Figures)> = results.iter().map(|result| (result, Figures::new(result))).collect();
     let mut columns = Columns::new(&rows);
+    columns.text("run_id", |row| row.0.key.id.to_string());
     columns.key(|row| &row.0.key);
     columns.count("run", |row| row.0.key.run.into());
     columns.count("budget_ticks", |row| row.0.budget);
@@ -220,12 +221,14 @@ pub fn search_cell_table(cells: &[SearchCell]) -> DataFrame {
 }
 
 /// The failures of all searches as a table, one row each, in the order in which they were found.
-pub fn search_failures(results: &[SearchResult]) -> DataFrame {
-    let rows: Vec<(&SearchResult, &Failure)> =
-        results.iter().flat_map(|result| result.spent.failures.iter().map(move |failure| (result, failure))).collect();
+pub fn search_failures<'a>(results: &'a [SearchResult]) -> DataFrame {
+    let numbered = |result: &'a SearchResult| (0..).zip(&result.spent.failures).map(move |(k, each)| (result, each, k));
+    let rows: Vec<(&SearchResult, &Failure, u64)> = results.iter().flat_map(numbered).collect();
     let mut columns = Columns::new(&rows);
+    columns.text("run_id", |row| row.0.key.id.to_string());
     columns.key(|row| &row.0.key);
     columns.count("run", |row| row.0.key.run.into());
+    columns.count("failure", |row| row.2);
     columns.count("beginning", |row| row.1.beginning);
     columns.count("found_after_ticks", |row| row.1.ticks);
     columns.text("impact", |row| kind(&row.1.outcome).0.name().into());
@@ -236,6 +239,7 @@ pub fn search_failures(results: &[SearchResult]) -> DataFrame {
     columns.number("episode_length_s", |row| Some(row.1.outcome.duration));
     columns.text("commands", |row| commands(row.1));
     columns.text("digest", |row| format!("{:016x}", row.1.outcome.digest));
+    columns.text("trail", |row| row.1.outcome.trail.to_string());
     columns.table()
 }
 

@@ -14,7 +14,7 @@ pub fn mean_interval(values: &[f64]) -> (f64, Option<(f64, f64)>) {
 }
 
 /// The two-sided 95 % quantile of Student's t.
-fn quantile(degrees: usize) -> f64 {
+pub fn quantile(degrees: usize) -> f64 {
     const Z: f64 = 1.959_963_984_540_054;
     const SMALL: [f64; 30] = [
         12.706_205, 4.302_653, 3.182_446, 2.776_445, 2.570_582, 2.446_912, 2.364_624, 2.306_004, 2.262_157, 2.228_139,

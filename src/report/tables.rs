@@ -15,6 +15,7 @@ pub fn episodes(rows: &[EpisodeRow]) -> DataFrame {
         Column::from(Series::new(name.into(), rows.iter().map(value).collect::<Vec<u32>>()))
     };
     let mut columns = vec![
+        text("run_id", &|row| row.run_id.to_string()),
         text("reward", &|row| row.trained.reward.clone()),
         text("train_town", &|row| row.trained.town.clone()),
         text("train_policy", &|row| row.trained.policy.clone()),
@@ -36,6 +37,7 @@ pub(super) fn identity(evaluation: &Evaluation, rows: usize) -> Vec<Column> {
     let count = |name: &str, value: u32| Column::new_scalar(name.into(), Scalar::from(value), rows);
     let trained = &evaluation.trained;
     vec![
+        text("run_id", &evaluation.id.to_string()),
         text("reward", &trained.reward),
         text("train_town", &trained.town),
         text("train_policy", &trained.policy),
@@ -93,8 +95,15 @@ pub(super) fn outcomes(rows: &[EpisodeRow]) -> DataFrame {
         number("pedestrian_yaw_deg", &|row| row.outcome.spawn.pedestrian.yaw.to_degrees()),
         text("digest", &|row| format!("{:016x}", row.outcome.digest)),
     ];
+    columns.push(trail(rows));
     columns.extend(verdicts(rows));
     DataFrame::new(rows.len(), columns).expect("all columns have a value for every row")
+}
+
+/// The marks on the way to a collision; missing without one.
+fn trail(rows: &[EpisodeRow]) -> Column {
+    let trail = |row: &EpisodeRow| row.outcome.is_collision().then(|| row.outcome.trail.to_string());
+    Series::new("trail".into(), rows.iter().map(trail).collect::<Vec<Option<String>>>()).into()
 }
 
 /// What reference drivers make of the collisions: missing values without one.
@@ -162,6 +171,7 @@ pub fn failure_modes(modes: &[FailureMode]) -> DataFrame {
         number("stability", &|mode| mode.stability),
         count("example_run", &|mode| mode.example.trained.run),
         count("example_episode", &|mode| mode.example.episode),
+        text("example", &|mode| format!("{}:{}", mode.example.run_id, mode.example.episode)),
     ];
     DataFrame::new(modes.len(), columns).expect("all columns have a value for every row")
 }

@@ -162,7 +162,7 @@ fn dots_legend(page: &mut String, x: f64, y: f64) {
     }
 }
 
-fn outline(page: &mut String, road: &Road, class: &str, wanted: &dyn Fn(LaneKind) -> bool) {
+pub(super) fn outline(page: &mut String, road: &Road, class: &str, wanted: &dyn Fn(LaneKind) -> bool) {
     for (index, section) in road.sections.iter().enumerate() {
         let steps = ((section.end - section.start) / STEP).ceil().max(1.0);
         for lane in section.lanes.iter().filter(|lane| lane.id != 0 && wanted(lane.kind)) {
@@ -182,7 +182,7 @@ fn outline(page: &mut String, road: &Road, class: &str, wanted: &dyn Fn(LaneKind
     }
 }
 
-fn polygon(page: &mut String, class: &str, corners: &[Point]) {
+pub(super) fn polygon(page: &mut String, class: &str, corners: &[Point]) {
     let _ = write!(page, "<polygon class=\"{class}\" points=\"");
     for corner in corners {
         let _ = write!(page, "{:.2},{:.2} ", corner.x, -corner.y);
@@ -190,6 +190,6 @@ fn polygon(page: &mut String, class: &str, corners: &[Point]) {
     page.push_str("\"/>\n");
 }
 
-fn escape(text: &str) -> String {
+pub(super) fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

@@ -2,8 +2,9 @@ use std::collections::BTreeMap;
 
 use super::gathered::MOST_COLLISIONS;
 use super::{
-    Gathered, Manifest, Metrics, ReportFolder, WriteError, failure_modes, learning_curve, learning_figures,
-    search_cell_table, search_cells, search_failures, search_summary, searches, summary, town_map,
+    Gathered, Manifest, Metrics, ReportFolder, WriteError, beside, failure_modes, learning_curve, learning_figures,
+    published, published_summary, search_cell_table, search_cells, search_failures, search_summary, searches, summary,
+    town_map, trainings_summary,
 };
 use crate::analysis;
 use crate::campaign::Finished;
@@ -66,6 +67,12 @@ pub fn write(
     }
     let cells = metrics.cells().map_err(failed("cells"))?;
     let mut page = summary(campaign, &cells, manifest);
+    page.push_str(&trainings_summary(&finished.trainings));
+    if !campaign.published.is_empty() {
+        let all = beside(&campaign.published, &cells);
+        folder.table("published", &published(&all))?;
+        page.push_str(&published_summary(&all));
+    }
     if gathered.left_out > 0 {
         let (most, more) = (MOST_COLLISIONS, gathered.left_out);
         page.push_str(&format!(

@@ -1,12 +1,8 @@
-//! An index over chords as seen from above.
-
-use rstar::primitives::{GeomWithData, Line};
-use rstar::{PointDistance, RTree};
+//! An index over chords as seen from above that answers at once.
 
 use super::chord::Chord;
+use super::chord_tree::ChordTree;
 use crate::geometry::{Point, Vector};
-
-type Leaf = GeomWithData<Line<[f64; 2]>, u32>;
 
 /// The width of a grid's cell (m).
 const CELL: f64 = 4.0;
@@ -28,7 +24,7 @@ fn reach(nearest: f64, side: f64) -> f64 {
     nearest + side * std::f64::consts::SQRT_2 + 1e-6
 }
 
-/// For each square cell the chords that are nearest to some point in it, found with an R-tree beforehand.
+/// For each square cell the chords that are nearest to some point in it, found with a tree beforehand.
 ///
 /// A question then costs a handful of distances. Points beyond the grid are left to the tree.
 pub(super) struct ChordGrid {
@@ -39,39 +35,20 @@ pub(super) struct ChordGrid {
     /// For each cell the place of its first candidate, and one more entry at the end.
     starts: Vec<u32>,
     candidates: Vec<u32>,
-    tree: RTree<Leaf>,
 }
 
 impl ChordGrid {
-    /// Indexes some of the chords.
-    pub fn new(chords: &[Chord], admitted: impl Iterator<Item = u32>) -> Self {
-        let leaf = |index: u32| {
-            let chord = &chords[index as usize];
-            let to = chord.end();
-            Leaf::new(Line::new([chord.from.x, chord.from.y], [to.x, to.y]), index)
-        };
-        let leaves: Vec<Leaf> = admitted.map(leaf).collect();
-        let ends = leaves.iter().flat_map(|leaf| [leaf.geom().from, leaf.geom().to]).map(Point::from);
-        let around = ends.fold(None, |so_far: Option<(Point, Point)>, end| {
-            Some(so_far.map_or((end, end), |(low, high)| (low.inf(&end), high.sup(&end))))
-        });
-        let tree = RTree::bulk_load(leaves);
-        let mut grid = Self {
-            origin: Point::origin(),
-            cell: CELL,
-            columns: 0,
-            rows: 0,
-            starts: vec![0],
-            candidates: Vec::new(),
-            tree,
-        };
-        if let Some((low, high)) = around {
-            grid.fill(chords, low, high - low + Vector::new(2.0 * BEYOND, 2.0 * BEYOND));
+    /// Indexes the chords of a tree.
+    pub fn new(chords: &[Chord], tree: &ChordTree) -> Self {
+        let mut grid =
+            Self { origin: Point::origin(), cell: CELL, columns: 0, rows: 0, starts: vec![0], candidates: Vec::new() };
+        if let Some((low, high)) = tree.around() {
+            grid.fill(chords, tree, low, high - low + Vector::new(2.0 * BEYOND, 2.0 * BEYOND));
         }
         grid
     }
 
-    fn fill(&mut self, chords: &[Chord], low: Point, size: Vector) {
+    fn fill(&mut self, chords: &[Chord], tree: &ChordTree, low: Point, size: Vector) {
         self.origin = low - Vector::new(BEYOND, BEYOND);
         self.cell = CELL.max((size.x * size.y / MOST_CELLS).sqrt()).max(size.max() / MOST_CELLS);
         self.columns = (size.x / self.cell).ceil() as usize;
@@ -80,7 +57,7 @@ impl ChordGrid {
         let mut parts = vec![Vec::new(); self.columns.div_ceil(PART)];
         let mut distances = Vec::new();
         for row in 0..self.rows {
-            if row % BLOCK == 0 && !self.fill_blocks(row, &mut blocks) {
+            if row % BLOCK == 0 && !self.fill_blocks(tree, row, &mut blocks) {
                 return self.give_up();
             }
             // Few of a block's candidates are left in a part of it, so that most cells look at few.
@@ -125,16 +102,14 @@ impl ChordGrid {
 
     /// Finds the candidates of each block of cells from a row on, in order, so that of two chords equally near the first one
     /// wins. Tells whether there are few enough.
-    fn fill_blocks(&self, row: usize, blocks: &mut [Vec<u32>]) -> bool {
+    fn fill_blocks(&self, tree: &ChordTree, row: usize, blocks: &mut [Vec<u32>]) -> bool {
         let (half, side) = (BLOCK as f64 / 2.0, BLOCK as f64 * self.cell);
         let mut count = 0;
         for (block, column) in blocks.iter_mut().zip((0..).step_by(BLOCK)) {
             let middle = self.origin + Vector::new(f64::from(column) + half, row as f64 + half) * self.cell;
-            let middle = [middle.x, middle.y];
-            let nearest = self.tree.nearest_neighbor(middle).map_or(0.0, |leaf| leaf.distance_2(&middle).sqrt());
-            let reach = reach(nearest, side);
+            let reach = reach(tree.distance(middle).unwrap_or(0.0), side);
             block.clear();
-            block.extend(self.tree.locate_within_distance(middle, reach * reach).map(|leaf| leaf.data));
+            block.extend(tree.within(middle, reach));
             block.sort_unstable();
             count += block.len();
             if count > MOST_CANDIDATES {
@@ -149,11 +124,11 @@ impl ChordGrid {
         (self.columns, self.rows, self.starts, self.candidates) = (0, 0, vec![0], Vec::new());
     }
 
-    /// The nearest of the chords, by its place in the list.
+    /// The nearest of the chords, by its place in the list; none beyond the grid.
     pub fn nearest(&self, chords: &[Chord], point: Point) -> Option<u32> {
         let place = (point - self.origin) / self.cell;
         if !(place.x >= 0.0 && place.y >= 0.0 && place.x < self.columns as f64 && place.y < self.rows as f64) {
-            return self.tree.nearest_neighbor([point.x, point.y]).map(|leaf| leaf.data);
+            return None;
         }
         let index = place.y as usize * self.columns + place.x as usize;
         let (mut best, mut nearest) = (None, f64::INFINITY);

@@ -72,6 +72,15 @@ impl Profile {
         self.at(s).map_or(0.0, |cubic| cubic.slope(s))
     }
 
+    /// A number that no value exceeds up to `end` (m); 0 for an empty profile.
+    pub fn bound(&self, end: f64) -> f64 {
+        let each = self.0.iter().map(|cubic| {
+            let u = (end - cubic.start).max(0.0);
+            cubic.a.abs() + u * (cubic.b.abs() + u * (cubic.c.abs() + u * cubic.d.abs()))
+        });
+        each.fold(0.0, f64::max)
+    }
+
     /// The sum of profiles, each multiplied by a factor, from `start` to `end` (m); exact, since sums of cubics are cubics.
     pub fn sum(terms: &[(&Self, f64)], start: f64, end: f64) -> Self {
         let begins = terms.iter().flat_map(|(profile, _)| &profile.0).map(|cubic| cubic.start);

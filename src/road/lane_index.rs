@@ -1,12 +1,14 @@
 //! The nearest lane, by its centre line.
 
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use rstar::RTree;
 use rstar::primitives::{GeomWithData, Line};
 
 use super::chord::{Chord, chords};
 use super::chord_grid::ChordGrid;
+use super::chord_tree::{ChordTree, first_nearest};
 use super::lane_network::LaneNetwork;
 use super::{LaneKind, Road, Waypoint};
 use crate::geometry::Point;
@@ -35,94 +37,129 @@ impl LaneFilter {
 
 type LeafInSpace = GeomWithData<Line<[f64; 3]>, u32>;
 
+/// How many questions make a tree worth its price: those before look at all chords.
+const WORTH_A_TREE: u32 = 50;
+/// How many questions make a grid worth its price; it costs as much as some thousand answers of the tree.
+const WORTH_A_GRID: u32 = 4000;
+
 /// The chords of lane centres, with an index over those of each filter.
+///
+/// All of it is made when it is asked for first: a scenario that is only checked asks little, and a driver asks in every tick.
 ///
 /// # Source
 /// CARLA `road/Map.cpp`, `GetClosestWaypointOnRoad`.
+#[derive(Default)]
 pub(super) struct LaneIndex {
-    chords: Vec<Chord>,
-    driving: OnceLock<ChordGrid>,
-    sidewalk: OnceLock<ChordGrid>,
-    any: OnceLock<ChordGrid>,
-    /// Whether all chords lie at one height, so that height does not matter.
+    chords: OnceLock<Chords>,
+    filters: [Filtered; 3],
+}
+
+struct Chords {
+    all: Vec<Chord>,
+    /// Whether all of them lie at one height, so that height does not matter.
     level: bool,
-    in_space: [OnceLock<RTree<LeafInSpace>>; 3],
+}
+
+/// What there is to find the chords of one filter with. All ways give the same answers.
+#[derive(Default)]
+struct Filtered {
+    tree: OnceLock<ChordTree>,
+    grid: OnceLock<ChordGrid>,
+    in_space: OnceLock<RTree<LeafInSpace>>,
+    questions: AtomicU32,
+}
+
+/// The lanes that are indexed.
+#[derive(Clone, Copy)]
+pub(super) struct Lanes<'a> {
+    pub roads: &'a [Road],
+    pub network: &'a LaneNetwork,
 }
 
 impl LaneIndex {
-    /// Indexes all lanes.
-    pub fn new(roads: &[Road], network: &LaneNetwork) -> Self {
-        let chords = chords(roads, network);
-        let height = chords.first().map_or(0.0, |chord| chord.height);
-        Self {
-            level: chords.iter().all(|chord| chord.height == height && chord.rise == 0.0),
-            chords,
-            driving: OnceLock::new(),
-            sidewalk: OnceLock::new(),
-            any: OnceLock::new(),
-            in_space: Default::default(),
-        }
+    fn chords(&self, lanes: Lanes) -> &Chords {
+        self.chords.get_or_init(|| {
+            let all = chords(lanes.roads, lanes.network);
+            let height = all.first().map_or(0.0, |chord| chord.height);
+            let level = all.iter().all(|chord| chord.height == height && chord.rise == 0.0);
+            Chords { all, level }
+        })
     }
 
-    /// The chords of a filter, by their places in the list.
-    fn admitted(&self, network: &LaneNetwork, filter: LaneFilter) -> impl Iterator<Item = (&Chord, u32)> {
-        self.chords.iter().zip(0..).filter(move |(chord, _)| filter.admits(network.lane(chord.slot).kind))
+    /// The tree of a filter with the chords.
+    fn tree(&self, lanes: Lanes, filter: LaneFilter) -> (&ChordTree, &[Chord]) {
+        let chords = &self.chords(lanes).all;
+        let tree = self.filters[filter as usize].tree.get_or_init(|| {
+            let admitted = admitted(chords, lanes, filter);
+            ChordTree::new(chords, admitted.map(|(_, index)| index))
+        });
+        (tree, chords)
     }
 
-    /// The grid of a filter, made when it is asked for first.
-    fn grid(&self, network: &LaneNetwork, filter: LaneFilter) -> &ChordGrid {
-        let grid = match filter {
-            LaneFilter::Driving => &self.driving,
-            LaneFilter::Sidewalk => &self.sidewalk,
-            LaneFilter::Any => &self.any,
-        };
-        grid.get_or_init(|| ChordGrid::new(&self.chords, self.admitted(network, filter).map(|(_, index)| index)))
+    /// Makes the grid of a filter, which answers fastest and allocates nothing.
+    pub fn prepare(&self, lanes: Lanes, filter: LaneFilter) {
+        let (tree, chords) = self.tree(lanes, filter);
+        self.filters[filter as usize].grid.get_or_init(|| ChordGrid::new(chords, tree));
     }
 
     /// The place on the nearest chord; none without lanes of that sort, or for a point that is not finite.
-    pub fn nearest(&self, network: &LaneNetwork, point: Point, filter: LaneFilter) -> Option<Waypoint> {
+    pub fn nearest(&self, lanes: Lanes, point: Point, filter: LaneFilter) -> Option<Waypoint> {
         if !point.x.is_finite() || !point.y.is_finite() {
             return None;
         }
-        let grid = self.grid(network, filter);
-        Some(self.place(network, grid.nearest(&self.chords, point)? as usize, point))
+        let found = &self.filters[filter as usize];
+        let chords = &self.chords(lanes).all;
+        let index = match found.grid.get() {
+            Some(grid) => grid.nearest(chords, point).or_else(|| self.tree(lanes, filter).0.nearest(chords, point))?,
+            None => match found.questions.fetch_add(1, Ordering::Relaxed) {
+                ..WORTH_A_TREE => {
+                    first_nearest(chords, admitted(chords, lanes, filter).map(|(_, index)| index), point)?
+                }
+                WORTH_A_TREE..WORTH_A_GRID => self.tree(lanes, filter).0.nearest(chords, point)?,
+                WORTH_A_GRID.. => {
+                    self.prepare(lanes, filter);
+                    return self.nearest(lanes, point, filter);
+                }
+            },
+        };
+        Some(place(&chords[index as usize], lanes, point))
     }
 
     /// The place on the chord nearest in space; none without lanes of that sort, or for a place that is not finite.
-    pub fn nearest_in_space(
-        &self,
-        network: &LaneNetwork,
-        point: Point,
-        height: f64,
-        filter: LaneFilter,
-    ) -> Option<Waypoint> {
-        if self.level || !height.is_finite() {
-            return self.nearest(network, point, filter).filter(|_| height.is_finite());
+    pub fn nearest_in_space(&self, lanes: Lanes, point: Point, height: f64, filter: LaneFilter) -> Option<Waypoint> {
+        let chords = self.chords(lanes);
+        if chords.level || !height.is_finite() {
+            return self.nearest(lanes, point, filter).filter(|_| height.is_finite());
         }
-        let tree = self.in_space[filter as usize].get_or_init(|| {
+        let tree = self.filters[filter as usize].in_space.get_or_init(|| {
             let leaf = |(chord, index): (&Chord, u32)| {
                 let end = chord.end();
                 let ends = [[chord.from.x, chord.from.y, chord.height], [end.x, end.y, chord.height + chord.rise]];
                 LeafInSpace::new(Line::new(ends[0], ends[1]), index)
             };
-            RTree::bulk_load(self.admitted(network, filter).map(leaf).collect())
+            RTree::bulk_load(admitted(&chords.all, lanes, filter).map(leaf).collect())
         });
         if !point.x.is_finite() || !point.y.is_finite() {
             return None;
         }
-        Some(self.place(network, tree.nearest_neighbor([point.x, point.y, height])?.data as usize, point))
+        let index = tree.nearest_neighbor([point.x, point.y, height])?.data;
+        Some(place(&chords.all[index as usize], lanes, point))
     }
+}
 
-    /// The place on a chord that was found to be the nearest: as in CARLA the nearest one as seen from above, even where the
-    /// chord was chosen in space.
-    fn place(&self, network: &LaneNetwork, index: usize, point: Point) -> Waypoint {
-        let chord = &self.chords[index];
-        network.lane(chord.slot).waypoint(chord.s(chord.project(point)))
-    }
+/// The chords of a filter, by their places in the list.
+fn admitted<'a>(chords: &'a [Chord], lanes: Lanes<'a>, filter: LaneFilter) -> impl Iterator<Item = (&'a Chord, u32)> {
+    chords.iter().zip(0..).filter(move |(chord, _)| filter.admits(lanes.network.lane(chord.slot).kind))
+}
+
+/// The place on a chord that was found to be the nearest: as in CARLA the nearest one as seen from above, even where the
+/// chord was chosen in space.
+fn place(chord: &Chord, lanes: Lanes, point: Point) -> Waypoint {
+    lanes.network.lane(chord.slot).waypoint(chord.s(chord.project(point)))
 }
 
 impl std::fmt::Debug for LaneIndex {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "LaneIndex({} chords)", self.chords.len())
+        write!(f, "LaneIndex({} chords)", self.chords.get().map_or(0, |chords| chords.all.len()))
     }
 }

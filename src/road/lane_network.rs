@@ -218,6 +218,11 @@ impl LaneNetwork {
         lane.width.value(s)
     }
 
+    /// A width that a lane exceeds nowhere (m).
+    pub fn greatest_width(&self, lane: &NetworkLane) -> f64 {
+        lane.width.bound(lane.end)
+    }
+
     /// The centre of a lane, heading along its driving direction.
     pub fn pose(&self, roads: &[Road], lane: &NetworkLane, s: f64) -> Pose {
         let line = roads[lane.road.0 as usize].plan_view.point(s);

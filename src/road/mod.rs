@@ -16,6 +16,7 @@ mod waypoint;
 mod hash_order;
 mod lane_network;
 mod chord;
+mod chord_tree;
 mod chord_grid;
 mod lane_index;
 mod town;

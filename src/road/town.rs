@@ -1,6 +1,6 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::lane_index::{LaneFilter, LaneIndex};
+use super::lane_index::{LaneFilter, LaneIndex, Lanes};
 use super::lane_network::LaneNetwork;
 use super::opendrive::OpenDriveWarning;
 use super::{
@@ -62,7 +62,6 @@ impl Town {
     /// Indexes the parts. Links that lead nowhere are ignored.
     pub fn new(parts: TownParts) -> Self {
         let network = LaneNetwork::new(&parts.roads, &parts.junctions);
-        let index = LaneIndex::new(&parts.roads, &network);
         let driving = network.lanes().iter().filter(|lane| lane.kind == LaneKind::Driving && !lane.in_junction);
         let stretch = |lane: &super::lane_network::NetworkLane| LaneStretch {
             start: lane.waypoint(lane.driving_ends().0),
@@ -81,7 +80,7 @@ impl Town {
             obstacles,
             warnings,
             network,
-            index,
+            index: LaneIndex::default(),
             driving_lanes,
             bounds,
             route_planners: Mutex::default(),
@@ -160,7 +159,7 @@ impl Town {
     /// # Source
     /// CARLA `road/Map.cpp`, `GetClosestWaypointOnRoad`, in the plane: the same answers where all roads are level.
     pub fn nearest_lane(&self, point: Point, filter: LaneFilter) -> Option<Waypoint> {
-        self.index.nearest(&self.network, point, filter)
+        self.index.nearest(self.lanes(), point, filter)
     }
 
     /// The place on the lane whose centre line is nearest to a point at a height (m), whatever the lanes' widths: where roads
@@ -169,7 +168,25 @@ impl Town {
     /// # Source
     /// CARLA `road/Map.cpp`, `GetClosestWaypointOnRoad`.
     pub fn nearest_lane_in_space(&self, point: Point, height: f64, filter: LaneFilter) -> Option<Waypoint> {
-        self.index.nearest_in_space(&self.network, point, height, filter)
+        self.index.nearest_in_space(self.lanes(), point, height, filter)
+    }
+
+    fn lanes(&self) -> Lanes<'_> {
+        Lanes { roads: &self.roads, network: &self.network }
+    }
+
+    /// Makes what answers look-ups of nearest lanes fastest; otherwise that happens after some thousand of them, in the middle
+    /// of one. The answers are the same.
+    pub fn prepare(&self) {
+        for filter in [LaneFilter::Driving, LaneFilter::Sidewalk, LaneFilter::Any] {
+            self.index.prepare(self.lanes(), filter);
+        }
+    }
+
+    /// A width that no driving lane exceeds anywhere (m).
+    pub fn widest_driving_lane(&self) -> f64 {
+        let driving = self.network.lanes().iter().filter(|lane| lane.kind == LaneKind::Driving);
+        driving.map(|lane| self.network.greatest_width(lane)).fold(0.0, f64::max)
     }
 
     /// All driving lanes of all sections outside junctions.

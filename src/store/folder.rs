@@ -138,7 +138,7 @@ impl Store {
         let put = || -> io::Result<()> {
             let parent = path.parent().expect("a file of the store is in a folder");
             fs::create_dir_all(parent)?;
-            let mut draft = tempfile::NamedTempFile::new_in(work.path()?)?;
+            let mut draft = readable(&mut tempfile::Builder::new()).tempfile_in(work.path()?)?;
             draft.write_all(bytes)?;
             if sync {
                 draft.as_file().sync_all()?;
@@ -236,6 +236,18 @@ impl Store {
     fn campaign_path(&self, name: &str) -> PathBuf {
         self.root.join("campaigns").join(format!("{name}.json"))
     }
+}
+
+/// What is made as temporary is for its owner alone; cells are for everyone who may read their folder.
+#[cfg(unix)]
+fn readable<'a, 'b, 'c>(builder: &'a mut tempfile::Builder<'b, 'c>) -> &'a mut tempfile::Builder<'b, 'c> {
+    use std::os::unix::fs::PermissionsExt;
+    builder.permissions(fs::Permissions::from_mode(0o644))
+}
+
+#[cfg(not(unix))]
+fn readable<'a, 'b, 'c>(builder: &'a mut tempfile::Builder<'b, 'c>) -> &'a mut tempfile::Builder<'b, 'c> {
+    builder
 }
 
 fn is_id(name: &str) -> bool {

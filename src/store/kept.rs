@@ -180,7 +180,9 @@ impl Keeper for Kept<'_> {
         let cell = Cell::Chunk { evaluation, chunk };
         match self.store.read(self.id(cell)) {
             Found::Whole(header, bytes) if header.state != State::Failed => {
-                self.take_over(cell, header.seconds, bytes);
+                if header.done < self.campaign.evaluations[evaluation].chunk(chunk).len() as u64 {
+                    self.take_over(cell, header.seconds, bytes);
+                }
                 header.done as u32
             }
             _ => 0,

@@ -74,9 +74,9 @@ fn a_tick_allocates_nothing_with_any_driver() {
                 recording.decide(command);
                 env.set_out(command);
                 while env.tick().is_none() {
-                    recording.watch(env.world(), env.contact());
+                    recording.watch(env.world(), env.contact(), env.driven());
                 }
-                recording.watch(env.world(), env.contact());
+                recording.watch(env.world(), env.contact(), env.driven());
             }
             ALLOCATIONS.get() - before
         };

@@ -7,6 +7,7 @@ use falsify::compile::{Catalog, compile};
 use falsify::diagnostic::Sources;
 use falsify::lang::Reader;
 use falsify::lang::mistakes::mistakes;
+use falsify::lang::words::WORDS;
 
 /// Reads an example in place of a file, and the suite's files.
 struct Example {
@@ -110,6 +111,29 @@ fn every_form_kind_block_and_key_is_explained() {
             && explain(&["events"]).contains("on hit")
             && explain(&["variables"]).contains("v_c")
     );
+}
+
+#[test]
+fn words_events_and_variables_are_explained_and_the_examples_are_right() {
+    let catalog = Catalog::builtin();
+    let explain = |words: &[&str]| {
+        let words: Vec<String> = words.iter().map(|word| (*word).to_string()).collect();
+        catalog.explain(&words).unwrap_or_else(|error| panic!("{error}"))
+    };
+    for word in WORDS {
+        assert!(explain(&[word.name]).contains(word.text), "{}", word.name);
+        assert_eq!(raised(word.example), BTreeSet::new(), "{}", word.name);
+    }
+    let known: BTreeSet<&str> = WORDS.iter().map(|word| word.name).collect();
+    assert!(falsify::lang::distributions().all(|name| known.contains(name)));
+    for event in &catalog.vocabulary.events {
+        assert!(explain(&[event.name]).contains(event.doc) && explain(&["on", event.name]).contains(event.doc));
+    }
+    for variable in &catalog.vocabulary.variables {
+        assert!(explain(&[variable.name]).contains(variable.doc));
+    }
+    assert!(explain(&["distance"]).contains("spawn name"), "a key of that name is shown as well");
+    assert!(!catalog.forms.iter().any(|form| catalog.vocabulary.events.iter().any(|event| event.name == form.name)));
 }
 
 #[test]

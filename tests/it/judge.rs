@@ -138,7 +138,7 @@ fn run_out(obstacles: &[OrientedBox], speed: impl Fn(f64) -> f64) -> (Scenario, 
         if tick == 0 {
             recording.begin(&world);
         } else {
-            recording.watch(&world, (tick == 60).then_some(&contact));
+            recording.watch(&world, (tick == 60).then_some(&contact), Default::default());
         }
     }
     (scenario, recording)

@@ -43,7 +43,7 @@ fn obvious(falsifiers: &str, budget: u64, runs: u32) -> Campaign {
 }
 
 fn run(campaign: &Campaign) -> Vec<SearchResult> {
-    campaign::run(campaign, &Seed::root(5), &Silent).searches
+    campaign::run(campaign, &Seed::root(5), &campaign::InMemory::default(), &Silent).searches
 }
 
 #[test]

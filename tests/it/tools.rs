@@ -156,6 +156,68 @@ fn every_step_of_a_file_can_be_looked_at() {
     assert_eq!(falsify(&["debug", "ast", "none.scn"], folder.path()).status.code(), Some(2));
 }
 
+const CROWDED: &str = "edition 1
+import \"std/paper.scn\"
+import \"std/drivers.scn\"
+import harbour, village from \"std/towns.scn\"
+param least: angle = 1 deg
+spawn there { require: [facing > least and facing < 2 deg] }
+campaign c {
+  vehicle: model3 adversary: suicidal spawn: there episode: thirty_seconds training: ppo_paper
+  train { towns: [harbour] policies: [behavior] rewards: [r1] runs: 1 }
+}
+";
+
+#[test]
+fn beginnings_are_sampled_for_programs_too_and_where_nobody_can_be_placed() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.scn"), CROWDED).unwrap();
+    let wide = ["--set", "least=-100 deg", "--sample", "50", "a.scn"];
+    let output = falsify(&[&["check", "--format", "json"], &wide[..]].concat(), folder.path());
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let sample: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(
+        (&sample["campaign"], &sample["spawn"], &sample["town"]),
+        (&"c".into(), &"there".into(), &"harbour".into())
+    );
+    assert_eq!((&sample["tried"], sample["constraints"].as_array().unwrap().len()), (&50.into(), 2));
+    assert!(
+        sample["accepted"].as_u64().unwrap() > 5 && folder.path().join(sample["picture"].as_str().unwrap()).exists()
+    );
+    // Nobody can be placed, which is an error, and shown with what stands in the way.
+    let output = falsify(&["check", "--sample", "50", "a.scn"], folder.path());
+    let (text, errors) = said(&output);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(errors.contains("error[unplaceable]") && errors.contains("1 error found"), "{errors}");
+    assert!(text.contains("there in harbour: ") && text.contains("%  require: facing"), "{text}");
+    let output = falsify(&["check", "--format", "json", "--sample", "50", "a.scn"], folder.path());
+    let lines: Vec<Value> = said(&output).0.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(
+        (output.status.code(), &lines[0]["code"], &lines[1]["tried"]),
+        (Some(3), &"unplaceable".into(), &50.into())
+    );
+    assert_eq!(
+        falsify(&["check", "--format", "sarif", "--sample", "5", "a.scn"], folder.path()).status.code(),
+        Some(2)
+    );
+}
+
+#[test]
+fn imported_towns_are_drawn_and_what_is_given_outside_is_looked_at() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.scn"), CROWDED.replace("1 deg", "-100 deg")).unwrap();
+    let output = falsify(&["map", "a.scn"], folder.path());
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    assert!(["harbour.svg", "village.svg"].iter().all(|name| folder.path().join(name).exists()));
+    let shown = |setting: &str| {
+        let output = falsify(&["debug", "hir", "--set", setting, "a.scn"], folder.path());
+        (output.status.code(), said(&output).0)
+    };
+    let (code, text) = shown("thirty_seconds.ticks=123");
+    assert!(code == Some(0) && text.contains("123"), "{text}");
+    assert_eq!(shown("nobody=1").0, Some(3));
+}
+
 #[test]
 fn explanations_are_printed() {
     let folder = tempfile::tempdir().unwrap();
@@ -170,7 +232,7 @@ fn explanations_are_printed() {
 fn every_command_shows_examples_and_is_completed() {
     let folder = tempfile::tempdir().unwrap();
     let script = said(&falsify(&["completions", "bash"], folder.path())).0;
-    for command in ["run", "check", "fmt", "explain", "new", "debug", "lsp", "map", "config", "completions"] {
+    for command in ["run", "check", "fmt", "explain", "new", "debug", "lsp", "map", "config", "merge", "status", "completions"] {
         let (help, _) = said(&falsify(&[command, "--help"], folder.path()));
         assert!(help.contains("Examples") && help.contains(&format!("falsify {command}")), "{command}: {help}");
         assert!(

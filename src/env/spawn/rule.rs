@@ -73,8 +73,9 @@ impl SpawnRule {
     pub fn probe(&self, town: &Town, obstacles: &Obstacles, stream: &mut Stream) -> Result<(), SpawnError> {
         self.ego_start.check(town)?;
         let mut around = |ego: &mut dyn FnMut(&mut Stream) -> Pose| {
-            let survey = self.survey_from(ego, town, obstacles, FirstHeading::Random, PROBES, stream);
-            if survey.accepted * ONE_IN >= PROBES {
+            let count = (PROBES, PROBES / ONE_IN);
+            let survey = self.survey_from(ego, town, obstacles, FirstHeading::Random, count, stream);
+            if survey.accepted >= PROBES / ONE_IN {
                 return Ok(());
             }
             let (worst, worst_passed) = survey.worst().unwrap_or_default();
@@ -85,6 +86,11 @@ impl SpawnRule {
             EgoStart::Poses(poses) => poses.iter().try_for_each(|pose| around(&mut |_| *pose)),
             start => around(&mut |stream| start.sample(town, stream)),
         }
+    }
+
+    /// Whether the ego has somewhere to begin in a town; else nothing can be drawn there.
+    pub fn begins_in(&self, town: &Town) -> bool {
+        self.ego_start.check(town).is_ok()
     }
 
     /// The rule with the nearest of its distances only: a tenth of them at a share of 0, all at 1, for which it gives none. It

@@ -36,17 +36,17 @@ impl SpawnRule {
         stream: &mut Stream,
     ) -> Survey {
         let each = |stream: &mut Stream| self.ego_start.sample(town, stream);
-        self.survey_from(&mut { each }, town, obstacles, first, count, stream)
+        self.survey_from(&mut { each }, town, obstacles, first, (count, count), stream)
     }
 
-    /// Does as [`SpawnRule::survey`], with the ego where it is told.
+    /// Does as [`SpawnRule::survey`], with the ego where it is told; ends early when enough are accepted.
     pub(super) fn survey_from(
         &self,
         ego: &mut dyn FnMut(&mut Stream) -> Pose,
         town: &Town,
         obstacles: &Obstacles,
         first: FirstHeading,
-        count: u32,
+        (count, enough): (u32, u32),
         stream: &mut Stream,
     ) -> Survey {
         let shaped = self.road_shape != super::RoadShape::Any;
@@ -57,7 +57,9 @@ impl SpawnRule {
         names.extend(self.constraints.iter().map(ToString::to_string));
         let mut passed = vec![0; names.len()];
         let mut spawns = Vec::new();
-        for _ in 0..count {
+        let mut tried = 0;
+        while tried < count && (spawns.len() as u32) < enough {
+            tried += 1;
             let ego = ego(stream);
             let place = self.place(&ego, stream);
             let spawn = self.complete(&ego, place, first, stream);
@@ -73,6 +75,6 @@ impl SpawnRule {
             }
         }
         let constraints = names.into_iter().zip(passed).collect();
-        Survey { tried: count, accepted: spawns.len() as u32, constraints, spawns }
+        Survey { tried, accepted: spawns.len() as u32, constraints, spawns }
     }
 }

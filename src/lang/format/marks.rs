@@ -46,7 +46,7 @@ impl Marks {
             Rule::junk_item | Rule::junk_entry => return false,
             Rule::name => Some(Leaf::Name),
             Rule::number | Rule::unit | Rule::text => Some(Leaf::Literal),
-            Rule::negative => Some(Leaf::Prefix),
+            Rule::prefix if pair.as_str() == "-" => Some(Leaf::Prefix),
             Rule::doc => Some(Leaf::Doc),
             _ => None,
         };

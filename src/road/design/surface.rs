@@ -47,24 +47,33 @@ impl Tile {
 #[derive(Debug)]
 pub(super) struct Surfaces {
     roads: Vec<Vec<Tile>>,
+    /// Upright rectangles around the roads: opposite corners.
+    around: Vec<(Point, Point)>,
     /// The middles of the junctions, with the node's place in the design.
     middles: Vec<(usize, Tile)>,
 }
 
 impl Surfaces {
     pub fn new(design: &TownDesign, layout: &Layout, network: &Network) -> Self {
-        Self { roads: network.roads.iter().map(tiles).collect(), middles: middles(design, layout) }
+        let roads: Vec<Vec<Tile>> = network.roads.iter().map(tiles).collect();
+        Self { around: roads.iter().map(|road| around(road)).collect(), roads, middles: middles(design, layout) }
     }
 
     /// Whether anything that is a road or the middle of a junction lies under a tile.
     pub fn lie_under(&self, tile: &Tile) -> bool {
-        self.roads.iter().flatten().chain(self.middles.iter().map(|(_, middle)| middle)).any(|own| own.overlaps(tile))
+        let here = around(std::slice::from_ref(tile));
+        let near = self.roads.iter().zip(&self.around).filter(|(_, around)| !apart(here, **around));
+        near.flat_map(|(road, _)| road).any(|own| own.overlaps(tile))
+            || self.middles.iter().any(|(_, middle)| middle.overlaps(tile))
     }
 
     /// Finds roads on top of each other that have no node in common.
     pub fn find_overlaps(&self, network: &Network, faults: &mut Vec<DesignError>) {
         for first in 0..self.roads.len() {
             for second in first + 1..self.roads.len() {
+                if apart(self.around[first], self.around[second]) {
+                    continue;
+                }
                 let nodes = network.nodes[second];
                 if network.nodes[first].iter().any(|node| nodes.contains(node)) {
                     continue;
@@ -104,6 +113,19 @@ fn is_known(faults: &[DesignError], names: [&str; 2]) -> bool {
         }
         _ => false,
     })
+}
+
+/// Opposite corners of an upright rectangle around tiles.
+fn around(tiles: &[Tile]) -> (Point, Point) {
+    let none = (Point::new(f64::INFINITY, f64::INFINITY), Point::new(f64::NEG_INFINITY, f64::NEG_INFINITY));
+    tiles.iter().fold(none, |(low, high), tile| {
+        let reach = Vector::new(tile.radius, tile.radius);
+        (low.inf(&(tile.centre - reach)), high.sup(&(tile.centre + reach)))
+    })
+}
+
+fn apart(first: (Point, Point), second: (Point, Point)) -> bool {
+    (0..2).any(|axis| first.1[axis] < second.0[axis] || second.1[axis] < first.0[axis])
 }
 
 fn common_place(first: &[Tile], second: &[Tile]) -> Option<Point> {

@@ -1,0 +1,79 @@
+use super::plan::{Published, PublishedCell, PublishedFigure};
+use crate::diagnostic::Diagnostic;
+use crate::lang::codes;
+use crate::lang::hir::{Block, Declaration, Program};
+use crate::signature::{DeclarationId, Form, Param, Signature, Type};
+use crate::units::Dimension;
+
+/// The figures that can stand beside ours: the column of `cells`, the keys of mean and spread, and what it is.
+const FIGURES: [(&str, &str, &str, &str); 6] = [
+    ("collision_rate", "collision", "collision_sd", "Collisions of all episodes."),
+    ("front_rate", "front", "front_sd", "Frontal collisions of all collisions."),
+    ("moving_rate", "moving", "moving_sd", "Collisions with a moving car of all episodes."),
+    ("episode_reward", "reward_mean", "reward_sd", "Reward of an episode."),
+    ("episode_length_s", "length", "length_sd", "Length of an episode (s)."),
+    ("impact_speed_mps", "impact_speed", "impact_speed_sd", "Speed of the car at a collision (m/s)."),
+];
+/// What the spreads are called in the reference.
+const SPREAD: &str = "Sample standard deviation of that over the published runs.";
+
+/// The form `published`.
+pub fn form() -> Form {
+    let names = |form| Type::List(Box::new(Type::Reference(form)));
+    let mut cell = vec![
+        Param::required("rewards", names("reward"), "Rewards that this cell is for."),
+        Param::required("towns", names("town"), "Towns that its pedestrians were tried in."),
+        Param::required("policies", names("policy"), "Drivers that they were tried against."),
+    ];
+    for (_, mean, spread, doc) in FIGURES {
+        cell.push(Param::optional(mean, Type::any(Dimension::RATIO), doc));
+        cell.push(Param::optional(spread, Type::non_negative(Dimension::RATIO), SPREAD));
+    }
+    let params = vec![
+        Param::required("source", Type::Text, "Where the figures are from, for the report."),
+        Param::with_default(
+            "runs",
+            Type::Integer { min: 1, max: 1_000_000 },
+            "3",
+            "How many trainings the figures are averaged over.",
+        ),
+    ];
+    let cells = Signature::new("cell", "Figures of one cell of a published table, as they are printed.", cell);
+    Form {
+        name: "published",
+        doc: "Figures that others have published, to stand beside those of a campaign that names them.",
+        plain: Some(Signature { children: vec![cells], ..Signature::new("published", "", params) }),
+        multiplies: false,
+        kinds: Vec::new(),
+    }
+}
+
+/// The figures of a declaration.
+pub fn lower(declaration: &Declaration, program: &Program, said: &mut Vec<Diagnostic>) -> Published {
+    let arguments = &declaration.block.arguments;
+    Published {
+        source: arguments.text("source").to_string(),
+        runs: arguments.integer("runs") as u32,
+        cells: declaration.block.nested("cell").map(|block| cell(block, program, said)).collect(),
+    }
+}
+
+fn cell(block: &Block, program: &Program, said: &mut Vec<Diagnostic>) -> PublishedCell {
+    let arguments = &block.arguments;
+    for (_, mean, spread, _) in FIGURES {
+        if arguments.has(spread) && !arguments.has(mean) {
+            let message = format!("`{spread}` is the spread of `{mean}`, which is not given");
+            said.push(codes::contradiction(block.place(spread), message));
+        }
+    }
+    let name = |id: DeclarationId| program.get(id).name.clone();
+    let names = |key| arguments.references(key).into_iter().map(name).collect();
+    let given = |key| arguments.has(key).then(|| arguments.number(key));
+    let figure = |(column, mean, spread, _)| Some(PublishedFigure { column, mean: given(mean)?, sd: given(spread) });
+    PublishedCell {
+        rewards: names("rewards"),
+        towns: names("towns"),
+        policies: names("policies"),
+        figures: FIGURES.into_iter().filter_map(figure).collect(),
+    }
+}

@@ -1,0 +1,170 @@
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+/// Most marks that are kept.
+const MOST: usize = 32;
+
+/// Marks on the way of an episode, by which two that differ in the end are found to differ from somewhere on: a byte of the
+/// digest after each of its decisions, after each second one where there are more than 32 of them, and so on.
+///
+/// In tables it is the number of decisions from mark to mark, a colon, and two hexadecimal digits for each mark.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "String", try_from = "String")]
+pub struct Trail {
+    marks: [u8; MOST],
+    length: u8,
+    /// Decisions from mark to mark.
+    stride: u32,
+    /// Decisions so far.
+    decisions: u32,
+}
+
+impl Default for Trail {
+    fn default() -> Self {
+        Self { marks: [0; MOST], length: 0, stride: 1, decisions: 0 }
+    }
+}
+
+impl Trail {
+    /// Notes the digest after a decision.
+    pub fn mark(&mut self, digest: u64) {
+        self.decisions += 1;
+        if !self.decisions.is_multiple_of(self.stride) {
+            return;
+        }
+        if usize::from(self.length) == MOST {
+            self.thin();
+            if !self.decisions.is_multiple_of(self.stride) {
+                return;
+            }
+        }
+        // The last step of the hash is a product, whose high bits hang on all of its input.
+        self.marks[usize::from(self.length)] = (digest >> 56) as u8;
+        self.length += 1;
+    }
+
+    /// Drops every other mark.
+    fn thin(&mut self) {
+        for kept in 0..MOST / 2 {
+            self.marks[kept] = self.marks[2 * kept + 1];
+        }
+        self.length = (MOST / 2) as u8;
+        self.stride *= 2;
+    }
+
+    /// The marks in order.
+    fn marks(&self) -> &[u8] {
+        &self.marks[..usize::from(self.length)]
+    }
+
+    /// The decisions between which two episodes are first seen to part: they agree after the first of the two and differ
+    /// after the second, counted from 1. None when all common marks agree.
+    ///
+    /// One mark in 256 agrees by chance.
+    pub fn parting(&self, other: &Self) -> Option<(u32, u32)> {
+        let stride = self.stride.max(other.stride);
+        let at = |trail: &Self, number: u32| {
+            let place = (number * stride / trail.stride).checked_sub(1)?;
+            trail.marks().get(place as usize).copied()
+        };
+        let mut number = 1;
+        while let (Some(ours), Some(theirs)) = (at(self, number), at(other, number)) {
+            if ours != theirs {
+                return Some(((number - 1) * stride, number * stride));
+            }
+            number += 1;
+        }
+        None
+    }
+}
+
+impl fmt::Display for Trail {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:", self.stride)?;
+        self.marks().iter().try_for_each(|mark| write!(f, "{mark:02x}"))
+    }
+}
+
+impl From<Trail> for String {
+    fn from(trail: Trail) -> Self {
+        trail.to_string()
+    }
+}
+
+impl TryFrom<String> for Trail {
+    type Error = &'static str;
+
+    fn try_from(text: String) -> Result<Self, Self::Error> {
+        text.parse().map_err(|()| "no trail of an episode")
+    }
+}
+
+impl FromStr for Trail {
+    type Err = ();
+
+    fn from_str(text: &str) -> Result<Self, ()> {
+        let (stride, digits) = text.split_once(':').ok_or(())?;
+        let stride: u32 = stride.parse().map_err(|_| ())?;
+        let length = digits.len() / 2;
+        let hexadecimal = digits.bytes().all(|byte| byte.is_ascii_hexdigit());
+        if !stride.is_power_of_two() || digits.len() % 2 == 1 || length > MOST || !hexadecimal {
+            return Err(());
+        }
+        let decisions = stride.checked_mul(length as u32).ok_or(())?;
+        let mut trail = Self { marks: [0; MOST], length: length as u8, stride, decisions };
+        for (place, mark) in trail.marks[..length].iter_mut().enumerate() {
+            *mark = u8::from_str_radix(&digits[2 * place..2 * place + 2], 16).map_err(|_| ())?;
+        }
+        Ok(trail)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A trail of so many decisions whose digests change from `from` on.
+    fn trail(decisions: u32, from: u32) -> Trail {
+        let mut trail = Trail::default();
+        for decision in 1..=decisions {
+            let other = u64::from(decision >= from);
+            trail.mark((u64::from(decision) * 2 + other).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        }
+        trail
+    }
+
+    #[test]
+    fn the_parting_is_found_between_two_marks_whatever_the_lengths() {
+        for decisions in [1, 5, 31, 32, 33, 64, 65, 200, 3000] {
+            let whole = trail(decisions, u32::MAX);
+            let stride = decisions.div_ceil(MOST as u32).next_power_of_two();
+            assert!(whole.stride <= stride && whole.marks().len() as u32 == decisions / whole.stride, "{decisions}");
+            assert_eq!(whole.parting(&whole), None);
+            for from in [1, 2, decisions / 2 + 1] {
+                let Some((same, other)) = whole.parting(&trail(decisions, from)) else { continue };
+                assert!(same < from && from <= other && other - same == whole.stride, "{decisions} {from}");
+            }
+            let longer = trail(decisions + 40, decisions / 2 + 1);
+            if let Some((same, other)) = whole.parting(&longer) {
+                assert!(same <= decisions / 2 && decisions / 2 < other, "{decisions}: {same}..{other}");
+            }
+        }
+        assert_eq!(trail(10, 4).parting(&trail(10, u32::MAX)), Some((3, 4)));
+    }
+
+    #[test]
+    fn it_returns_from_its_text_and_damage_is_noticed() {
+        for decisions in [0, 1, 30, 100] {
+            let trail = trail(decisions, u32::MAX);
+            let again: Trail = trail.to_string().parse().unwrap();
+            assert_eq!((again.to_string(), again.parting(&trail)), (trail.to_string(), None));
+        }
+        for text in ["", "1", "1:a", "3:aa", "0:aa", "1:zz", "1:+a", &format!("1:{}", "00".repeat(33)), "é:aa", "1:é"]
+        {
+            assert_eq!(text.parse::<Trail>(), Err(()), "{text}");
+        }
+        assert!("2147483648:aaaa".parse::<Trail>().is_err(), "too many decisions to count");
+    }
+}

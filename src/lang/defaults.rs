@@ -1,0 +1,58 @@
+//! The defaults of signatures: written as in a file, each read once for all files and all their variants.
+
+use std::collections::BTreeMap;
+
+use super::ast::Expression;
+use super::names::Names;
+use super::parse::parse_value;
+use super::value::{Context, value};
+use crate::diagnostic::Sources;
+use crate::signature::{Param, Type, Value, Vocabulary};
+
+/// What the language offers formulas, and the defaults that have been read with it.
+#[derive(Debug)]
+pub struct Defaults<'f> {
+    vocabulary: &'f Vocabulary,
+    sources: Sources,
+    /// By their text, of which many keys have the same.
+    written: BTreeMap<&'static str, Expression>,
+    /// By the address of the parameter, which is borrowed as long.
+    known: BTreeMap<*const Param, Value>,
+}
+
+impl<'f> Defaults<'f> {
+    /// Begins with none.
+    pub fn new(vocabulary: &'f Vocabulary) -> Self {
+        Self { vocabulary, sources: Sources::default(), written: BTreeMap::new(), known: BTreeMap::new() }
+    }
+
+    pub(super) fn vocabulary(&self) -> &'f Vocabulary {
+        self.vocabulary
+    }
+
+    /// The default `text` of a key, for a file that sees these names.
+    pub(super) fn value(&mut self, param: &'f Param, text: &'static str, names: &Names) -> Value {
+        if let Type::Reference(form) = param.ty {
+            // A default declaration is one of the standard library's, and may not be imported.
+            return names.find(form, text).map_or(Value::Absent, Value::Reference);
+        }
+        if let Some(known) = self.known.get(&std::ptr::from_ref(param)) {
+            return known.clone();
+        }
+        let value = self.read(param, text);
+        self.known.insert(param, value.clone());
+        value
+    }
+
+    fn read(&mut self, param: &Param, text: &'static str) -> Value {
+        let written = self.written.entry(text).or_insert_with(|| {
+            let source = self.sources.add("<default>", text);
+            parse_value(source, text).unwrap_or_else(|said| panic!("the default of `{}`: {said:?}", param.name))
+        });
+        let mut diagnostics = Vec::new();
+        let names = Names::default();
+        let context = Context { vocabulary: self.vocabulary, names: &names, sources: &self.sources };
+        let checked = value(written, &param.ty, &context, &mut diagnostics);
+        checked.unwrap_or_else(|| panic!("the default of `{}` does not fit its type: {diagnostics:?}", param.name))
+    }
+}

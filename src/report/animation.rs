@@ -1,0 +1,165 @@
+use std::fmt::Write;
+
+use super::account::BRAKING;
+use super::stage::{STYLE, Stage};
+use super::town_map::escape;
+use crate::env::{Moment, Recording, Scenario};
+use crate::judge::Verdict;
+
+/// Width of the scene and the space around it (px).
+const WIDE: f64 = 760.0;
+const EDGE: f64 = 24.0;
+/// Height of the titles and of the speeds below (px).
+const HEAD: f64 = 62.0;
+const CHART: f64 = 90.0;
+/// How long the last moment is seen before it begins again (s).
+const PAUSE: f64 = 1.5;
+
+/// Draws an episode as a picture that moves, in the time in which it happened. It plays in a browser, without any script.
+///
+/// `title` and `subtitle` say which it is.
+pub fn animation(
+    scenario: &Scenario,
+    recording: &Recording,
+    verdict: Option<&Verdict>,
+    title: &str,
+    subtitle: &str,
+) -> String {
+    let stage = Stage::new(scenario, recording, verdict);
+    let (first, last) = stage.span();
+    let tall = WIDE * stage.size().y / stage.size().x;
+    let (width, chart) = (WIDE + 2.0 * EDGE, HEAD + tall + 40.0);
+    let height = chart + CHART + 40.0;
+    let clock = Clock::new(&stage);
+    let mut page = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height:.0}\" width=\"{width}\" height=\"{height:.0}\">\n\
+         <title>{0}</title>\n<style>{STYLE}</style>\n<rect class=\"paper\" width=\"{width}\" height=\"{height:.0}\"/>\n\
+         <text class=\"title\" x=\"{EDGE}\" y=\"30\">{0}</text>\n<text class=\"small faint\" x=\"{EDGE}\" y=\"49\">{1}</text>\n\
+         <svg x=\"{EDGE}\" y=\"{HEAD}\" width=\"{WIDE}\" height=\"{tall:.1}\" viewBox=\"{2}\">\n",
+        escape(title),
+        escape(subtitle),
+        stage.view_box()
+    );
+    stage.ground(&mut page);
+    stage.ways(&mut page, last, 0.35);
+    clock.sight(&mut page, &stage);
+    clock.car(&mut page, &stage);
+    clock.walker(&mut page, &stage);
+    let _ = writeln!(
+        page,
+        "</svg>\n<rect class=\"frame\" x=\"{EDGE}\" y=\"{HEAD}\" width=\"{WIDE}\" height=\"{tall:.1}\"/>\n\
+         <text class=\"small faint\" x=\"{EDGE}\" y=\"{:.1}\">speed (m/s)</text>",
+        chart - 12.0
+    );
+    Stage::legend(&mut page, width - EDGE, chart - 12.0);
+    let (left, wide) = (EDGE + 26.0, WIDE - 26.0);
+    stage.speeds(&mut page, left, chart, wide, CHART);
+    for part in 0..=4 {
+        let tick = first + (last - first) * part / 4;
+        let x = left + wide * (tick - first) as f64 / (last - first).max(1) as f64;
+        let _ = writeln!(
+            page,
+            "<text class=\"small faint\" x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{:.1} s</text>",
+            chart + CHART + 25.0,
+            stage.time(tick)
+        );
+    }
+    let _ = writeln!(
+        page,
+        "<path class=\"mark\" d=\"M{left:.1} {chart:.1}v{CHART}\"><animateTransform attributeName=\"transform\" type=\"translate\" \
+         values=\"0 0;{wide:.1} 0;{wide:.1} 0\" keyTimes=\"0;{:.5};1\" {}/></path>\n</svg>",
+        clock.moving,
+        clock.rhythm()
+    );
+    page
+}
+
+/// When what is shown: the episode, and a pause at its end.
+struct Clock {
+    /// How long a round takes (s).
+    round: f64,
+    /// The share of it in which anything moves.
+    moving: f64,
+    /// The shares at which the moments are seen.
+    key_times: String,
+}
+
+impl Clock {
+    fn new(stage: &Stage<'_>) -> Self {
+        let (first, last) = stage.span();
+        let length = stage.time(last) - stage.time(first);
+        let round = length + PAUSE;
+        let times = (first..=last).map(|tick| format!("{:.5}", (stage.time(tick) - stage.time(first)) / round));
+        let key_times = times.chain(["1".to_string()]).collect::<Vec<_>>().join(";");
+        Self { round, moving: length / round, key_times }
+    }
+
+    fn rhythm(&self) -> String {
+        format!("dur=\"{:.2}s\" repeatCount=\"indefinite\"", self.round)
+    }
+
+    /// An animation of an attribute: a value for every moment that is shown, the last one for the pause.
+    fn animate(
+        &self,
+        stage: &Stage<'_>,
+        element: &str,
+        attributes: &str,
+        value: &mut dyn FnMut(&Moment) -> String,
+    ) -> String {
+        let mut values: Vec<String> = stage.shown().map(|(_, moment)| value(moment)).collect();
+        values.extend(values.last().cloned());
+        format!(
+            "<{element} {attributes} values=\"{}\" keyTimes=\"{}\" {}/>",
+            values.join(";"),
+            self.key_times,
+            self.rhythm()
+        )
+    }
+
+    fn car(&self, page: &mut String, stage: &Stage<'_>) {
+        let moved = "attributeName=\"transform\" type=\"translate\"";
+        let moved = self.animate(stage, "animateTransform", moved, &mut |moment| {
+            format!("{:.2} {:.2}", moment.ego.pose.x, -moment.ego.pose.y)
+        });
+        // An angle that jumps by a turn would spin the car.
+        let mut last: Option<f64> = None;
+        let turned = "attributeName=\"transform\" type=\"rotate\"";
+        let turned = self.animate(stage, "animateTransform", turned, &mut |moment| {
+            let yaw = -moment.ego.pose.yaw.to_degrees();
+            let yaw = last.map_or(yaw, |last| last + (yaw - last + 540.0).rem_euclid(360.0) - 180.0);
+            last = Some(yaw);
+            format!("{yaw:.1}")
+        });
+        let lit = "attributeName=\"opacity\" calcMode=\"discrete\"";
+        let lit = self.animate(stage, "animate", lit, &mut |moment| {
+            if moment.control.brake > BRAKING { "1" } else { "0" }.to_string()
+        });
+        let car = stage.car("").replacen("<g class=\"lamp\">", &format!("<g class=\"lamp\">{lit}"), 1);
+        let _ = writeln!(page, "<g>{moved}<g>{turned}{car}</g></g>");
+    }
+
+    fn walker(&self, page: &mut String, stage: &Stage<'_>) {
+        let moved = "attributeName=\"transform\" type=\"translate\"";
+        let moved = self.animate(stage, "animateTransform", moved, &mut |moment| {
+            let place = moment.pedestrian.pose.position();
+            format!("{:.2} {:.2}", place.x, -place.y)
+        });
+        let radius = stage.walker_radius();
+        let edge = radius * 0.25;
+        let _ =
+            writeln!(page, "<circle class=\"walker\" r=\"{radius:.2}\" stroke-width=\"{edge:.2}\">{moved}</circle>");
+    }
+
+    fn sight(&self, page: &mut String, stage: &Stage<'_>) {
+        let scenario = stage.scenario();
+        let line = self.animate(stage, "animate", "attributeName=\"d\"", &mut |moment| {
+            let (eye, walker) = (moment.eye(scenario), moment.pedestrian.pose.position());
+            format!("M{:.2} {:.2}L{:.2} {:.2}", eye.x, -eye.y, walker.x, -walker.y)
+        });
+        let seen = "attributeName=\"stroke-opacity\" calcMode=\"discrete\"";
+        let seen = self.animate(stage, "animate", seen, &mut |moment| {
+            if moment.in_sight(scenario) { "1" } else { ".15" }.to_string()
+        });
+        let _ = writeln!(page, "<path class=\"sight\">{line}{seen}</path>");
+    }
+}

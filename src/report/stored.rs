@@ -1,0 +1,295 @@
+//! Reports read back: what is needed to see an episode again, and to tell whether it came out the same.
+
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use polars::prelude::{DataFrame, PolarsError, PolarsResult};
+use polars_io::csv::write::CsvWriter;
+use polars_io::parquet::read::ParquetReader;
+use polars_io::{SerReader, SerWriter};
+
+use super::folder::MARK;
+use super::{Manifest, pedestrian_file};
+use crate::compile::{RunId, TrainingKey};
+use crate::env::Trail;
+use crate::rl::{ActorCritic, CheckpointError};
+use crate::sim::WalkCommand;
+
+/// Why a report cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadError {
+    /// A file cannot be read.
+    #[error("cannot read `{path}`: {source}", path = path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// The manifest is none of ours, or of a version that did not say enough.
+    #[error("`{path}` is no manifest that episodes can be repeated from: {reason}", path = path.display())]
+    Manifest {
+        /// The file.
+        path: PathBuf,
+        /// What the parser says.
+        reason: String,
+    },
+    /// A table is damaged or lacks a column.
+    #[error("`{path}` is no table of a report: {source}", path = path.display())]
+    Table {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: PolarsError,
+    },
+    /// A stored pedestrian is damaged.
+    #[error("`{path}` holds no pedestrian: {source}", path = path.display())]
+    Pedestrian {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: CheckpointError,
+    },
+}
+
+/// A report on the disk.
+#[derive(Debug, Clone)]
+pub struct StoredReport {
+    folder: PathBuf,
+    manifest: Manifest,
+}
+
+/// A failure of a search as its report has it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StoredFailure {
+    /// Number of its beginning.
+    pub beginning: u64,
+    /// Ticks that the search had used when it was found.
+    pub ticks: u64,
+    /// The commands that lead to it.
+    pub commands: Vec<WalkCommand>,
+}
+
+/// A cell of a table that came out differently.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Difference {
+    /// Name of the column.
+    pub column: String,
+    /// What the report has.
+    pub stored: String,
+    /// What came out now.
+    pub again: String,
+}
+
+impl StoredReport {
+    /// Opens the report in a folder.
+    ///
+    /// # Errors
+    /// There is no manifest, or one that does not say enough.
+    pub fn open(folder: &Path) -> Result<Self, ReadError> {
+        let path = folder.join(MARK);
+        let text = fs::read_to_string(&path).map_err(|source| ReadError::File { path: path.clone(), source })?;
+        let manifest = Manifest::from_toml(&text).map_err(|reason| ReadError::Manifest { path, reason })?;
+        Ok(Self { folder: folder.to_path_buf(), manifest })
+    }
+
+    /// The folders with reports under a folder, itself included, in the order of their names.
+    pub fn find(folder: &Path) -> Vec<PathBuf> {
+        if folder.join(MARK).is_file() {
+            return vec![folder.to_path_buf()];
+        }
+        let entries = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+        let visible = |path: &PathBuf| !path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
+        let mut found: Vec<PathBuf> = entries.filter(|path| visible(path) && path.join(MARK).is_file()).collect();
+        found.sort();
+        found
+    }
+
+    /// Where it stands.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// How it came about.
+    pub fn manifest(&self) -> &Manifest {
+        &self.manifest
+    }
+
+    /// Whether it has a run or a search of this name.
+    ///
+    /// # Errors
+    /// A table that is damaged.
+    pub fn holds(&self, run: RunId) -> Result<bool, ReadError> {
+        let name = run.to_string();
+        for table in ["runs", "search_failures"] {
+            let Some(ids) = self.read(table, Some(&["run_id"]), None)? else { continue };
+            if self.texts(table, &ids, "run_id")?.iter().any(|id| *id == name) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// The row of an episode; none when the report has no such episode. `guess` is where it probably is.
+    ///
+    /// # Errors
+    /// A table that is damaged.
+    pub fn episode(&self, run: RunId, episode: u32, guess: usize) -> Result<Option<DataFrame>, ReadError> {
+        let wanted = (run.to_string(), episode.to_string());
+        if let Some(row) = self.rows("episodes", guess, 1)?
+            && self.names("episodes", &row, "episode")?.contains(&wanted)
+        {
+            return Ok(Some(row));
+        }
+        let place = self.index()?.iter().position(|name| *name == wanted);
+        place.map_or(Ok(None), |place| self.rows("episodes", place, 1))
+    }
+
+    /// The names of all episodes, run and number, in the order of the table.
+    ///
+    /// # Errors
+    /// A table that is damaged.
+    pub fn index(&self) -> Result<Vec<(String, String)>, ReadError> {
+        let table = self.read("episodes", Some(&["run_id", "episode"]), None)?;
+        table.map_or(Ok(Vec::new()), |table| self.names("episodes", &table, "episode"))
+    }
+
+    /// The row of a failure that a search found.
+    ///
+    /// # Errors
+    /// A table that is damaged.
+    pub fn search_failure(&self, run: RunId, number: u32) -> Result<Option<DataFrame>, ReadError> {
+        let Some(table) = self.read("search_failures", Some(&["run_id", "failure"]), None)? else { return Ok(None) };
+        let wanted = (run.to_string(), number.to_string());
+        let place = self.names("search_failures", &table, "failure")?.iter().position(|name| *name == wanted);
+        place.map_or(Ok(None), |place| self.rows("search_failures", place, 1))
+    }
+
+    /// The names of all failures of searches, search and number, in the order of the table.
+    ///
+    /// # Errors
+    /// A table that is damaged.
+    pub fn search_failures(&self) -> Result<Vec<(String, String)>, ReadError> {
+        let table = self.read("search_failures", Some(&["run_id", "failure"]), None)?;
+        table.map_or(Ok(Vec::new()), |table| self.names("search_failures", &table, "failure"))
+    }
+
+    /// The ticks of an episode, where the report holds them.
+    ///
+    /// # Errors
+    /// A table that is damaged.
+    pub fn ticks(&self, run: RunId, episode: u32) -> Result<Option<DataFrame>, ReadError> {
+        let Some(table) = self.read("ticks", Some(&["run_id", "episode"]), None)? else { return Ok(None) };
+        let wanted = (run.to_string(), episode.to_string());
+        let names = self.names("ticks", &table, "episode")?;
+        let Some(first) = names.iter().position(|name| *name == wanted) else { return Ok(None) };
+        let length = names[first..].iter().take_while(|name| **name == wanted).count();
+        self.rows("ticks", first, length)
+    }
+
+    /// The pedestrian of a training.
+    ///
+    /// # Errors
+    /// A file that is missing or damaged.
+    pub fn pedestrian(&self, key: &TrainingKey) -> Result<ActorCritic, ReadError> {
+        let path = self.folder.join(pedestrian_file(key, "safetensors"));
+        let bytes = fs::read(&path).map_err(|source| ReadError::File { path: path.clone(), source })?;
+        let (trained, _) =
+            ActorCritic::from_safetensors(&bytes).map_err(|source| ReadError::Pedestrian { path, source })?;
+        Ok(trained)
+    }
+
+    /// Some rows of a table; none where the report has no such table or it ends before them.
+    fn rows(&self, table: &str, first: usize, count: usize) -> Result<Option<DataFrame>, ReadError> {
+        Ok(self.read(table, None, Some((first, count)))?.filter(|rows| rows.height() > 0))
+    }
+
+    /// Reads a table, some of its columns, some of its rows; none where the report has no such table.
+    fn read(
+        &self,
+        table: &str,
+        columns: Option<&[&str]>,
+        rows: Option<(usize, usize)>,
+    ) -> Result<Option<DataFrame>, ReadError> {
+        let path = self.folder.join(format!("{table}.parquet"));
+        let file = match File::open(&path) {
+            Ok(file) => file,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            Err(source) => return Err(ReadError::File { path, source }),
+        };
+        let columns = columns.map(|names| names.iter().map(ToString::to_string).collect());
+        let reader = ParquetReader::new(file).with_columns(columns).with_slice(rows);
+        reader.finish().map(Some).map_err(|source| ReadError::Table { path, source })
+    }
+
+    /// The values of a column, as in CSV.
+    fn texts(&self, table: &str, rows: &DataFrame, column: &str) -> Result<Vec<String>, ReadError> {
+        let failed = |source| ReadError::Table { path: self.folder.join(format!("{table}.parquet")), source };
+        rows.select([column]).and_then(|rows| values(&rows)).map_err(failed)
+    }
+
+    /// The names of rows: the run and a number.
+    fn names(&self, table: &str, rows: &DataFrame, number: &str) -> Result<Vec<(String, String)>, ReadError> {
+        let (runs, numbers) = (self.texts(table, rows, "run_id")?, self.texts(table, rows, number)?);
+        Ok(runs.into_iter().zip(numbers).collect())
+    }
+}
+
+/// The values of the only column of a table, as in CSV: all the digits that it takes to read the same number back.
+fn values(column: &DataFrame) -> PolarsResult<Vec<String>> {
+    let mut bytes = Vec::new();
+    CsvWriter::new(&mut bytes).include_header(false).finish(&mut column.clone())?;
+    Ok(String::from_utf8_lossy(&bytes).lines().map(str::to_string).collect())
+}
+
+/// A value of the first row, as in CSV; empty where there is none.
+pub fn value(row: &DataFrame, column: &str) -> String {
+    row.select([column]).and_then(|row| values(&row)).ok().and_then(|all| all.first().cloned()).unwrap_or_default()
+}
+
+/// The trail of the first row, if it has one.
+pub fn trail(row: &DataFrame) -> Option<Trail> {
+    value(row, "trail").parse().ok()
+}
+
+/// The failure of a search in the first row; none when its columns hold something else.
+pub fn failure(row: &DataFrame) -> Option<StoredFailure> {
+    let command = |text: &str| {
+        let (heading, speed) = text.split_once('@')?;
+        Some(WalkCommand { heading: finite(heading)?, speed: finite(speed)? })
+    };
+    let number = |column: &str| u64::from_str(&value(row, column)).ok();
+    Some(StoredFailure {
+        beginning: number("beginning")?,
+        ticks: number("found_after_ticks")?,
+        commands: value(row, "commands").split_whitespace().map(command).collect::<Option<_>>()?,
+    })
+}
+
+fn finite(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|number: &f64| number.is_finite())
+}
+
+/// The cells in which two tables with the same rows differ, in the order of the rows, each with the number of its row.
+/// Columns that one of them lacks are left out.
+///
+/// # Errors
+/// Those of polars.
+pub fn differences(stored: &DataFrame, again: &DataFrame) -> PolarsResult<Vec<(usize, Difference)>> {
+    let mut found = Vec::new();
+    for name in again.get_column_names() {
+        let Ok(stored) = stored.select([name.clone()]) else { continue };
+        let (before, now) = (values(&stored)?, values(&again.select([name.clone()])?)?);
+        for row in 0..before.len().max(now.len()) {
+            let cell = |values: &[String]| values.get(row).cloned().unwrap_or_else(|| "no such row".to_string());
+            if before.get(row) != now.get(row) {
+                let difference = Difference { column: name.to_string(), stored: cell(&before), again: cell(&now) };
+                found.push((row, difference));
+            }
+        }
+    }
+    found.sort_by_key(|(row, _)| *row);
+    Ok(found)
+}
