@@ -13,14 +13,16 @@ mod stopping;
 mod search;
 mod queue;
 mod run;
+mod shard;
 mod smoke;
 
 pub use cell::{CHUNK, Cell, CellError, cells};
 pub use keeper::{Claim, InMemory, Keeper, Progress, Tally};
 pub use observer::{Observer, Silent};
 pub use row::EpisodeRow;
-pub use run::{Finished, TrainingResult, run};
+pub use run::{Finished, TrainingResult, collect, run, run_cells};
 pub use search::SearchResult;
+pub use shard::{Shard, deal, shard};
 pub use smoke::smoke;
 pub use stopping::StoppingRule;
 pub use watch::watch;

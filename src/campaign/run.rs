@@ -39,9 +39,20 @@ pub struct Finished {
 /// run alone: nothing changes when others are added to the campaign. What the keeper has is not done again, which changes
 /// nothing either.
 pub fn run(campaign: &Campaign, seed: &Seed, keeper: &dyn Keeper, observer: &dyn Observer) -> Finished {
+    run_cells(campaign, &cells(campaign).collect::<Vec<_>>(), seed, keeper, observer)
+}
+
+/// Runs some cells of a campaign as [`run`] runs all; with a chunk that needs a training comes the training.
+pub fn run_cells(
+    campaign: &Campaign,
+    wanted: &[Cell],
+    seed: &Seed,
+    keeper: &dyn Keeper,
+    observer: &dyn Observer,
+) -> Finished {
     let mut ready = VecDeque::new();
     let mut waiting = vec![Vec::new(); campaign.trainings.len()];
-    for cell in cells(campaign) {
+    for cell in wanted.iter().copied() {
         match training_of(campaign, cell) {
             Some(training) => waiting[training].push(cell),
             None => ready.push_back(cell),
@@ -66,8 +77,21 @@ pub fn run(campaign: &Campaign, seed: &Seed, keeper: &dyn Keeper, observer: &dyn
     }
 }
 
+/// What a keeper has of a campaign, without doing anything.
+pub fn collect(campaign: &Campaign, keeper: &dyn Keeper) -> Finished {
+    let training = |(index, training): (usize, &Training)| {
+        let trained = keeper.training(index)?;
+        Some(TrainingResult { key: training.key.clone(), result: Ok(trained) })
+    };
+    Finished {
+        trainings: campaign.trainings.iter().enumerate().filter_map(training).collect(),
+        searches: (0..campaign.searches.len()).filter_map(|index| keeper.search(index)).collect(),
+        interrupted: false,
+    }
+}
+
 /// The training that a cell waits for.
-fn training_of(campaign: &Campaign, cell: Cell) -> Option<usize> {
+pub(super) fn training_of(campaign: &Campaign, cell: Cell) -> Option<usize> {
     match cell {
         Cell::Chunk { evaluation, .. } => campaign.evaluations[evaluation].training(),
         _ => None,

@@ -4,6 +4,7 @@ use super::repeat_args::{
     GateOptions, RENDER_EXAMPLES, REPLAY_EXAMPLES, RenderOptions, ReplayOptions, TickChoice, VERIFY_EXAMPLES,
     VerifyOptions,
 };
+use super::shard::Named as Shard;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::compile::Overrides;
@@ -12,7 +13,7 @@ const EXAMPLES: &str = "\
 Examples:
   falsify run scenarios/*.scn                run all campaigns, reports go to reports/
   falsify run --smoke scenarios/*.scn        see in seconds whether everything works
-  falsify run --list scenarios/*.scn         see what would be run
+  falsify run --list scenarios/*.scn         see what would be run and why, and what is there already
   falsify run --set 'ppo_paper.steps=10000' my.scn
                                              change a value without touching the file
   falsify run --fail-if 'preventable_rate > 0.05' --junit out.xml my.scn
@@ -28,7 +29,7 @@ Examples:
 Exit codes:
   0 done   1 internal error   2 wrong usage or missing file   3 errors in a scenario
   4 nothing to run   5 a run or a driver failed   6 a report cannot be written   7 a --fail-if holds
-  8 what was repeated came out differently   130 stopped by Ctrl-C";
+  8 what was repeated came out differently   9 cells to merge are missing   130 stopped by Ctrl-C or SIGTERM";
 
 /// Finds the ways a self-driving car hits a pedestrian.
 #[derive(Debug, Parser)]
@@ -48,6 +49,15 @@ pub enum Command {
     /// Train pedestrians and try them, as the campaigns of the files say.
     #[command(after_help = EXAMPLES)]
     Run(RunOptions),
+    /// Put together what the shards of a run have made, and write its reports.
+    #[command(after_help = MERGE_EXAMPLES)]
+    Merge(MergeOptions),
+    /// Say how far the campaigns of a folder are, whether anybody is at work on them, and how to go on.
+    #[command(after_help = STATUS_EXAMPLES)]
+    Status(StatusOptions),
+    /// Show the settings of this folder, from flags, the environment and falsify.toml.
+    #[command(after_help = CONFIG_EXAMPLES)]
+    Config,
     /// Repeat an episode of a report, tell what happened in it and whether it is the same.
     #[command(after_help = REPLAY_EXAMPLES)]
     Replay(ReplayOptions),
@@ -57,6 +67,9 @@ pub enum Command {
     /// Repeat a sample of what a report holds and compare it byte for byte.
     #[command(after_help = VERIFY_EXAMPLES)]
     Verify(VerifyOptions),
+    /// Say how much finished work is kept for the campaigns of a folder, and remove what none of them wants any more.
+    #[command(after_help = CELLS_EXAMPLES)]
+    Cells(CellsOptions),
     /// Find mistakes in scenario files without running anything.
     #[command(after_help = CHECK_EXAMPLES)]
     Check(CheckOptions),
@@ -106,11 +119,20 @@ pub struct RunOptions {
     #[arg(long, short, default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
     pub out: PathBuf,
     /// Number from which everything random follows.
-    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    #[arg(long, default_value_t = 1, env = "FALSIFY_SEED", value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub seed: u64,
     /// Threads that work; results do not depend on it. 0: one for every core.
     #[arg(long, short = 'j', default_value_t = 0, env = "FALSIFY_THREADS", value_name = "N", value_parser = clap::value_parser!(u16).range(..=256), allow_negative_numbers = true)]
     pub threads: u16,
+    /// Files that each table of a report is written as.
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [TableFormat::Csv, TableFormat::Parquet], env = "FALSIFY_FORMATS", value_name = "FORMATS")]
+    pub formats: Vec<TableFormat>,
+    /// What the output is for; `json` is one event a line (reports/README.md).
+    #[arg(long, value_enum, default_value_t = Output::Human, env = "FALSIFY_FORMAT", value_name = "FORMAT")]
+    pub format: Output,
+    /// How progress is shown on the error stream.
+    #[arg(long, value_enum, default_value_t = Showing::Auto, env = "FALSIFY_PROGRESS", value_name = "HOW")]
+    pub progress: Showing,
     /// Say what would be run and why, and what is there already; then stop.
     #[arg(long)]
     pub list: bool,
@@ -120,6 +142,12 @@ pub struct RunOptions {
     /// Do everything again, whatever is there.
     #[arg(long)]
     pub fresh: bool,
+    /// Do one of several parts, as 3/16, and write no report; `auto/16` takes the number from SLURM_ARRAY_TASK_ID or JOB_COMPLETION_INDEX.
+    #[arg(long, value_name = "I/N", conflicts_with_all = ["fresh", "list"])]
+    pub shard: Option<Shard>,
+    /// Of a shard, do only these; other shards then find them.
+    #[arg(long, value_enum, value_name = "CELLS", requires = "shard")]
+    pub only: Option<Only>,
     /// Seconds after which what is under way is saved, so that no more is lost when the program is killed.
     #[arg(long, default_value_t = 5.0, value_name = "SECONDS", value_parser = seconds)]
     pub checkpoint: f64,
@@ -136,6 +164,112 @@ pub struct RunOptions {
     #[command(flatten)]
     pub gate: GateOptions,
 }
+
+const CELLS_EXAMPLES: &str = "\
+Examples:
+  falsify cells                              what is kept in reports/.cells, by campaign
+  falsify cells --prune                      remove what belongs to no campaign as it was run last";
+
+/// Options of `falsify cells`.
+#[derive(Debug, Args)]
+pub struct CellsOptions {
+    /// The folder for reports.
+    #[arg(default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
+    pub out: PathBuf,
+    /// Remove cells that no campaign wanted when it was run last.
+    #[arg(long)]
+    pub prune: bool,
+}
+
+/// What of a shard is done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Only {
+    /// Its trainings, each by one shard.
+    Trainings,
+}
+
+/// Options of `falsify merge`.
+#[derive(Debug, Args)]
+pub struct MergeOptions {
+    /// What was run.
+    #[command(flatten)]
+    pub run: RunOptions,
+    /// Folders with the cells of shards, beside those that are in the folder for the reports already.
+    #[arg(long, num_args = 1.., value_name = "DIR")]
+    pub from: Vec<PathBuf>,
+    /// How many shards there were, to be told which of them to do again.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub shards: Option<u32>,
+    /// Write what is there as NAME-partial even if something is missing.
+    #[arg(long)]
+    pub partial: bool,
+}
+
+/// Options of `falsify status`.
+#[derive(Debug, Args)]
+pub struct StatusOptions {
+    /// The folder for the reports.
+    #[arg(default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
+    pub out: PathBuf,
+    /// What the output is for; `json` is one object for each campaign.
+    #[arg(long, value_enum, default_value_t = Output::Human, env = "FALSIFY_FORMAT", value_name = "FORMAT")]
+    pub format: Output,
+}
+
+const STATUS_EXAMPLES: &str = "\
+Examples:
+  falsify status                             the campaigns of reports/
+  falsify status --format json shared        one JSON object for each campaign, for programs
+
+Exit codes: 0 finished or at work   2 nothing was run there   9 something is missing and nobody is at work on it";
+
+const MERGE_EXAMPLES: &str = "\
+Examples:
+  falsify run --shard 0/2 --out a my.scn     on one machine
+  falsify run --shard 1/2 --out b my.scn     on another one
+  falsify merge my.scn --from a b --out reports --shards 2
+                                             the report that one machine would have written, byte for byte
+  falsify merge my.scn --out shared          when all shards wrote to one folder
+
+Exit codes: 0 done   9 cells are missing, which are named, with the shards that make them   others as of `run`";
+
+/// What a table is written as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum TableFormat {
+    /// Comma-separated values.
+    Csv,
+    /// Apache Parquet.
+    Parquet,
+}
+
+/// Who reads the output of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Output {
+    /// Tables for people.
+    Human,
+    /// One JSON object a line, for programs.
+    Json,
+}
+
+/// How progress is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Showing {
+    /// Bars on a terminal, lines elsewhere.
+    Auto,
+    /// Bars for what is under way, with rates and the time left.
+    Bars,
+    /// A line for each piece that is finished.
+    Lines,
+    /// Not at all.
+    None,
+}
+
+const CONFIG_EXAMPLES: &str = "\
+Examples:
+  falsify config                             every setting, its value and where it comes from
+  falsify config --seed 7 > falsify.toml     begin a file of settings
+
+A flag comes before the environment, which comes before falsify.toml, in this folder or the nearest one above.";
 
 /// Options of `falsify check`.
 #[derive(Debug, Args)]

@@ -19,6 +19,8 @@ pub enum ExitCode {
     GateFailed = 7,
     /// What was repeated came out differently.
     Differs = 8,
+    /// Cells are missing that are to be put together.
+    Incomplete = 9,
     /// The user stopped it.
     Interrupted = 130,
 }

@@ -32,6 +32,16 @@ pub fn warn(message: &str) {
     anstream::eprintln!("{WARNING}warning{WARNING:#}: {message}");
 }
 
+/// The command of this process as a user would type it again.
+pub fn command_line() -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./=:,@%+".contains(c);
+    let quoted = |word: String| {
+        if !word.is_empty() && word.chars().all(plain) { word } else { format!("'{}'", word.replace('\'', "'\\''")) }
+    };
+    let words = std::env::args().skip(1).map(quoted);
+    std::iter::once("falsify".to_string()).chain(words).collect::<Vec<_>>().join(" ")
+}
+
 /// Whether something that was said could not be written.
 static LOST: AtomicBool = AtomicBool::new(false);
 

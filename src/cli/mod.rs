@@ -6,8 +6,14 @@ mod exit_code;
 mod front;
 mod interrupt;
 mod progress;
+mod settings;
+mod config;
 mod run;
+mod shard;
+mod merge;
+mod status;
 mod list;
+mod cells;
 mod gate;
 mod repeat;
 mod replay;
@@ -26,7 +32,7 @@ mod av_check;
 pub use args::Arguments;
 pub use exit_code::ExitCode;
 
-use clap::{CommandFactory, Parser};
+use clap::{ArgMatches, Command, CommandFactory, FromArgMatches};
 
 /// Runs the program with the arguments of the process. A bug ends in [`ExitCode::Internal`].
 pub fn main() -> ExitCode {
@@ -42,21 +48,37 @@ pub fn main() -> ExitCode {
 }
 
 fn run_command() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
-        Ok(arguments) => arguments,
-        Err(error) => {
-            // Help and version are no mistakes.
-            let code = if error.use_stderr() { ExitCode::Usage } else { ExitCode::Done };
-            let _ = error.print();
-            return code;
-        }
+    let (mut arguments, mut matches) = match parse(command()) {
+        Ok(parsed) => parsed,
+        Err(code) => return code,
     };
     arguments.color.apply();
+    let mut settings = None;
+    if matches.subcommand_name().is_some_and(|name| settings::concern(&command(), name)) {
+        let found = std::env::current_dir().map_or(Ok(None), |folder| settings::find(&folder, &command()));
+        settings = match found {
+            Ok(settings) => settings,
+            Err(code) => return code,
+        };
+        if let Some(settings) = &settings {
+            (arguments, matches) = match parse(settings::apply(command(), settings)) {
+                Ok(parsed) => parsed,
+                Err(code) => return code,
+            };
+        }
+    }
     match arguments.command {
+        args::Command::Config => {
+            let (_, options) = matches.subcommand().expect("it is the command `config`");
+            config::config(&command(), options, settings.as_ref())
+        }
         args::Command::Run(options) => run::run(&options),
+        args::Command::Status(options) => status::status(&options),
+        args::Command::Merge(options) => merge::merge(&options),
         args::Command::Replay(options) => replay::replay(&options),
         args::Command::Render(options) => render::render(&options),
         args::Command::Verify(options) => verify::verify(&options),
+        args::Command::Cells(options) => cells::cells(&options),
         args::Command::Check(options) => check::check(&options),
         args::Command::Explain(options) => explain::explain(&options),
         args::Command::New(options) => new::new(&options),
@@ -67,9 +89,26 @@ fn run_command() -> ExitCode {
         args::Command::Av(args::AvCommand::Check(options)) => av_check::check(&options),
         args::Command::Completions { shell } => {
             let mut script = Vec::new();
-            clap_complete::generate(shell, &mut Arguments::command(), "falsify", &mut script);
+            clap_complete::generate(shell, &mut command(), "falsify", &mut script);
             front::say(String::from_utf8_lossy(&script).trim_end());
             ExitCode::Done
         }
     }
+}
+
+/// All commands with their options.
+fn command() -> Command {
+    config::with_options(Arguments::command())
+}
+
+/// Reads the arguments of the process; the error is the exit code, after the reason has been printed.
+fn parse(command: Command) -> Result<(Arguments, ArgMatches), ExitCode> {
+    let parsed = command.try_get_matches_from(std::env::args_os());
+    let parsed = parsed.and_then(|matches| Ok((Arguments::from_arg_matches(&matches)?, matches)));
+    parsed.map_err(|error| {
+        // Help and version are no mistakes.
+        let code = if error.use_stderr() { ExitCode::Usage } else { ExitCode::Done };
+        let _ = error.print();
+        code
+    })
 }

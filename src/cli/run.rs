@@ -1,21 +1,53 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use super::args::RunOptions;
+use super::args::{Output, RunOptions, TableFormat};
 use super::gate::Gates;
-use super::progress::Progress;
+use super::progress::{Event, Progress};
 use super::repeat_args::TickChoice;
-use super::{ExitCode, front, interrupt, list};
-use crate::campaign::{self, Finished};
+use super::{ExitCode, front, interrupt, list, shard};
+use crate::campaign::{self, Cell, Finished};
 use crate::compile::Campaign;
 use crate::report::{
-    self, Episodes, FileRecord, Gathered, Kinds, Manifest, Metrics, ReportFolder, TrainingRecord, Wanted, WriteError,
+    self, Episodes, FileRecord, Formats, Gathered, Kinds, Manifest, Metrics, ReportFolder, TrainingRecord, Wanted,
+    WriteError,
 };
 use crate::seed::Seed;
 use crate::store::{CODE, Ids, Index, Kept, Limits, Note, Store, StoreError, vector_instructions};
 
 /// `falsify run`
 pub fn run(options: &RunOptions) -> ExitCode {
+    let code = run_or_report(options, Work::All);
+    if options.format == Output::Json {
+        Event::RunEnded { exit_code: code as u8 }.tell();
+    }
+    code
+}
+
+/// Writes the reports of what is there already.
+pub fn report(options: &RunOptions) -> ExitCode {
+    run_or_report(options, Work::None)
+}
+
+/// How much is to be done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Work {
+    All,
+    None,
+}
+
+/// Starts threads that work, 0 for one a core.
+///
+/// # Errors
+/// The exit code, after the reason has been printed.
+pub fn pool(threads: u16) -> Result<rayon::ThreadPool, ExitCode> {
+    rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build().map_err(|error| {
+        front::fail(&format!("cannot start {threads} threads: {error}"));
+        ExitCode::Usage
+    })
+}
+
+fn run_or_report(options: &RunOptions, work: Work) -> ExitCode {
     let gates = match Gates::new(&options.gate) {
         Ok(gates) => gates,
         Err(code) => return code,
@@ -39,12 +71,16 @@ pub fn run(options: &RunOptions) -> ExitCode {
         }
         return ExitCode::Done;
     }
-    let pool = match rayon::ThreadPoolBuilder::new().num_threads(options.threads.into()).build() {
-        Ok(pool) => pool,
-        Err(error) => {
-            front::fail(&format!("cannot start {} threads: {error}", options.threads));
+    let shard = match options.shard.map(|named| named.resolve(|name| std::env::var(name).ok())).transpose() {
+        Ok(shard) => shard,
+        Err(message) => {
+            front::fail(&message);
             return ExitCode::Usage;
         }
+    };
+    let pool = match pool(options.threads) {
+        Ok(pool) => pool,
+        Err(code) => return code,
     };
     let store = match Store::open(&options.out, note) {
         Ok(store) => store,
@@ -53,10 +89,16 @@ pub fn run(options: &RunOptions) -> ExitCode {
             return ExitCode::WriteFailed;
         }
     };
-    interrupt::listen();
+    if work == Work::All {
+        interrupt::listen();
+    }
     let mut worst = ExitCode::Done;
     for campaign in &plan.campaigns {
-        match pool.install(|| carry_out(campaign, options, &files, &store, &gates)) {
+        let carry_out = || match shard {
+            Some(shard) => shard::carry_out(campaign, options, shard, &store),
+            None => carry_out(campaign, options, &files, &store, &gates, work),
+        };
+        match pool.install(carry_out) {
             Ok(ExitCode::Done) => {}
             Ok(code) => worst = code,
             Err(message) => {
@@ -77,7 +119,7 @@ pub fn run(options: &RunOptions) -> ExitCode {
 }
 
 /// The name of a campaign's report. A trial of the machinery never replaces results.
-fn name(campaign: &Campaign, options: &RunOptions) -> String {
+pub fn name(campaign: &Campaign, options: &RunOptions) -> String {
     if options.smoke { format!("{}-smoke", campaign.name) } else { campaign.name.clone() }
 }
 
@@ -88,31 +130,36 @@ fn carry_out(
     files: &[FileRecord],
     store: &Store,
     gates: &Gates<'_>,
+    work: Work,
 ) -> Result<ExitCode, String> {
     let (name, seed) = (name(campaign, options), options.seed);
     let failed = |error: StoreError| kept(&error.to_string(), &options.out);
     let folder = ReportFolder::begin(&options.out, &name, &store.drafts().map_err(failed)?);
-    let folder = folder.map_err(|error| error.to_string())?;
+    let folder = folder.map_err(|error| error.to_string())?.in_formats(formats(options));
     let began = Instant::now();
     let mut index = Index::read(store, &name);
+    if work == Work::All {
+        index.command = front::command_line();
+    }
     if options.fresh {
         store.forget(&Ids::new(campaign, seed), campaign).map_err(failed)?;
     }
     index.write(store, &name, campaign, seed).map_err(failed)?;
-    let limits = Limits {
-        checkpoint: Duration::from_secs_f64(options.checkpoint),
-        seconds: options.cell_time,
-        ticks: options.max_ticks,
+    let keeper = Kept::new(store, campaign, seed, limits(options));
+    let finished = match work {
+        Work::All => {
+            let wanted: Vec<Cell> = campaign::cells(campaign).collect();
+            let progress = Progress::new(campaign, &wanted, options);
+            let finished = campaign::run(campaign, &Seed::root(seed), &keeper, &progress);
+            progress.finish(wanted.len());
+            finished
+        }
+        Work::None => campaign::collect(campaign, &keeper),
     };
-    let keeper = Kept::new(store, campaign, seed, limits);
-    let progress = Progress::new(campaign);
-    let finished = campaign::run(campaign, &Seed::root(seed), &keeper, &progress);
-    progress.finish();
     if let Some(error) = keeper.failure() {
         return Err(kept(&error, &options.out));
     }
     index.write(store, &name, campaign, seed).map_err(failed)?;
-    interrupt::hold(true);
     let written = |error: WriteError| kept(&error.to_string(), &options.out);
     let mut kinds = Kinds::new(campaign, &finished.trainings, &Seed::root(seed));
     let gathered =
@@ -124,7 +171,7 @@ fn carry_out(
         front::fail("nothing was finished, so there is no report");
         return Ok(if finished.interrupted { ExitCode::Interrupted } else { ExitCode::RunFailed });
     }
-    say_errors(&gathered);
+    say_errors(&gathered, &name, options.format);
     let times = (keeper.training_seconds(), began.elapsed().as_secs_f64());
     let manifest = manifest(campaign, options, files, &finished, &gathered, times);
     report::write(&folder, campaign, &finished, &gathered, kinds, &manifest).map_err(written)?;
@@ -133,14 +180,19 @@ fn carry_out(
         let wanted = Wanted::of(&Episodes::new(campaign, &keeper), &finished, all).map_err(written)?;
         report::write_ticks(&folder, &Seed::root(seed), &wanted).map_err(written)?;
     }
+    interrupt::hold(true);
     let place = {
         let _door = store.door();
-        folder.finish(manifest.complete).map_err(written)?
+        folder.finish(manifest.complete).map_err(written)
     };
     interrupt::hold(false);
-    let metrics = print_cells(campaign, &finished, &gathered).map_err(|error| error.to_string())?;
+    let place = place?;
+    let metrics = cells(campaign, &finished, &gathered, options.format).map_err(|error| error.to_string())?;
+    match options.format {
+        Output::Human => front::say(&place.join("summary.md").display().to_string()),
+        Output::Json => Event::ReportWritten { campaign: &name, folder: &place, complete: manifest.complete }.tell(),
+    }
     let passed = gates.judge(&manifest, &metrics);
-    front::say(&place.join("summary.md").display().to_string());
     let failed = finished.trainings.iter().any(|training| training.result.is_err())
         || finished.searches.iter().any(|search| search.error.is_some());
     let whole = manifest.complete || finished.interrupted;
@@ -151,21 +203,42 @@ fn carry_out(
     })
 }
 
+/// What tables are written as.
+fn formats(options: &RunOptions) -> Formats {
+    let named = |format| options.formats.contains(&format);
+    Formats { csv: named(TableFormat::Csv), parquet: named(TableFormat::Parquet) }
+}
+
+/// What a cell may take.
+pub fn limits(options: &RunOptions) -> Limits {
+    Limits {
+        checkpoint: Duration::from_secs_f64(options.checkpoint),
+        seconds: options.cell_time,
+        ticks: options.max_ticks,
+    }
+}
+
 /// What is to be said when something cannot be written.
-fn kept(error: &str, out: &Path) -> String {
+pub fn kept(error: &str, out: &Path) -> String {
     let again = "what was finished before is kept; run the same command again to go on";
     format!("{error}\n  {again} (`{}`)", out.display())
 }
 
 /// Says what went wrong in episodes: how often, and the first time how.
-fn say_errors(gathered: &Gathered) {
+fn say_errors(gathered: &Gathered, campaign: &str, format: Output) {
+    let say = |message: &str| {
+        front::fail(message);
+        if format == Output::Json {
+            Event::Warning { campaign, message }.tell();
+        }
+    };
     if let Some(first) = &gathered.first_unpaid {
-        front::fail(&format!("a reward was no number in {} episodes; the first: {first}", gathered.unpaid));
+        say(&format!("a reward was no number in {} episodes; the first: {first}", gathered.unpaid));
     }
     if let Some(first) = &gathered.first_error {
         let Gathered { errors, untried, episodes, .. } = gathered;
         let untried = if *untried > 0 { format!(", {untried} of them not tried") } else { String::new() };
-        front::fail(&format!(
+        say(&format!(
             "{errors} of {episodes} episodes are in error{untried} and count for nothing; the first is {first}"
         ));
     }
@@ -226,14 +299,16 @@ fn manifest(
     }
 }
 
-/// Prints the cells, narrow enough for a terminal.
-fn print_cells(campaign: &Campaign, finished: &Finished, gathered: &Gathered) -> Result<Metrics, WriteError> {
+/// Works the cells out, and prints them for people, narrow enough for a terminal.
+fn cells(campaign: &Campaign, finished: &Finished, gathered: &Gathered, format: Output) -> Result<Metrics, WriteError> {
     let failed = |source| WriteError::Table { name: "cells".into(), source };
     let metrics = Metrics::of_runs(gathered.runs.clone()).map_err(failed)?;
-    let cells = metrics.cells().map_err(failed)?;
-    front::say(report::table(&campaign.name, &cells).trim_end());
-    if !finished.searches.is_empty() {
-        front::say(report::search_table(&report::search_cells(&finished.searches)).trim_end());
+    if format == Output::Human {
+        let cells = metrics.cells().map_err(failed)?;
+        front::say(report::table(&campaign.name, &cells).trim_end());
+        if !finished.searches.is_empty() {
+            front::say(report::search_table(&report::search_cells(&finished.searches)).trim_end());
+        }
     }
     Ok(metrics)
 }

@@ -214,3 +214,62 @@ fn formula(out: &mut blake3::Hasher, whole: &Formula) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::super::{Catalog, compile};
+    use super::*;
+    use crate::diagnostic::Sources;
+
+    /// The recipes of the evaluations in both towns, with this map and these changes of the text.
+    fn recipes(map: &str, changes: &[(&str, &str)]) -> Vec<Recipe> {
+        let text = r#"edition 1
+town old = opendrive(file: "old.xodr")
+town new { street quay { through: [(0 m, 0 m), (300 m, 0 m)] } }
+policy mild = cruise(speed: 5 m/s)
+spawn near { distance: 7 m .. 9 m }
+episode short { ticks: 100 }
+reward hits { on hit => 1 }
+training quick = ppo(steps: 100)
+campaign both {
+  vehicle: model3 adversary: suicidal spawn: near episode: short training: quick
+  train { towns: [new] policies: [mild] rewards: [hits] runs: 1 }
+  evaluate { towns: [old, new] policies: [mild] pedestrians: [random] }
+}
+"#;
+        let text = changes.iter().fold(text.to_string(), |text, (from, to)| {
+            assert!(text.contains(from), "{from}");
+            text.replace(from, to)
+        });
+        let lib = |name: &str| std::fs::read_to_string(format!("{}/scenarios/lib/{name}", env!("CARGO_MANIFEST_DIR")));
+        let read = |path: &Path| match path.to_str().unwrap() {
+            "a.scn" => Ok(text.replacen("edition 1", "edition 1\nimport \"paper.scn\"\nimport \"drivers.scn\"", 1)),
+            "old.xodr" => Ok(map.to_string()),
+            other => lib(other),
+        };
+        let compiled = compile(&["a.scn".into()], &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
+        let plan = compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));
+        let campaign = &plan.campaigns[0];
+        let trained = campaign.trainings.iter().map(|each| each.recipe);
+        trained.chain(campaign.evaluations.iter().map(|each| each.recipe)).collect()
+    }
+
+    #[test]
+    fn a_recipe_follows_what_its_cell_hangs_on_and_nothing_else() {
+        let map = include_str!("../../tests/suite/files/odd.xodr");
+        let base = recipes(map, &[]);
+        let changed = |map: &str, changes: &[(&str, &str)]| -> Vec<bool> {
+            recipes(map, changes).iter().zip(&base).map(|(a, b)| a != b).collect()
+        };
+        // Training, old, new.
+        assert_eq!(changed(&format!("{map}<!-- resurveyed -->"), &[]), [false, true, false], "a map");
+        assert_eq!(changed(map, &[("300 m", "301 m")]), [true, false, true], "a town");
+        assert_eq!(changed(map, &[("steps: 100", "steps: 200")]), [true, false, false], "a training");
+        assert_eq!(changed(map, &[("5 m/s", "18 km/h"), ("reward", "/// Pays.\nreward")]), [false; 3], "units, help");
+        assert_eq!(changed(map, &[("5 m/s", "5.1 m/s")]), [true; 3], "a driver");
+        assert_eq!(changed(map, &[("on hit => 1", "on hit => 1 + 0")]), [true; 3], "a formula");
+        assert_eq!(changed(map, &[("reward", "reward more { on hit => 2 }\nreward")]), [false; 3], "something else");
+    }
+}

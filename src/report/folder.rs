@@ -73,6 +73,16 @@ pub struct ReportFolder {
     out: PathBuf,
     name: String,
     draft: TempDir,
+    formats: Formats,
+}
+
+/// What tables are written as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Formats {
+    /// Comma-separated values.
+    pub csv: bool,
+    /// Apache Parquet.
+    pub parquet: bool,
 }
 
 impl ReportFolder {
@@ -86,7 +96,13 @@ impl ReportFolder {
         fs::create_dir_all(out).map_err(folder)?;
         make_way(&out.join(name))?;
         let draft = tempfile::Builder::new().prefix("report-").tempdir_in(drafts).map_err(folder)?;
-        Ok(Self { out: out.to_path_buf(), name: name.to_string(), draft })
+        let formats = Formats { csv: true, parquet: true };
+        Ok(Self { out: out.to_path_buf(), name: name.to_string(), draft, formats })
+    }
+
+    /// Writes tables in these formats only.
+    pub fn in_formats(self, formats: Formats) -> Self {
+        Self { formats, ..self }
     }
 
     /// Adds a file under a path relative to the report.
@@ -97,20 +113,25 @@ impl ReportFolder {
         self.write(name, |writer| writer.write_all(bytes))
     }
 
-    /// Adds a table as CSV and as Parquet.
+    /// Adds a table, in the formats of this report.
     ///
     /// # Errors
     /// A file cannot be written.
     pub fn table(&self, name: &str, table: &DataFrame) -> Result<(), WriteError> {
         let mut table = table.clone();
         let failed = |error: PolarsError| io::Error::other(error.to_string());
-        self.write(&format!("{name}.csv"), |writer| CsvWriter::new(writer).finish(&mut table).map_err(failed))?;
-        self.write(&format!("{name}.parquet"), |writer| {
-            ParquetWriter::new(writer).finish(&mut table).map(|_| ()).map_err(failed)
-        })
+        if self.formats.csv {
+            self.write(&format!("{name}.csv"), |writer| CsvWriter::new(writer).finish(&mut table).map_err(failed))?;
+        }
+        if self.formats.parquet {
+            self.write(&format!("{name}.parquet"), |writer| {
+                ParquetWriter::new(writer).finish(&mut table).map(|_| ()).map_err(failed)
+            })?;
+        }
+        Ok(())
     }
 
-    /// Begins a table that is written piece by piece, as CSV and as Parquet.
+    /// Begins a table that is written piece by piece, in the formats of this report.
     ///
     /// # Errors
     /// A file cannot be written.
@@ -122,8 +143,8 @@ impl ReportFolder {
                 Err(source) => Err(WriteError::File { path, source }),
             }
         };
-        let ((csv_path, csv), (parquet_path, parquet)) = (open("csv")?, open("parquet")?);
-        TableStream::begin(schema, (csv_path, csv), (parquet_path, parquet))
+        let open = |wanted: bool, end| wanted.then(|| open(end)).transpose();
+        TableStream::begin(schema, open(self.formats.csv, "csv")?, open(self.formats.parquet, "parquet")?)
     }
 
     pub(super) fn write(

@@ -44,7 +44,7 @@ pub use evidence::{
     Between, CellEvidence, CellKey, Change, Comparison, Evidence, Figure, Gathering, Quantiles, Test, Transfer,
 };
 pub use figure::learning_figures;
-pub use folder::{ReportFolder, WriteError, write_csv, write_file, write_table};
+pub use folder::{Formats, ReportFolder, WriteError, write_csv, write_file, write_table};
 pub use gate::{Gate, GateError, Judged};
 pub use gathered::{Gathered, gather};
 pub use junit::{Suite, called, junit, shown};

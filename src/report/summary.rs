@@ -25,7 +25,7 @@ pub fn summary(campaign: &Campaign, cells: &[Cell], evidence: &Evidence, manifes
         page.push_str("**A smoke run: it shows that everything works, and its numbers mean nothing.**\n\n");
     }
     if !manifest.complete {
-        page.push_str("**Incomplete: it was stopped, a training failed, or a reward was no number. The manifest says which.**\n\n");
+        page.push_str("**Incomplete: it was stopped, something failed or reached its limit, or a reward was no number. The manifest says which.**\n\n");
     }
     if !cells.is_empty() {
         episodes(&mut page, cells);
@@ -126,7 +126,7 @@ fn errors(page: &mut String, cells: &[Cell]) {
     }
     let _ = writeln!(
         page,
-        "\n**In {failed} more episodes the driver failed as a program. They count neither as passed nor as failed and enter no \
+        "\n**In {failed} more episodes the driver failed as a program, or they were not tried. They count neither as passed nor as failed and enter no \
          number above;** `episodes.csv` holds the cause of each in the column `error`:\n"
     );
     for cell in cells.iter().filter(|cell| cell.errors > 0) {

@@ -12,29 +12,50 @@ use super::WriteError;
 /// Rows that are written at once; in Parquet they are a row group.
 const GROUP: usize = 1 << 16;
 
-/// A table that is written piece by piece, as CSV and as Parquet, so that it need not fit in memory.
+/// A table that is written piece by piece, as CSV, as Parquet or both, so that it need not fit in memory.
 pub struct TableStream {
     waiting: DataFrame,
-    csv: (PathBuf, CsvPieces<BufWriter<File>>),
-    parquet: (PathBuf, ParquetPieces<BufWriter<File>>),
-    /// The files once more, for the end.
-    files: [File; 2],
+    csv: Option<Stream<CsvPieces<BufWriter<File>>>>,
+    parquet: Option<Stream<ParquetPieces<BufWriter<File>>>>,
+}
+
+/// A file in one of the formats.
+struct Stream<W> {
+    path: PathBuf,
+    pieces: W,
+    /// The file once more, for the end.
+    file: File,
+}
+
+impl<W> Stream<W> {
+    fn begin(
+        (path, writer): (PathBuf, BufWriter<File>),
+        begin: impl FnOnce(BufWriter<File>) -> PolarsResult<W>,
+    ) -> Result<Self, WriteError> {
+        let again = writer.get_ref().try_clone();
+        let file = again.map_err(|source| WriteError::File { path: path.clone(), source })?;
+        let pieces = failed(&path, begin(writer))?;
+        Ok(Self { path, pieces, file })
+    }
+
+    /// Makes sure that all of it is on the disk.
+    fn settle(self) -> Result<(), WriteError> {
+        // What is still in the buffers goes to the file when the writer goes, so that must be now.
+        drop(self.pieces);
+        self.file.sync_all().map_err(|source| WriteError::File { path: self.path, source })
+    }
 }
 
 impl TableStream {
     pub(super) fn begin(
         schema: &Schema,
-        (csv_path, csv): (PathBuf, BufWriter<File>),
-        (parquet_path, parquet): (PathBuf, BufWriter<File>),
+        csv: Option<(PathBuf, BufWriter<File>)>,
+        parquet: Option<(PathBuf, BufWriter<File>)>,
     ) -> Result<Self, WriteError> {
-        let again = |file: &BufWriter<File>, path: &PathBuf| {
-            file.get_ref().try_clone().map_err(|source| WriteError::File { path: path.clone(), source })
-        };
-        let files = [again(&csv, &csv_path)?, again(&parquet, &parquet_path)?];
-        let csv = failed(&csv_path, CsvWriter::new(csv).batched(schema))?;
-        let parquet = failed(&parquet_path, ParquetWriter::new(parquet).batched(schema))?;
+        let csv = csv.map(|file| Stream::begin(file, |writer| CsvWriter::new(writer).batched(schema)));
+        let parquet = parquet.map(|file| Stream::begin(file, |writer| ParquetWriter::new(writer).batched(schema)));
         let waiting = DataFrame::empty_with_schema(schema);
-        Ok(Self { waiting, csv: (csv_path, csv), parquet: (parquet_path, parquet), files })
+        Ok(Self { waiting, csv: csv.transpose()?, parquet: parquet.transpose()? })
     }
 
     /// Adds rows.
@@ -42,7 +63,7 @@ impl TableStream {
     /// # Errors
     /// A file cannot be written.
     pub fn add(&mut self, rows: &DataFrame) -> Result<(), WriteError> {
-        failed(&self.csv.0, self.waiting.vstack_mut(rows).map(|_| ()))?;
+        self.waiting.vstack_mut(rows).expect("checked: pieces of a table have its columns");
         if self.waiting.height() >= GROUP { self.write() } else { Ok(()) }
     }
 
@@ -50,8 +71,13 @@ impl TableStream {
         let empty = self.waiting.clear();
         let mut rows = std::mem::replace(&mut self.waiting, empty);
         rows.rechunk_mut();
-        failed(&self.csv.0, self.csv.1.write_batch(&rows))?;
-        failed(&self.parquet.0, self.parquet.1.write_batch(&rows))
+        if let Some(csv) = &mut self.csv {
+            failed(&csv.path, csv.pieces.write_batch(&rows))?;
+        }
+        if let Some(parquet) = &mut self.parquet {
+            failed(&parquet.path, parquet.pieces.write_batch(&rows))?;
+        }
+        Ok(())
     }
 
     /// Writes what is left, and makes sure that all of it is on the disk.
@@ -60,13 +86,13 @@ impl TableStream {
     /// A file cannot be written.
     pub fn finish(mut self) -> Result<(), WriteError> {
         self.write()?;
-        failed(&self.csv.0, self.csv.1.finish())?;
-        failed(&self.parquet.0, self.parquet.1.finish())?;
-        let paths = [self.csv.0, self.parquet.0];
-        // What is still in the buffers goes to the files when the writers go, so that must be now.
-        drop((self.csv.1, self.parquet.1));
-        for (file, path) in self.files.iter().zip(paths) {
-            file.sync_all().map_err(|source| WriteError::File { path, source })?;
+        if let Some(mut csv) = self.csv {
+            failed(&csv.path, csv.pieces.finish())?;
+            csv.settle()?;
+        }
+        if let Some(parquet) = self.parquet {
+            failed(&parquet.path, parquet.pieces.finish())?;
+            parquet.settle()?;
         }
         Ok(())
     }

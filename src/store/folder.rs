@@ -70,9 +70,18 @@ impl Store {
 
     /// Where a cell is, if it is there.
     pub fn path(&self, id: Id) -> PathBuf {
-        let id = id.to_string();
+        self.path_of(&id.to_string())
+    }
+
+    /// Where a cell with this name is.
+    pub(super) fn path_of(&self, id: &str) -> PathBuf {
         // Folders with a hundred thousand files are slow on some file systems.
-        self.root.join("cells").join(&id[..2]).join(id)
+        self.root.join("cells").join(id.get(..2).unwrap_or_default()).join(id)
+    }
+
+    /// The folder of the store itself.
+    pub(super) fn root(&self) -> &Path {
+        &self.root
     }
 
     /// Reads a cell; says so when it is damaged.
@@ -99,8 +108,13 @@ impl Store {
 
     /// Reads how a cell begins, without looking at its bytes; the error is that it is damaged.
     pub fn head(&self, id: Id) -> Option<Result<Header, ()>> {
+        self.head_of(&self.path(id))
+    }
+
+    /// Reads how the cell in a file begins.
+    pub(super) fn head_of(&self, path: &Path) -> Option<Result<Header, ()>> {
         let mut beginning = Vec::new();
-        let file = File::open(self.path(id)).ok()?;
+        let file = File::open(path).ok()?;
         let length = file.metadata().map(|data| data.len()).unwrap_or_default();
         let _ = file.take(BEGINNING as u64).read_to_end(&mut beginning);
         let head = cell_file::head(&beginning);
@@ -124,7 +138,7 @@ impl Store {
         let put = || -> io::Result<()> {
             let parent = path.parent().expect("a file of the store is in a folder");
             fs::create_dir_all(parent)?;
-            let mut draft = tempfile::NamedTempFile::new_in(work.path()?)?;
+            let mut draft = readable(&mut tempfile::Builder::new()).tempfile_in(work.path()?)?;
             draft.write_all(bytes)?;
             if sync {
                 draft.as_file().sync_all()?;
@@ -222,6 +236,18 @@ impl Store {
     fn campaign_path(&self, name: &str) -> PathBuf {
         self.root.join("campaigns").join(format!("{name}.json"))
     }
+}
+
+/// What is made as temporary is for its owner alone; cells are for everyone who may read their folder.
+#[cfg(unix)]
+fn readable<'a, 'b, 'c>(builder: &'a mut tempfile::Builder<'b, 'c>) -> &'a mut tempfile::Builder<'b, 'c> {
+    use std::os::unix::fs::PermissionsExt;
+    builder.permissions(fs::Permissions::from_mode(0o644))
+}
+
+#[cfg(not(unix))]
+fn readable<'a, 'b, 'c>(builder: &'a mut tempfile::Builder<'b, 'c>) -> &'a mut tempfile::Builder<'b, 'c> {
+    builder
 }
 
 fn is_id(name: &str) -> bool {

@@ -12,6 +12,12 @@ use crate::compile::{Campaign, Evaluation, Pedestrian};
 pub struct Index {
     /// The names of all its cells.
     pub wanted: BTreeSet<String>,
+    /// What each of them is, and how much: updates, episodes, ticks.
+    #[serde(default)]
+    pub plan: BTreeMap<String, (String, u64)>,
+    /// The command that it was last run with.
+    #[serde(default)]
+    pub command: String,
     /// The cells that were finished, by what they are.
     done: BTreeMap<String, Made>,
 }
@@ -49,6 +55,8 @@ impl Index {
     pub fn write(&mut self, store: &Store, name: &str, campaign: &Campaign, seed: u64) -> Result<(), StoreError> {
         let ids = Ids::new(campaign, seed);
         self.wanted = cells(campaign).map(|cell| ids.get(cell).to_string()).collect();
+        let planned = |cell| (ids.get(cell).to_string(), (cell_name(campaign, cell), amount(campaign, cell)));
+        self.plan = cells(campaign).map(planned).collect();
         for cell in cells(campaign) {
             let id = ids.get(cell);
             if store.head(id).is_some_and(|head| head.is_ok_and(|header| header.state == State::Finished)) {

@@ -182,11 +182,15 @@ impl Keeper for Kept<'_> {
         if header.state == State::Failed {
             return Tally::default();
         }
-        let enough = header.state == State::Finished && self.campaign.evaluations[evaluation].halfwidth.is_some();
+        let planned = &self.campaign.evaluations[evaluation];
+        let enough = header.state == State::Finished && planned.halfwidth.is_some();
+        if enough || header.done >= planned.chunk(chunk).len() as u64 {
+            return Tally { episodes: header.done as u32, enough, ..Tally::default() };
+        }
         match report::tally(&bytes) {
             Ok(tally) => {
                 self.take_over(cell, header.seconds, bytes);
-                Tally { enough, ..tally }
+                tally
             }
             Err(_) => {
                 self.store.damaged(self.id(cell));

@@ -11,10 +11,14 @@ mod folder;
 mod work_folder;
 mod index;
 mod kept;
+mod import;
+mod status;
 
 pub use cell_file::{Found, Header, State};
 pub use folder::{Note, Store};
 pub use id::{CODE, Id, Ids, vector_instructions};
+pub use import::Taken;
 pub use index::{Index, Known, cell_name};
 pub use kept::{Kept, Limits};
+pub use status::{CampaignStatus, CellStatus};
 pub use store_error::StoreError;

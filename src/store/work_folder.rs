@@ -42,6 +42,14 @@ impl WorkFolder {
     }
 }
 
+/// How many processes have a folder here.
+pub(super) fn processes(root: &Path) -> usize {
+    let folders = fs::read_dir(root).into_iter().flatten().flatten();
+    let at_work =
+        |entry: &fs::DirEntry| entry.file_name().to_string_lossy().starts_with(PREFIX) && !is_dead(&entry.path());
+    folders.filter(at_work).count()
+}
+
 fn is_dead(folder: &Path) -> bool {
     File::open(folder.join(LOCK)).is_ok_and(|lock| lock.try_lock().is_ok())
 }

@@ -232,7 +232,9 @@ fn explanations_are_printed() {
 fn every_command_shows_examples_and_is_completed() {
     let folder = tempfile::tempdir().unwrap();
     let script = said(&falsify(&["completions", "bash"], folder.path())).0;
-    for command in ["run", "check", "fmt", "explain", "new", "debug", "lsp", "map", "completions"] {
+    for command in
+        ["run", "check", "fmt", "explain", "new", "debug", "lsp", "map", "config", "merge", "status", "completions"]
+    {
         let (help, _) = said(&falsify(&[command, "--help"], folder.path()));
         assert!(help.contains("Examples") && help.contains(&format!("falsify {command}")), "{command}: {help}");
         assert!(

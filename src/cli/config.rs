@@ -1,0 +1,66 @@
+use clap::parser::ValueSource;
+use clap::{Arg, ArgAction, ArgMatches, Command};
+
+use super::settings::{self, FILE, KEYS, Settings};
+use super::{ExitCode, front};
+
+/// Gives `falsify config` the options that it shows.
+pub fn with_options(command: Command) -> Command {
+    let options: Vec<Arg> = KEYS.into_iter().map(|key| settings::option(&command, key)).collect();
+    command.mut_subcommand("config", |config| config.args(options))
+}
+
+/// `falsify config`: every setting with its value and where it comes from, in the form of `falsify.toml`.
+pub fn config(command: &Command, matches: &ArgMatches, settings: Option<&Settings>) -> ExitCode {
+    match settings {
+        Some(settings) => front::say(&format!("# {}", settings.path.display())),
+        None => front::say(&format!("# no {FILE} here or in a folder above")),
+    }
+    let lines: Vec<(String, String)> = KEYS
+        .into_iter()
+        .map(|key| {
+            let option = settings::option(command, key);
+            match value(&option, matches) {
+                Some(value) => (format!("{key} = {value}"), origin(&option, matches, settings)),
+                None => (format!("# {key}"), "not set".into()),
+            }
+        })
+        .collect();
+    let width = lines.iter().map(|(line, _)| line.chars().count()).max().unwrap_or(0);
+    lines.iter().for_each(|(line, origin)| front::say(&format!("{line:width$}  # {origin}")));
+    ExitCode::Done
+}
+
+/// The value of an option as TOML.
+fn value(option: &Arg, matches: &ArgMatches) -> Option<String> {
+    let key = option.get_id().as_str();
+    let separators = |text: &str| match option.get_value_delimiter() {
+        Some(delimiter) => text.split(delimiter).map(written).collect(),
+        None => vec![written(text)],
+    };
+    let values: Vec<String> = matches.get_raw(key)?.flat_map(|value| separators(&value.to_string_lossy())).collect();
+    Some(if matches!(option.get_action(), ArgAction::Append) {
+        format!("[{}]", values.join(", "))
+    } else {
+        values.concat()
+    })
+}
+
+/// A text as TOML; numbers stay numbers.
+fn written(text: &str) -> String {
+    if text.parse::<f64>().is_ok_and(f64::is_finite) { text.into() } else { toml::Value::from(text).to_string() }
+}
+
+fn origin(option: &Arg, matches: &ArgMatches, settings: Option<&Settings>) -> String {
+    let key = option.get_id().as_str();
+    match matches.value_source(key) {
+        Some(ValueSource::CommandLine) => format!("--{}", option.get_long().unwrap_or(key)),
+        Some(ValueSource::EnvVariable) => {
+            option.get_env().map_or("environment".into(), |name| name.to_string_lossy().into())
+        }
+        _ => match settings.and_then(|settings| settings.values.get(key)) {
+            Some((_, line)) => format!("{FILE}, line {line}"),
+            None => "default".into(),
+        },
+    }
+}

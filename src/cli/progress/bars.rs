@@ -1,0 +1,96 @@
+//! Bars on a terminal: one for the campaign and one for each piece under way, at most a screenful.
+
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+use indicatif::{FormattedDuration, HumanCount, MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use super::board::Board;
+use super::piece::Piece;
+
+/// Most pieces that have a bar at a time.
+const MOST: usize = 12;
+
+/// The bars of a campaign.
+#[derive(Debug)]
+pub struct Bars {
+    screen: MultiProgress,
+    whole: ProgressBar,
+    /// Bars of pieces under way, with the places of these on the board.
+    shown: Mutex<Vec<(usize, ProgressBar)>>,
+}
+
+fn style(form: &str) -> ProgressStyle {
+    ProgressStyle::with_template(form).expect("the template is fixed").progress_chars("━╸─")
+}
+
+impl Bars {
+    /// Draws the bar of the campaign.
+    pub fn new(board: &Board<'_>) -> Self {
+        let screen = MultiProgress::with_draw_target(ProgressDrawTarget::stderr_with_hz(5));
+        let whole = screen.add(ProgressBar::new(board.pieces.len() as u64));
+        whole.set_style(style(
+            "{prefix:.bold} {bar:24.green/black.bright} {pos}/{len} cells, {elapsed_precise} gone{msg}",
+        ));
+        whole.set_prefix(board.campaign.name.clone());
+        whole.enable_steady_tick(Duration::from_millis(500));
+        Self { screen, whole, shown: Mutex::default() }
+    }
+
+    /// Draws what is under way.
+    pub fn draw(&self, board: &Board<'_>) {
+        let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+        shown.retain(|(place, bar)| {
+            let stays = board.pieces[*place].is_under_way();
+            if !stays {
+                self.screen.remove(bar);
+            }
+            stays
+        });
+        let under_way: Vec<usize> =
+            (0..board.pieces.len()).filter(|place| board.pieces[*place].is_under_way()).collect();
+        for place in &under_way {
+            if shown.len() < MOST && shown.iter().all(|(other, _)| other != place) {
+                let piece = &board.pieces[*place];
+                let bar = self.screen.add(ProgressBar::new(piece.total));
+                bar.set_style(style("  {bar:24.cyan/black.bright} {wide_msg}"));
+                shown.push((*place, bar));
+            }
+        }
+        for (place, bar) in shown.iter() {
+            let piece = &board.pieces[*place];
+            bar.set_position(piece.done());
+            bar.set_message(told(piece));
+        }
+        let hidden = under_way.len() - shown.len();
+        let more = if hidden > 0 { format!(", {hidden} more under way") } else { String::new() };
+        let left = board.left().map_or(String::new(), |left| format!(", {} left", clock(left)));
+        self.whole.set_message(format!("{left}{more}"));
+        self.whole.set_position(board.ended() as u64);
+    }
+
+    /// Says something above the bars.
+    pub fn say(&self, line: &str) {
+        self.screen.suspend(|| anstream::eprintln!("{line}"));
+    }
+
+    /// Removes the bars.
+    pub fn clear(&self) {
+        self.whole.finish_and_clear();
+        let _ = self.screen.clear();
+    }
+}
+
+/// How far a piece has come.
+fn told(piece: &Piece) -> String {
+    let kind = piece.kind;
+    let rate = piece.rate().map_or(String::new(), |rate| format!(" {}/s", HumanCount(rate.round() as u64)));
+    let left = piece.left().map_or(String::new(), |left| format!(" {} left", clock(left)));
+    let share = (piece.done() * 100).checked_div(piece.total).unwrap_or(0);
+    format!("{share:3} %{left}{rate}  {} {}", kind.doing(), piece.name)
+}
+
+/// A time as people read it, to the second.
+fn clock(time: Duration) -> FormattedDuration {
+    FormattedDuration(Duration::from_secs(time.as_secs_f64().ceil() as u64))
+}

@@ -1,0 +1,152 @@
+//! Events for programs: one JSON object a line on the output. `reports/README.md` explains them.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::board::Board;
+use super::piece::{Kind, Piece};
+use crate::cli::front;
+
+/// What happened.
+#[derive(Debug, Serialize)]
+#[serde(tag = "event", rename_all = "snake_case")]
+pub enum Event<'a> {
+    /// A campaign begins.
+    CampaignBegun {
+        /// Its name.
+        campaign: &'a str,
+        /// How many pieces of each kind it has.
+        trainings: usize,
+        /// How many evaluations it has.
+        evaluations: usize,
+        /// How many searches it has.
+        searches: usize,
+    },
+    /// A piece of work begins.
+    CellBegun(About<'a>),
+    /// A piece of work has come further; told about once a second.
+    Progress {
+        /// Which, and how far.
+        #[serde(flatten)]
+        about: About<'a>,
+        /// Units a second.
+        rate_per_s: Option<f64>,
+        /// Time until it ends at this rate (s).
+        left_s: Option<f64>,
+        /// Time until the campaign ends (s).
+        campaign_left_s: Option<f64>,
+    },
+    /// A piece of work has ended.
+    CellFinished {
+        /// Which, and how far.
+        #[serde(flatten)]
+        about: About<'a>,
+        /// Units that an earlier run of the program had done.
+        reused: u64,
+        /// How long it took (s).
+        took_s: f64,
+        /// Units a second.
+        rate_per_s: Option<f64>,
+        /// What came of it, for people.
+        note: &'a str,
+        /// Why it came to nothing.
+        error: Option<&'a str>,
+    },
+    /// Something is wrong that does not end the run.
+    Warning {
+        /// The campaign.
+        campaign: &'a str,
+        /// What is wrong, for people.
+        message: &'a str,
+    },
+    /// A report stands.
+    ReportWritten {
+        /// The campaign.
+        campaign: &'a str,
+        /// Its folder.
+        folder: &'a Path,
+        /// Whether everything that was planned is in it.
+        complete: bool,
+    },
+    /// The program ends.
+    RunEnded {
+        /// With this exit code.
+        exit_code: u8,
+    },
+}
+
+/// A piece of work, and how far it is.
+#[derive(Debug, Serialize)]
+pub struct About<'a> {
+    campaign: &'a str,
+    kind: Kind,
+    /// Its place among those of its kind, in the order of `falsify run --list`.
+    place: usize,
+    name: &'a str,
+    done: u64,
+    total: u64,
+    unit: &'static str,
+    /// Time since the campaign began (s).
+    time_s: f64,
+}
+
+impl<'a> About<'a> {
+    fn new(board: &'a Board<'_>, piece: &'a Piece) -> Self {
+        Self {
+            campaign: &board.campaign.name,
+            kind: piece.kind,
+            place: piece.place,
+            name: &piece.name,
+            done: piece.done(),
+            total: piece.total,
+            unit: piece.kind.unit(),
+            time_s: board.began.elapsed().as_secs_f64(),
+        }
+    }
+}
+
+impl<'a> Event<'a> {
+    /// A campaign begins.
+    pub fn campaign_begun(board: &'a Board<'_>) -> Self {
+        let count = |kind| board.pieces.iter().filter(|piece| piece.kind == kind).count();
+        Self::CampaignBegun {
+            campaign: &board.campaign.name,
+            trainings: count(Kind::Training),
+            evaluations: count(Kind::Evaluation),
+            searches: count(Kind::Search),
+        }
+    }
+
+    /// A piece of work begins.
+    pub fn begun(board: &'a Board<'_>, piece: &'a Piece) -> Self {
+        Self::CellBegun(About::new(board, piece))
+    }
+
+    /// A piece of work has come further.
+    pub fn progress(board: &'a Board<'_>, piece: &'a Piece) -> Self {
+        Self::Progress {
+            about: About::new(board, piece),
+            rate_per_s: piece.rate(),
+            left_s: piece.left().map(|left| left.as_secs_f64()),
+            campaign_left_s: board.left().map(|left| left.as_secs_f64()),
+        }
+    }
+
+    /// A piece of work has ended.
+    pub fn finished(board: &'a Board<'_>, piece: &'a Piece, note: &'a str, error: Option<&'a str>) -> Self {
+        Self::CellFinished {
+            about: About::new(board, piece),
+            reused: piece.before(),
+            took_s: piece.time().as_secs_f64(),
+            rate_per_s: piece.rate(),
+            note,
+            error,
+        }
+    }
+
+    /// Prints it.
+    pub fn tell(&self) {
+        front::say(&serde_json::to_string(self).expect("texts and numbers have a form in JSON"));
+    }
+}

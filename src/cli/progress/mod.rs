@@ -1,0 +1,11 @@
+//! Progress for people and programs: bars on a terminal, a line for each finished piece in a log, events as JSON.
+
+mod piece;
+mod board;
+mod bars;
+mod lines;
+mod events;
+mod observer;
+
+pub use events::Event;
+pub use observer::Progress;

@@ -1,0 +1,171 @@
+use std::io::IsTerminal;
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+
+use super::bars::Bars;
+use super::board::Board;
+use super::events::Event;
+use super::lines::line;
+use super::piece::{Kind, Piece, amount};
+use crate::campaign::{Cell, CellError, Observer, SearchResult, TrainingResult};
+use crate::cli::args::{Output, RunOptions, Showing};
+use crate::cli::interrupt;
+use crate::compile::{Campaign, Evaluation, Training};
+use crate::rl::UpdateLog;
+
+/// Least time between two looks at how far everything is (ms).
+const GLANCE: u64 = 200;
+/// Every how many glances programs are told.
+const TOLD: u64 = 5;
+
+/// Hears a campaign and shows how far it is.
+pub struct Progress<'a> {
+    board: Board<'a>,
+    bars: Option<Bars>,
+    lines: bool,
+    events: bool,
+    reused: AtomicUsize,
+    glances: AtomicU64,
+    /// Time of the next glance, since the campaign began (ms).
+    next: AtomicU64,
+}
+
+impl<'a> Progress<'a> {
+    /// Gets ready for some cells of a campaign.
+    pub fn new(campaign: &'a Campaign, wanted: &[Cell], options: &RunOptions) -> Self {
+        let board = Board::new(campaign, wanted, rayon::current_num_threads());
+        let terminal = std::io::stderr().is_terminal();
+        let showing = match options.progress {
+            Showing::Auto if terminal => Showing::Bars,
+            Showing::Auto => Showing::Lines,
+            chosen => chosen,
+        };
+        let events = options.format == Output::Json;
+        if events {
+            Event::campaign_begun(&board).tell();
+        }
+        let bars = (showing == Showing::Bars).then(|| Bars::new(&board));
+        let lines = showing == Showing::Lines;
+        let (reused, glances, next) = (AtomicUsize::new(0), AtomicU64::new(0), AtomicU64::new(0));
+        Self { board, bars, lines, events, reused, glances, next }
+    }
+
+    /// Removes the bars, and says how much was there before; all of it is `cells`.
+    pub fn finish(self, cells: usize) {
+        if let Some(bars) = &self.bars {
+            bars.clear();
+        }
+        let reused = self.reused.into_inner();
+        if reused > 0 && (self.lines || self.bars.is_some()) {
+            anstream::eprintln!("{reused} of {cells} cells were there already");
+        }
+    }
+
+    /// The piece of a cell, which is begun now if it was not before.
+    fn piece(&self, cell: Cell) -> &Piece {
+        let piece = self.board.piece(cell);
+        if piece.begin() && self.events {
+            Event::begun(&self.board, piece).tell();
+        }
+        piece
+    }
+
+    /// Shows how far everything is, if it is time for that.
+    fn glance(&self) {
+        let now = self.board.began.elapsed().as_millis() as u64;
+        let next = self.next.load(Ordering::Relaxed);
+        if now < next || self.next.compare_exchange(next, now + GLANCE, Ordering::Relaxed, Ordering::Relaxed).is_err() {
+            return;
+        }
+        if let Some(bars) = &self.bars {
+            bars.draw(&self.board);
+        }
+        if self.glances.fetch_add(1, Ordering::Relaxed) % TOLD == TOLD - 1 && self.events {
+            for piece in self.board.pieces.iter().filter(|piece| piece.is_under_way()) {
+                Event::progress(&self.board, piece).tell();
+            }
+        }
+    }
+
+    /// Ends a cell; with the last one of a piece comes what came of the piece.
+    fn end(&self, cell: Cell, result: Result<String, String>) {
+        let piece = self.board.piece(cell);
+        let (note, error) = match result {
+            Ok(note) => (note, None),
+            Err(error) => (String::new(), Some(error)),
+        };
+        if !piece.end_cell(error) {
+            return;
+        }
+        let error = piece.error();
+        if interrupt::asked() && error.is_none() && piece.done() < piece.total {
+            return;
+        }
+        if self.events {
+            Event::finished(&self.board, piece, &note, error.as_deref()).tell();
+        }
+        let quiet = piece.is_old() && error.is_none();
+        let line = || line(&self.board, piece, error.as_deref().unwrap_or(&note));
+        match &self.bars {
+            // On a terminal the many evaluations would push everything else away.
+            Some(bars) if error.is_some() || (piece.kind != Kind::Evaluation && !quiet) => bars.say(&line()),
+            None if error.is_some() || (self.lines && !quiet) => anstream::eprintln!("{}", line()),
+            _ => {}
+        }
+        self.glance();
+    }
+}
+
+impl Observer for Progress<'_> {
+    fn training_begun(&self, training: usize) {
+        self.piece(Cell::Training(training));
+    }
+
+    fn trained(&self, training: usize, _: &Training, log: &UpdateLog) {
+        self.board.piece(Cell::Training(training)).reach(log.steps);
+        self.glance();
+    }
+
+    fn training_ended(&self, training: usize, result: &TrainingResult) {
+        let told = match &result.result {
+            Ok(trained) => {
+                let reward = trained.learning_curve.last().and_then(|log| log.mean_reward);
+                Ok(reward.map_or("no episode ended".into(), |reward| format!("mean reward {reward:.3}")))
+            }
+            Err(error) => Err(error.to_string()),
+        };
+        self.end(Cell::Training(training), told);
+    }
+
+    fn tried(&self, evaluation: usize, _: &Evaluation) {
+        self.piece(Cell::Chunk { evaluation, chunk: 0 }).advance(1);
+        self.glance();
+    }
+
+    fn chunk_ended(&self, evaluation: usize, chunk: u32, error: Option<&CellError>) {
+        self.end(Cell::Chunk { evaluation, chunk }, error.map_or(Ok(String::new()), |error| Err(error.to_string())));
+    }
+
+    fn reused(&self, cell: Cell) {
+        self.reused.fetch_add(1, Ordering::Relaxed);
+        self.board.piece(cell).found(amount(self.board.campaign, cell));
+        self.end(cell, Ok(String::new()));
+    }
+
+    fn continued(&self, cell: Cell, episodes: u32) {
+        self.piece(cell).found(episodes.into());
+    }
+
+    fn searched(&self, search: usize, result: &SearchResult) {
+        let spent = &result.spent;
+        self.piece(Cell::Search(search)).reach(spent.ticks);
+        let told = match &result.error {
+            Some(error) => Err(error.to_string()),
+            None => Ok(format!("{} failures in {} episodes", spent.failures.len(), spent.episodes)),
+        };
+        self.end(Cell::Search(search), told);
+    }
+
+    fn stop(&self) -> bool {
+        interrupt::asked()
+    }
+}

@@ -1,0 +1,223 @@
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use crate::campaign::Cell;
+use crate::compile::{Campaign, Evaluation, Pedestrian};
+
+/// What a piece of work is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// A training.
+    Training,
+    /// An evaluation.
+    Evaluation,
+    /// A search.
+    Search,
+}
+
+impl Kind {
+    /// What it does, while it does it.
+    pub fn doing(self) -> &'static str {
+        match self {
+            Self::Training => "training",
+            Self::Evaluation => "trying",
+            Self::Search => "searching",
+        }
+    }
+
+    /// What it has done.
+    pub fn done(self) -> &'static str {
+        match self {
+            Self::Training => "trained",
+            Self::Evaluation => "tried",
+            Self::Search => "searched",
+        }
+    }
+
+    /// What is counted.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Training => "decisions",
+            Self::Evaluation => "episodes",
+            Self::Search => "ticks",
+        }
+    }
+}
+
+/// A piece of a campaign's work: a training, an evaluation or a search.
+#[derive(Debug)]
+pub struct Piece {
+    /// What it is.
+    pub kind: Kind,
+    /// Its place among those of its kind.
+    pub place: usize,
+    /// Who, where, against whom.
+    pub name: String,
+    /// How much of it is to be done here, in units of its kind.
+    pub total: u64,
+    done: AtomicU64,
+    before: AtomicU64,
+    state: Mutex<State>,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    /// Cells that have not ended.
+    open: usize,
+    begun: Option<Instant>,
+    took: Option<Duration>,
+    error: Option<String>,
+}
+
+impl Piece {
+    /// Makes the pieces of a campaign, in the plan's order, of which only some cells are done here; those without any are left out.
+    pub fn all(campaign: &Campaign, wanted: &[Cell]) -> Vec<Self> {
+        let mut pieces: Vec<Self> = Vec::new();
+        for cell in wanted {
+            let (kind, place) = Self::of(*cell);
+            if pieces.last().is_none_or(|last| (last.kind, last.place) != (kind, place)) {
+                pieces.push(Self::new(campaign, kind, place));
+            }
+            let piece = pieces.last_mut().expect("one was put there");
+            piece.total += amount(campaign, *cell);
+            piece.state.get_mut().unwrap_or_else(PoisonError::into_inner).open += 1;
+        }
+        pieces
+    }
+
+    /// The piece that a cell belongs to.
+    pub fn of(cell: Cell) -> (Kind, usize) {
+        match cell {
+            Cell::Training(place) => (Kind::Training, place),
+            Cell::Chunk { evaluation, .. } => (Kind::Evaluation, evaluation),
+            Cell::Search(place) => (Kind::Search, place),
+        }
+    }
+
+    fn new(campaign: &Campaign, kind: Kind, place: usize) -> Self {
+        let name = match kind {
+            Kind::Training => {
+                let key = &campaign.trainings[place].key;
+                format!("{} in {} against {}, run {}", key.reward, key.town, key.policy, key.run)
+            }
+            Kind::Evaluation => evaluation(&campaign.evaluations[place]),
+            Kind::Search => {
+                let key = &campaign.searches[place].key;
+                format!("{} in {} against {}, run {}", key.falsifier, key.town, key.policy, key.run)
+            }
+        };
+        let (done, before, state) = (AtomicU64::new(0), AtomicU64::new(0), Mutex::default());
+        Self { kind, place, name, total: 0, done, before, state }
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Begins, where it has not; says whether it had not.
+    pub fn begin(&self) -> bool {
+        let mut state = self.state();
+        let first = state.begun.is_none();
+        state.begun.get_or_insert_with(Instant::now);
+        first
+    }
+
+    /// Counts what was there before it began.
+    pub fn found(&self, units: u64) {
+        self.before.fetch_add(units, Ordering::Relaxed);
+        self.done.fetch_add(units, Ordering::Relaxed);
+    }
+
+    /// Counts what was done.
+    pub fn advance(&self, units: u64) {
+        self.done.fetch_add(units, Ordering::Relaxed);
+    }
+
+    /// Says how much is done by now.
+    pub fn reach(&self, units: u64) {
+        self.done.store(units, Ordering::Relaxed);
+    }
+
+    /// Ends one of its cells; says whether that was the last.
+    pub fn end_cell(&self, error: Option<String>) -> bool {
+        let mut state = self.state();
+        state.open = state.open.saturating_sub(1);
+        state.error = state.error.take().or(error);
+        let last = state.open == 0 && state.took.is_none();
+        if last {
+            state.took = Some(state.begun.map_or(Duration::ZERO, |begun| begun.elapsed()));
+        }
+        last
+    }
+
+    /// What went wrong first, if anything did.
+    pub fn error(&self) -> Option<String> {
+        self.state().error.clone()
+    }
+
+    /// How much is done.
+    pub fn done(&self) -> u64 {
+        self.done.load(Ordering::Relaxed).min(self.total)
+    }
+
+    /// How much of it was done before this run of the program.
+    pub fn before(&self) -> u64 {
+        self.before.load(Ordering::Relaxed).min(self.total)
+    }
+
+    /// Whether it has begun and not ended.
+    pub fn is_under_way(&self) -> bool {
+        let state = self.state();
+        state.begun.is_some() && state.took.is_none()
+    }
+
+    /// Whether it has ended.
+    pub fn is_ended(&self) -> bool {
+        self.state().took.is_some()
+    }
+
+    /// How long it took, or takes by now.
+    pub fn time(&self) -> Duration {
+        let state = self.state();
+        state.took.or_else(|| state.begun.map(|begun| begun.elapsed())).unwrap_or_default()
+    }
+
+    /// Whether all of it was done before this run of the program.
+    pub fn is_old(&self) -> bool {
+        self.before() >= self.total
+    }
+
+    /// Units a second; none before there is anything to measure.
+    pub fn rate(&self) -> Option<f64> {
+        let (units, time) = (self.done().saturating_sub(self.before()) as f64, self.time().as_secs_f64());
+        (units > 0.0 && time > 0.0).then(|| units / time)
+    }
+
+    /// Time until it ends at this rate.
+    pub fn left(&self) -> Option<Duration> {
+        self.rate().map(|rate| Duration::from_secs_f64((self.total - self.done()) as f64 / rate))
+    }
+}
+
+/// Who is tried, where, against whom.
+fn evaluation(evaluation: &Evaluation) -> String {
+    let (key, here) = (&evaluation.trained, (&evaluation.town, &evaluation.policy));
+    let who = match evaluation.pedestrian {
+        Pedestrian::Trained(_) if (&key.town, &key.policy) == here => key.reward.clone(),
+        Pedestrian::Trained(_) => format!("{} of {} and {}", key.reward, key.town, key.policy),
+        Pedestrian::Sampled(_) => format!("sampled {} of {} and {}", key.reward, key.town, key.policy),
+        other => format!("{} ({})", other.name(), key.reward),
+    };
+    format!("{who} in {} against {}, run {}", here.0, here.1, key.run)
+}
+
+/// How much a cell is, in units of its kind.
+pub fn amount(campaign: &Campaign, cell: Cell) -> u64 {
+    match cell {
+        Cell::Training(place) => campaign.trainings[place].config.total_steps,
+        Cell::Chunk { evaluation, chunk } => campaign.evaluations[evaluation].chunk(chunk).len() as u64,
+        Cell::Search(place) => campaign.searches[place].budget,
+    }
+}

@@ -1,0 +1,176 @@
+//! `falsify.toml`: settings of a folder and of all below it.
+//!
+//! What the file says becomes the default of the option of the same name, so a flag comes before the environment, the
+//! environment before the file, and the file before what the program would do by itself.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use clap::error::{ContextKind, ContextValue};
+use clap::{Arg, ArgAction, Command, ValueHint};
+use toml::de::{DeTable, DeValue};
+
+use super::{ExitCode, front};
+use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
+use crate::lang::{nearest, reason};
+
+/// The name of the file.
+pub const FILE: &str = "falsify.toml";
+
+/// The settings. Each is the option of `falsify run` with the same name, which also says what it means and takes.
+pub const KEYS: [&str; 9] =
+    ["out", "seed", "threads", "formats", "format", "progress", "checkpoint", "cell_time", "max_ticks"];
+
+/// What a file sets.
+#[derive(Debug)]
+pub struct Settings {
+    /// The file.
+    pub path: PathBuf,
+    /// The values of each key as an option takes them, and the line that they stand in, from 1.
+    pub values: BTreeMap<&'static str, (Vec<String>, usize)>,
+}
+
+/// Whether a command asks for settings.
+pub fn concern(command: &Command, name: &str) -> bool {
+    let options: Vec<Arg> = KEYS.into_iter().map(|key| option(command, key)).collect();
+    let asked = command.find_subcommand(name).into_iter().flat_map(Command::get_arguments);
+    asked.into_iter().any(|arg| options.iter().any(|option| means(arg, option)))
+}
+
+/// Whether an option of some command is the one that a setting stands for: it listens to the same variable, or has its name where
+/// there is none.
+fn means(arg: &Arg, option: &Arg) -> bool {
+    match (arg.get_env(), option.get_env()) {
+        (Some(one), Some(other)) => one == other,
+        (None, None) => arg.get_id() == option.get_id(),
+        _ => false,
+    }
+}
+
+/// The option of `falsify run` that a setting stands for.
+pub fn option(command: &Command, key: &str) -> Arg {
+    let run = command.find_subcommand("run").expect("there is the command `run`");
+    run.get_arguments().find(|arg| arg.get_id() == key).expect("each setting is an option of `run`").clone()
+}
+
+/// Finds the file in a folder or the nearest one above it, and reads it; none when there is no such file.
+///
+/// # Errors
+/// The exit code, after all that is wrong has been drawn.
+pub fn find(folder: &Path, command: &Command) -> Result<Option<Settings>, ExitCode> {
+    let Some(path) = folder.ancestors().map(|folder| folder.join(FILE)).find(|path| path.is_file()) else {
+        return Ok(None);
+    };
+    let text = std::fs::read_to_string(&path).map_err(|error| {
+        front::fail(&format!("cannot read `{}`: {}", path.display(), reason(&error)));
+        ExitCode::Usage
+    })?;
+    let mut sources = Sources::default();
+    let source = sources.add(&path, text.as_str());
+    read(&path, &text, source, command).map(Some).map_err(|diagnostics| {
+        front::show(&diagnostics, &sources);
+        ExitCode::Usage
+    })
+}
+
+/// Makes the settings the defaults of the options that they stand for.
+pub fn apply(mut command: Command, settings: &Settings) -> Command {
+    let names: Vec<String> = command.get_subcommands().map(|each| each.get_name().to_string()).collect();
+    for (key, (values, _)) in &settings.values {
+        let option = option(&command, key);
+        for name in &names {
+            command = command.mut_subcommand(name, |subcommand| {
+                let meant = subcommand.get_arguments().find(|arg| means(arg, &option)).map(|arg| arg.get_id().clone());
+                match meant {
+                    Some(id) => subcommand.mut_arg(id, |arg| arg.default_values(values)),
+                    None => subcommand,
+                }
+            });
+        }
+    }
+    command
+}
+
+fn read(path: &Path, text: &str, source: SourceId, command: &Command) -> Result<Settings, Vec<Diagnostic>> {
+    let span = |range: Range<usize>| Span { source, start: range.start, end: range.end };
+    let table = DeTable::parse(text).map_err(|error| {
+        let place = span(error.span().unwrap_or(0..0));
+        vec![Diagnostic::error("syntax", place, "this is no TOML").here(error.message().trim_end().to_string())]
+    })?;
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let mut values = BTreeMap::new();
+    let mut wrong = Vec::new();
+    for (key, value) in table.get_ref() {
+        let Some(known) = KEYS.into_iter().find(|known| *known == key.get_ref().as_ref()) else {
+            wrong.push(unknown(span(key.span()), key.get_ref()));
+            continue;
+        };
+        match take(&option(command, known), value.get_ref(), folder) {
+            Ok(taken) => {
+                let line = text[..key.span().start].matches('\n').count() + 1;
+                values.insert(known, (taken, line));
+            }
+            Err((code, why)) => {
+                let message = format!("`{known}` cannot be set to this");
+                wrong.push(Diagnostic::error(code, span(value.span()), message).here(why));
+            }
+        }
+    }
+    wrong.sort_by_key(|diagnostic| diagnostic.primary.span);
+    if wrong.is_empty() { Ok(Settings { path: path.to_path_buf(), values }) } else { Err(wrong) }
+}
+
+fn unknown(span: Span, word: &str) -> Diagnostic {
+    let diagnostic = Diagnostic::error("unknown-key", span, format!("there is no setting `{word}`"));
+    match nearest(word, KEYS) {
+        Some(near) => diagnostic.here(format!("did you mean `{near}`?")).fix(near),
+        None => diagnostic.help(format!("the settings are `{}`", KEYS.join("`, `"))),
+    }
+}
+
+/// Takes a value as an option would; the error is a code and what to say at the value.
+fn take(option: &Arg, value: &DeValue<'_>, folder: &Path) -> Result<Vec<String>, (&'static str, String)> {
+    let list = matches!(option.get_action(), ArgAction::Append);
+    let texts = match value {
+        DeValue::Array(members) if list => {
+            members.iter().map(|member| plain(member.get_ref())).collect::<Option<Vec<String>>>()
+        }
+        single => plain(single).map(|text| vec![text]),
+    };
+    let mut texts =
+        texts.ok_or_else(|| ("wrong-type", if list { "write a list of texts" } else { "write one value" }.into()))?;
+    if texts.is_empty() {
+        return Err(("empty-list", "name at least one".into()));
+    }
+    // Paths are meant from where the file stands, wherever the program is started.
+    if matches!(option.get_value_hint(), ValueHint::AnyPath) {
+        texts = texts.iter().map(|text| folder.join(text).display().to_string()).collect();
+    }
+    let trial = Command::new("trial").no_binary_name(true).arg(option.clone());
+    let name = option.get_long().expect("settings are long options");
+    match trial.try_get_matches_from(texts.iter().map(|text| format!("--{name}={text}"))) {
+        Ok(_) => Ok(texts),
+        Err(error) => Err(("out-of-range", refusal(&error))),
+    }
+}
+
+/// A text or a number as an option would be given it.
+fn plain(value: &DeValue<'_>) -> Option<String> {
+    match value {
+        DeValue::String(text) => Some(text.to_string()),
+        DeValue::Integer(number) if number.radix() == 10 => Some(number.as_str().replace('_', "")),
+        DeValue::Float(number) => Some(number.as_str().replace('_', "")),
+        _ => None,
+    }
+}
+
+/// Why an option refuses a value, without its name.
+fn refusal(error: &clap::Error) -> String {
+    if let Some(ContextValue::Strings(valid)) = error.get(ContextKind::ValidValue)
+        && !valid.is_empty()
+    {
+        return format!("this can be `{}`", valid.join("`, `"));
+    }
+    std::error::Error::source(error).map_or_else(|| "this is not what it takes".into(), ToString::to_string)
+}

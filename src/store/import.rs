@@ -1,0 +1,89 @@
+//! Cells of several stores in one.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::{Found, Id, State, Store, StoreError};
+
+/// What several stores have of a cell, after the best of it was taken over.
+#[derive(Debug, PartialEq)]
+pub enum Taken {
+    /// All of it is there.
+    Whole,
+    /// It came to nothing, for this reason, and that is there.
+    Failed(String),
+    /// So many updates, episodes or ticks are there.
+    Part(u64),
+    /// Nobody has it.
+    Missing,
+    /// A file of it is damaged, and nobody has another.
+    Damaged(PathBuf),
+    /// Two say different things.
+    Differ(PathBuf, PathBuf),
+}
+
+impl Store {
+    /// Takes the best over that other stores have of a cell, of which `amount` is all.
+    ///
+    /// # Errors
+    /// The cell cannot be written.
+    pub fn take(&self, id: Id, amount: Option<u64>, others: &[Store]) -> Result<Taken, StoreError> {
+        let mut best: Option<(&Store, Found)> = None;
+        let mut damaged = None;
+        for store in std::iter::once(self).chain(others) {
+            let found = store.read(id);
+            if found == Found::Damaged {
+                damaged.get_or_insert_with(|| store.path(id));
+            }
+            if let (Some((first, Found::Whole(one, bytes))), Found::Whole(other, others)) = (&best, &found)
+                && one.state == State::Finished
+                && (one.state, one.done) == (other.state, other.done)
+                && bytes != others
+            {
+                return Ok(Taken::Differ(first.path(id), store.path(id)));
+            }
+            if rank(&found) > best.as_ref().map_or((0, 0), |(_, found)| rank(found)) {
+                best = Some((store, found));
+            }
+        }
+        let Some((owner, Found::Whole(header, _))) = best else {
+            return Ok(damaged.map_or(Taken::Missing, Taken::Damaged));
+        };
+        if !std::ptr::eq(owner, self) {
+            self.bring(&owner.path(id), &self.path(id))?;
+        }
+        Ok(match header.state {
+            State::Finished if amount.is_none_or(|amount| header.done >= amount) => Taken::Whole,
+            State::Failed => Taken::Failed(header.error),
+            State::Finished | State::Begun => Taken::Part(header.done),
+        })
+    }
+
+    /// Puts a file of another store into this one: the same file on the same file system, a copy elsewhere.
+    fn bring(&self, from: &Path, to: &Path) -> Result<(), StoreError> {
+        let failed = |source| StoreError::File { path: to.to_path_buf(), source };
+        let drafts = self.drafts()?;
+        let put = || -> io::Result<()> {
+            fs::create_dir_all(to.parent().expect("a file of the store is in a folder"))?;
+            let draft = tempfile::Builder::new().make_in(&drafts, |path| {
+                fs::hard_link(from, path).or_else(|_| fs::copy(from, path).map(|_| ()))?;
+                fs::File::open(path)
+            })?;
+            draft.persist(to).map(|_| ()).map_err(|error| error.error)
+        };
+        put().map_err(failed)
+    }
+}
+
+/// Finished before failed before begun, more before less.
+fn rank(found: &Found) -> (u8, u64) {
+    match found {
+        Found::Whole(header, _) => match header.state {
+            State::Finished => (3, header.done),
+            State::Failed => (2, header.done),
+            State::Begun => (1, header.done),
+        },
+        Found::Nothing | Found::Damaged => (0, 0),
+    }
+}

@@ -1,0 +1,330 @@
+//! Whatever stops a campaign, running it again ends in the same bytes, and what was finished is not done again.
+
+use std::collections::BTreeMap;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// A campaign of all kinds of cells that takes a moment.
+const SCENARIO: &str = r#"
+edition 1
+import "lib/paper.scn"
+import "lib/drivers.scn"
+import "lib/towns.scn"
+training quick = ppo(steps: 360, steps_per_update: 30, epochs: 2, environments: 2)
+reward shy { on hit => 1 }
+falsifier walk = random()
+campaign cut {
+  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: quick
+  train { towns: [harbour] policies: [behavior] rewards: [r1, shy] runs: 2 }
+  evaluate { towns: [village] policies: [blind] pedestrians: [trained, random] episodes: 12 }
+  search { towns: [village] policies: [blind] falsifiers: [walk] budget: 6000 runs: 1 episodes: 2 }
+}
+"#;
+
+/// A folder with the campaign, which is changed as wanted.
+struct Place {
+    folder: tempfile::TempDir,
+}
+
+impl Place {
+    fn new() -> Self {
+        let place = Self { folder: tempfile::tempdir().unwrap() };
+        place.write(SCENARIO);
+        place
+    }
+
+    fn write(&self, scenario: &str) {
+        let lib = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/lib");
+        let text = scenario.replace("lib/", &format!("{}/", lib.display()));
+        std::fs::write(self.folder.path().join("cut.scn"), text).unwrap();
+    }
+
+    fn command(&self, more: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_falsify"));
+        command.args(["run", "cut.scn", "--threads", "2", "--out", "out"]).args(more);
+        command.current_dir(self.folder.path()).env_remove("FALSIFY_OUT").env_remove("FALSIFY_THREADS");
+        command
+    }
+
+    fn run(&self, more: &[&str]) -> Output {
+        self.command(more).output().unwrap()
+    }
+
+    fn begin(&self, more: &[&str]) -> Child {
+        self.command(more).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
+    }
+
+    fn list(&self) -> String {
+        String::from_utf8(self.run(&["--list"]).stdout).unwrap()
+    }
+
+    fn out(&self) -> PathBuf {
+        self.folder.path().join("out")
+    }
+
+    /// All files of the report; the manifest without its times and the number of threads.
+    fn report(&self) -> BTreeMap<String, Vec<u8>> {
+        let report = self.out().join("cut");
+        let read = |path: PathBuf| {
+            let mut bytes = std::fs::read(&path).unwrap();
+            if path.ends_with("manifest.toml") {
+                let text = String::from_utf8(bytes).unwrap();
+                let kept = text.lines().filter(|line| !line.starts_with("wall_time_s") && !line.starts_with("threads"));
+                bytes = kept.collect::<Vec<_>>().join("\n").into_bytes();
+            }
+            (path.strip_prefix(&report).unwrap().display().to_string(), bytes)
+        };
+        files(&report).into_iter().map(read).collect()
+    }
+
+    /// The files of all cells.
+    fn cells(&self) -> Vec<PathBuf> {
+        files(&self.out().join(".cells/cells"))
+    }
+}
+
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let (mut open, mut found) = (vec![folder.to_path_buf()], Vec::new());
+    while let Some(folder) = open.pop() {
+        for entry in std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display())) {
+            let path = entry.unwrap().path();
+            if path.is_dir() { open.push(path) } else { found.push(path) }
+        }
+    }
+    found.sort();
+    found
+}
+
+fn error(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+/// Holds that two reports are the same, byte for byte.
+fn same(found: &BTreeMap<String, Vec<u8>>, wanted: &BTreeMap<String, Vec<u8>>, what: &str) {
+    assert_eq!(found.keys().collect::<Vec<_>>(), wanted.keys().collect::<Vec<_>>(), "{what}");
+    for (name, bytes) in wanted {
+        assert!(found[name] == *bytes, "{what}: {name} differs");
+    }
+}
+
+/// An undisturbed run, and how long it took.
+fn undisturbed() -> (BTreeMap<String, Vec<u8>>, Duration) {
+    let place = Place::new();
+    let begun = Instant::now();
+    let output = place.run(&[]);
+    assert!(output.status.success(), "{output:?}");
+    (place.report(), begun.elapsed())
+}
+
+#[test]
+fn a_campaign_that_is_killed_at_any_moment_ends_in_the_same_bytes() {
+    const KILLS: u32 = 24;
+    let (wanted, time) = undisturbed();
+    let (mut kills, mut state) = (0, 0x2545_f491_4f6c_dd1d_u64);
+    let mut share = || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    while kills < KILLS {
+        let place = Place::new();
+        loop {
+            let mut child = place.begin(&["--checkpoint", "0.001"]);
+            // The moment is what is tried here: anything that was waited for would be a moment of the program's own.
+            std::thread::sleep(time.mul_f64(0.9 * share()));
+            let done = child.try_wait().unwrap().is_some();
+            let _ = child.kill();
+            assert!(child.wait().unwrap().success() == done);
+            if done {
+                break;
+            }
+            kills += 1;
+            if kills >= KILLS {
+                let output = place.run(&[]);
+                assert!(output.status.success(), "{output:?}");
+                break;
+            }
+        }
+        same(&place.report(), &wanted, &format!("after {kills} kills"));
+        let left: Vec<_> = std::fs::read_dir(place.out()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        assert_eq!(left.len(), 2, "the report and the cells: {left:?}");
+        let output = place.run(&[]);
+        assert!(error(&output).contains("13 of 13 cells were there already"), "{output:?}");
+        let work = std::fs::read_dir(place.out().join(".cells")).unwrap().map(|entry| entry.unwrap().file_name());
+        let dead: Vec<_> = work.filter(|name| name.to_string_lossy().starts_with("work-")).collect();
+        assert!(dead.is_empty(), "{dead:?}");
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn ctrl_c_saves_what_is_under_way() {
+    let place = Place::new();
+    let long = SCENARIO.replace("steps: 360", "steps: 3600");
+    place.write(&long);
+    let mut child = place.begin(&["--checkpoint", "3600"]);
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+    let first = lines.next().unwrap().unwrap();
+    assert!(first.contains("trained") || first.contains("searched"), "{first}");
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let rest: Vec<String> = lines.map(Result::unwrap).collect();
+    assert_eq!(child.wait().unwrap().code(), Some(130), "{rest:?}");
+    assert!(place.out().join("cut-partial/manifest.toml").exists() && !place.out().join("cut").exists());
+    assert!(place.list().contains("run: unfinished, "), "{}", place.list());
+    assert!(place.run(&[]).status.success());
+    assert!(!place.out().join("cut-partial").exists(), "it has done its duty");
+    let other = Place::new();
+    other.write(&long);
+    assert!(other.run(&["--threads", "1"]).status.success());
+    same(&place.report(), &other.report(), "after Ctrl-C");
+}
+
+#[test]
+fn damaged_and_foreign_files_are_told_apart_from_cells() {
+    let place = Place::new();
+    assert!(place.run(&[]).status.success());
+    let wanted = place.report();
+    let cells = place.cells();
+    assert_eq!(cells.len(), 13);
+    let mut bytes = std::fs::read(&cells[0]).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    std::fs::write(&cells[0], &bytes).unwrap();
+    std::fs::write(&cells[1], &std::fs::read(&cells[1]).unwrap()[..100]).unwrap();
+    std::fs::write(&cells[2], "").unwrap();
+    std::fs::remove_file(&cells[3]).unwrap();
+    let foreign = [cells[4].with_file_name("thesis.txt"), place.out().join(".cells/notes.txt")];
+    foreign.iter().for_each(|path| std::fs::write(path, "mine").unwrap());
+    let list = place.list();
+    assert!(list.contains("[run: damaged]") && list.contains("[run: gone]"), "{list}");
+    let output = place.run(&[]);
+    assert!(output.status.success(), "{output:?}");
+    assert_eq!(error(&output).matches("is damaged; its cell is done again").count(), 3, "{}", error(&output));
+    assert!(error(&output).contains("9 of 13 cells were there already"), "{}", error(&output));
+    same(&place.report(), &wanted, "after damage");
+    assert!(foreign.iter().all(|path| std::fs::read_to_string(path).unwrap() == "mine"));
+    // A folder that goes while the program runs is made again, or told of; the next run ends well in any case.
+    let child = place.begin(&["--fresh"]);
+    let _ = std::fs::remove_dir_all(place.out());
+    let ended = child.wait_with_output().unwrap();
+    assert!(matches!(ended.status.code(), Some(0 | 6)), "{ended:?}");
+    assert!(place.run(&[]).status.success());
+    same(&place.report(), &wanted, "after the folder had gone");
+}
+
+#[test]
+fn two_processes_on_one_folder_share_the_work() {
+    let (wanted, _) = undisturbed();
+    let place = Place::new();
+    let both = [place.begin(&[]), place.begin(&["--threads", "1"])].map(|child| child.wait_with_output().unwrap());
+    assert!(both.iter().all(|output| output.status.success()), "{both:?}");
+    same(&place.report(), &wanted, "after two at once");
+    let trained: usize = both
+        .iter()
+        .map(|output| error(output).matches("\ntrained ").count() + usize::from(error(output).starts_with("trained ")))
+        .sum();
+    assert_eq!(trained, 4, "each training was done once: {both:?}");
+}
+
+#[test]
+fn an_edit_reruns_what_it_changes_and_nothing_else() {
+    let place = Place::new();
+    assert!(place.run(&[]).status.success());
+    let lines = |list: &str, state: &str| list.lines().filter(|line| line.contains(state)).count();
+    place.write(&SCENARIO.replace("on hit => 1", "on hit => 2"));
+    let list = place.list();
+    // Trainings of the reward, its trained and its random pedestrians.
+    assert_eq!((lines(&list, "[reuse]"), lines(&list, "changed]")), (7, 6), "{list}");
+    assert!(list.lines().filter(|line| line.contains("changed]")).all(|line| line.contains("shy")), "{list}");
+    assert!(list.contains("train  shy in harbour against behavior, run 0: 360 decisions [run: scenario changed]"));
+    place.write(&format!(
+        "// A comment.\n{}",
+        SCENARIO.replace("on hit => 1", "on hit   => 1.0").replace("reward shy", "/// Hits.\nreward shy")
+    ));
+    assert_eq!(lines(&place.list(), "[reuse]"), 13, "{}", place.list());
+    place.write(
+        &SCENARIO
+            .replace("runs: 2", "runs: 3")
+            .replace("[village] policies: [blind] ped", "[village, harbour] policies: [blind] ped"),
+    );
+    let list = place.list();
+    assert_eq!((lines(&list, "[reuse]"), lines(&list, "[run: new]")), (13, 18), "{list}");
+    place.write(&SCENARIO.replace("episodes: 12", "episodes: 20"));
+    assert_eq!(lines(&place.list(), "[run: unfinished, 12 of 20 episodes]"), 8, "{}", place.list());
+    assert!(place.run(&[]).status.success());
+    let longer = place.report();
+    let fresh = place.run(&["--fresh", "--threads", "1"]);
+    assert!(!error(&fresh).contains("there already"), "{}", error(&fresh));
+    same(&place.report(), &longer, "anew on one thread");
+    place.write(SCENARIO);
+    assert_eq!(lines(&place.list(), "[reuse]"), 13, "{}", place.list());
+    let other_seed = String::from_utf8(place.run(&["--list", "--seed", "2"]).stdout).unwrap();
+    assert_eq!(lines(&other_seed, "[run: seed changed]"), 13, "{other_seed}");
+}
+
+#[test]
+fn a_cell_beyond_its_limit_is_an_error_and_goes_on_another_time() {
+    let (wanted, _) = undisturbed();
+    let place = Place::new();
+    let limited = place.run(&["--max-ticks", "3000"]);
+    assert_eq!(limited.status.code(), Some(5), "{limited:?}");
+    let said = error(&limited);
+    assert!(said.contains("not finished within the 3000 ticks that a cell may use"), "{said}");
+    let partial = |name: &str| std::fs::read_to_string(place.out().join("cut-partial").join(name)).unwrap();
+    let episodes = partial("episodes.csv");
+    assert_eq!(episodes.lines().count(), 1 + 8 * 12, "every episode has a row");
+    assert!(episodes.contains(",error,its training failed: not finished within the 3000 ticks"), "{episodes}");
+    assert!(partial("manifest.toml").contains("error = \"not finished within the 3000 ticks"));
+    assert!(place.run(&[]).status.success());
+    same(&place.report(), &wanted, "after a limit");
+}
+
+/// Runs on a file system that is too small, then on the same one when it has grown.
+const FULL: &str = r#"
+set -u
+mount -t tmpfs -o size=160k none small || exit 99
+"$FALSIFY" run cut.scn --threads 2 --checkpoint 3600 --out small/out >first.txt 2>&1
+echo $? >first.code
+mount -o remount,size=64m small || exit 99
+"$FALSIFY" run cut.scn --threads 2 --checkpoint 3600 --out small/out >second.txt 2>&1
+echo $? >second.code
+cp -r small/out out
+"#;
+
+/// The same where nothing can be mounted: no file may be longer than a few blocks.
+const SHORT: &str = r#"
+trap '' XFSZ
+mkdir -p small
+(ulimit -f 32; "$FALSIFY" run cut.scn --threads 2 --checkpoint 3600 --out small/out >first.txt 2>&1; echo $? >first.code)
+"$FALSIFY" run cut.scn --threads 2 --checkpoint 3600 --out small/out >second.txt 2>&1
+echo $? >second.code
+cp -r small/out out
+"#;
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_is_told_of_and_loses_nothing() {
+    let (wanted, _) = undisturbed();
+    let place = Place::new();
+    std::fs::create_dir(place.folder.path().join("small")).unwrap();
+    let script = |words: &[&str], script: &str| {
+        let mut command = Command::new(words[0]);
+        command.args(&words[1..]).args(["sh", "-c", script]).env("FALSIFY", env!("CARGO_BIN_EXE_falsify"));
+        command.current_dir(place.folder.path()).status().is_ok_and(|status| status.success())
+    };
+    if !script(&["unshare", "--mount"], FULL) && !script(&["unshare", "--map-root-user", "--mount"], FULL) {
+        loud!(
+            "skipped: no file system can be mounted here, so a limit on the length of files stands in for a full disk"
+        );
+        assert!(script(&["env"], SHORT));
+    }
+    let text = |name: &str| std::fs::read_to_string(place.folder.path().join(name)).unwrap();
+    assert_eq!(text("first.code").trim(), "6", "{}", text("first.txt"));
+    assert!(text("first.txt").contains("what was finished before is kept"), "{}", text("first.txt"));
+    assert_eq!(text("second.code").trim(), "0", "{}", text("second.txt"));
+    assert!(text("second.txt").contains("cells were there already"), "{}", text("second.txt"));
+    same(&place.report(), &wanted, "after a full disk");
+}

@@ -1,0 +1,178 @@
+//! Campaigns that are done in parts, put together, and looked at from outside.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use falsify::campaign::{self, Cell, Shard, cells};
+use falsify::compile::{Campaign, Catalog, compile};
+
+use crate::program::falsify;
+
+fn error(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+/// A campaign that runs in a moment, with trainings, evaluations of all sorts and a search.
+fn write_campaign(folder: &Path) {
+    let lib = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/lib");
+    let text = format!(
+        "edition 1\nimport \"{0}/paper.scn\"\nimport \"{0}/drivers.scn\"\nimport \"{0}/towns.scn\"\n\
+         training short = ppo(steps: 600)\nfalsifier walk = homing()\n\
+         campaign parts {{ vehicle: model3 adversary: suicidal spawn: ahead episode: thirty_seconds training: short\n\
+         train {{ towns: [harbour] policies: [behavior] rewards: [r1, r2] runs: 2 }}\n\
+         evaluate {{ towns: [harbour, village] policies: [blind] episodes: 12 }}\n\
+         search {{ towns: [harbour] policies: [blind] falsifiers: [walk] budget: 2000 runs: 2 }} }}\n",
+        lib.display()
+    );
+    std::fs::write(folder.join("parts.scn"), text).unwrap();
+}
+
+/// All files of a report but the times in its manifest.
+fn report(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut files = BTreeMap::new();
+    let mut open = vec![folder.to_path_buf()];
+    while let Some(next) = open.pop() {
+        for entry in std::fs::read_dir(&next).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                open.push(path);
+                continue;
+            }
+            let mut bytes = std::fs::read(&path).unwrap();
+            if path.ends_with("manifest.toml") {
+                let text = String::from_utf8(bytes).unwrap();
+                let timeless = |line: &&str| !line.contains("wall_time_s") && !line.starts_with("threads");
+                bytes = text.lines().filter(timeless).collect::<Vec<_>>().join("\n").into_bytes();
+            }
+            files.insert(path.strip_prefix(folder).unwrap().to_path_buf(), bytes);
+        }
+    }
+    files
+}
+
+/// The one file among the cells of a folder whose cell is told so.
+fn cell_file(out: &Path, what: &str) -> PathBuf {
+    let folders = std::fs::read_dir(out.join(".cells/cells")).unwrap();
+    let files = folders.flat_map(|folder| std::fs::read_dir(folder.unwrap().path()).unwrap());
+    let told = |path: &PathBuf| String::from_utf8_lossy(&std::fs::read(path).unwrap()).contains(what);
+    files.map(|file| file.unwrap().path()).find(told).unwrap_or_else(|| panic!("no cell is told `{what}`"))
+}
+
+#[test]
+fn shards_make_the_report_of_one_machine_and_whatever_is_missing_or_wrong_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    write_campaign(here);
+    let whole = falsify(&["run", "parts.scn", "--out", "whole"], here);
+    assert!(whole.status.success(), "{whole:?}");
+    for (shard, out) in [("0/3", "a"), ("2/3", "b")] {
+        let output = falsify(&["run", "parts.scn", "--shard", shard, "--out", out], here);
+        assert!(output.status.success(), "{output:?}");
+        assert!(!here.join(out).join("parts").exists(), "a shard writes no report");
+    }
+
+    let merge = ["merge", "parts.scn", "--out", "merged", "--shards", "3", "--from", "a", "b", "c"];
+    let output = falsify(&merge[..9], here);
+    assert_eq!(output.status.code(), Some(9), "{output:?}");
+    assert!(error(&output).contains("do again, of 3 shards: 1"), "{}", error(&output));
+    assert!(!here.join("merged/parts").exists());
+
+    assert!(falsify(&["run", "parts.scn", "--shard", "1/3", "--out", "c"], here).status.success());
+    let output = falsify(&merge, here);
+    assert!(output.status.success(), "{output:?}");
+    assert_eq!(report(&here.join("whole/parts")), report(&here.join("merged/parts")));
+
+    // A cell that is damaged everywhere is missing; one that two tell differently is nobody's.
+    let search = "search walk in harbour against blind, run 1";
+    let owner = ["a", "b", "c"].into_iter().find(|out| {
+        let found = std::panic::catch_unwind(|| cell_file(&here.join(out), search));
+        found.is_ok()
+    });
+    let file = cell_file(&here.join(owner.expect("one of them made it")), search);
+    let mut bytes = std::fs::read(&file).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    std::fs::remove_file(&file).unwrap();
+    std::fs::write(&file, &bytes).unwrap();
+    let mut again = merge;
+    again[3] = "again";
+    let output = falsify(&again, here);
+    assert_eq!(output.status.code(), Some(9), "{output:?}");
+    assert!(error(&output).contains(search) && error(&output).contains("is damaged"), "{}", error(&output));
+}
+
+#[test]
+fn shards_of_one_folder_need_nothing_but_the_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    write_campaign(here);
+    let stopped = falsify(&["run", "parts.scn", "--shard", "0/2", "--only", "trainings"], here);
+    assert!(stopped.status.success() && said(&stopped).contains("2 of 2 cells are there"), "{stopped:?}");
+    let status = falsify(&["status"], here);
+    let text = said(&status);
+    assert_eq!(status.status.code(), Some(9), "{text}");
+    assert!(text.contains("parts: stopped") && text.contains("2 of 4 cells"), "{text}");
+    assert!(text.contains("go on with: falsify run parts.scn --shard 0/2 --only trainings"), "{text}");
+    for shard in ["0/2", "1/2"] {
+        assert!(falsify(&["run", "parts.scn", "--shard", shard], here).status.success());
+    }
+    assert!(said(&falsify(&["status"], here)).contains("parts: finished"));
+    let merged = falsify(&["merge", "parts.scn", "--format", "json"], here);
+    assert!(merged.status.success(), "{merged:?}");
+    assert!(said(&merged).contains("\"event\":\"report_written\""), "{merged:?}");
+    let json = said(&falsify(&["status", "--format", "json"], here));
+    let status: serde_json::Value = serde_json::from_str(json.trim()).unwrap();
+    assert_eq!((&status["state"], &status["processes"]), (&"finished".into(), &0.into()), "{json}");
+}
+
+#[test]
+fn a_shard_that_there_is_none_of_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    write_campaign(folder.path());
+    for (shard, why) in [("3/3", "counted from 0 to 2"), ("a/3", "INDEX/COUNT"), ("auto/3", "SLURM_ARRAY_TASK_ID")] {
+        let output = falsify(&["run", "parts.scn", "--shard", shard], folder.path());
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
+        assert!(error(&output).contains(why), "{}", error(&output));
+    }
+    let nowhere = falsify(&["status", "nowhere"], folder.path());
+    assert_eq!(nowhere.status.code(), Some(2));
+}
+
+fn planned(path: &str) -> Campaign {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
+    let read = |path: &Path| std::fs::read_to_string(path);
+    let compiled = compile(&[path], &Catalog::builtin(), &read, &mut Default::default()).unwrap();
+    compiled.plan.unwrap().campaigns.into_iter().next().unwrap()
+}
+
+#[test]
+fn every_cell_falls_to_one_shard_with_what_it_needs_and_the_shards_are_alike() {
+    let mut campaign = planned("scenarios/first_look.scn");
+    campaign.evaluations.iter_mut().for_each(|evaluation| evaluation.episodes = 25_000);
+    for count in [1, 2, 3, 7, 16, 1000] {
+        let dealt: BTreeMap<Cell, u32> = campaign::deal(&campaign, count).into_iter().collect();
+        assert_eq!(dealt.len(), cells(&campaign).count());
+        let shards: Vec<Vec<Cell>> =
+            (0..count).map(|index| campaign::shard(&campaign, Shard { index, count })).collect();
+        for (index, shard) in shards.iter().enumerate() {
+            for cell in shard {
+                assert!(dealt[cell] == index as u32 || matches!(cell, Cell::Training(_)), "{cell:?}");
+                if let Cell::Chunk { evaluation, .. } = cell
+                    && let Some(training) = campaign.evaluations[*evaluation].training()
+                {
+                    assert!(shard.contains(&Cell::Training(training)));
+                }
+            }
+        }
+        // A training is done again by neighbours only.
+        let trained: usize = shards.iter().flatten().filter(|cell| matches!(cell, Cell::Training(_))).count();
+        assert!(trained < campaign.trainings.len() + count as usize, "{trained} trainings in {count} shards");
+        let most = shards.iter().map(Vec::len).max().unwrap();
+        assert!(most <= dealt.len() / count as usize * 2 + 8, "{most} of {} cells in one of {count}", dealt.len());
+    }
+}
