@@ -139,7 +139,7 @@ fn carry_out(
     interrupt::hold(false);
     let metrics = print_cells(campaign, &finished, &gathered).map_err(|error| error.to_string())?;
     let passed = gates.judge(&manifest, &metrics);
-    front::say(&place.join("summary.md").display().to_string());
+    front::say(&place.join("report.html").display().to_string());
     let failed = finished.trainings.iter().any(|training| training.result.is_err())
         || finished.searches.iter().any(|search| search.error.is_some());
     let whole = manifest.complete || finished.interrupted;

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use polars::prelude::{BooleanChunked, DataFrame, Float64Chunked, PolarsResult, StringChunked, UInt32Chunked};
 
 use super::metrics::runs;
-use super::{Episodes, Kinds, ReportFolder, Run, Starts, WriteError};
+use super::{Episodes, Kinds, ReportFolder, Run, Starts, Tally, WriteError};
 use crate::av::DrivingMode;
 use crate::compile::Evaluation;
 use crate::env::{Ending, Outcome, Spawn};
@@ -32,6 +32,8 @@ pub struct Gathered {
     pub every_driver_drove: bool,
     /// Where trained pedestrians began, by town.
     pub starts: BTreeMap<String, Starts>,
+    /// What the page shows of the episodes.
+    pub tally: Tally,
 }
 
 /// Goes over all episodes once: writes the table `episodes` and gathers what all other outputs are made from.
@@ -51,6 +53,7 @@ pub fn gather(folder: &ReportFolder, episodes: &Episodes<'_>, kinds: &mut Kinds<
         first_unpaid: None,
         every_driver_drove: true,
         starts: BTreeMap::new(),
+        tally: Tally::default(),
     };
     let mut drove: BTreeMap<(&str, &str), bool> = BTreeMap::new();
     let mut file = folder.stream("episodes", super::episodes(&[]).schema())?;
@@ -60,6 +63,7 @@ pub fn gather(folder: &ReportFolder, episodes: &Episodes<'_>, kinds: &mut Kinds<
         for part in run.parts() {
             let part = part.map_err(failed)?;
             file.add(&part)?;
+            gathered.tally.add(&part).map_err(failed)?;
             let drives = gathered.count(&run, &part).map_err(failed)?;
             *drove.entry((&evaluation.town, &evaluation.policy)).or_default() |= drives;
             match &mut whole {

@@ -10,7 +10,7 @@ mod wilson;
 mod metrics;
 mod learning_curve;
 mod svg;
-mod figure;
+mod scenery;
 mod town_map;
 mod waypoints;
 mod student;
@@ -26,6 +26,7 @@ mod manifest;
 mod table_stream;
 mod folder;
 mod gathered;
+mod page;
 mod write;
 mod stored;
 mod parting;
@@ -41,7 +42,6 @@ mod junit;
 pub use account::{Account, account};
 pub use animation::animation;
 pub use episodes::{Chunk, Chunks, Episodes, Run, decode, encode};
-pub use figure::learning_figures;
 pub use folder::{ReportFolder, WriteError, write_csv, write_file, write_table};
 pub use gate::{Gate, GateError, Judged};
 pub use gathered::{Gathered, gather};
@@ -50,8 +50,13 @@ pub use kinds::Kinds;
 pub use learning_curve::learning_curve;
 pub use manifest::{Call, FileRecord, Manifest, TrainingRecord};
 pub use metrics::{Cell, Metrics, Spread, metrics};
+pub use page::{
+    Bin, Bins, CellKey, CellTally, Contents, Extra, Figure, Histogram, ModeCard, Page, Panel, Replay, Tally, page,
+    write_page,
+};
 pub use parting::parting;
 pub use published::{Agreement, Beside, beside, published, published_summary};
+pub use scenery::{Scenery, Surface};
 pub use search_summary::{search_summary, search_table};
 pub use searches::{Average, SearchCell, search_cell_table, search_cells, search_failures, searches};
 pub use stored::{Difference, ReadError, StoredFailure, StoredReport, differences, failure};
