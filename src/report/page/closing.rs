@@ -59,17 +59,7 @@ pub fn data(manifest: &Manifest, files: &[String]) -> String {
         let _ = write!(html, "<li><a href=\"{0}\">{0}</a></li>", escape(file));
     }
     html.push_str("</ul><h3>Made again</h3>");
-    let scenarios: Vec<&str> =
-        manifest.files.iter().map(|file| file.path.as_str()).filter(|path| path.ends_with(".scn")).take(1).collect();
-    let settings = manifest.settings.iter().fold(String::new(), |text, setting| text + &format!(" --set '{setting}'"));
-    let smoke = if manifest.smoke { " --smoke" } else { "" };
-    let _ = write!(
-        html,
-        "<pre><code>falsify run{smoke} --seed {}{} {}</code></pre>",
-        manifest.seed,
-        escape(&settings),
-        escape(scenarios.first().unwrap_or(&"FILE.scn"))
-    );
+    let _ = write!(html, "<pre><code>{}</code></pre>", escape(&command(manifest)));
     let _ = write!(
         html,
         "<p>falsify {}, vector instructions {}, {} threads, {:.0} s. The same files, seed and version give the same numbers.</p>\
@@ -85,6 +75,26 @@ pub fn data(manifest: &Manifest, files: &[String]) -> String {
     }
     html.push_str("</tbody></table></details></section>");
     html
+}
+
+/// What makes the report again, for a shell.
+fn command(manifest: &Manifest) -> String {
+    let call = &manifest.call;
+    let mut words = vec!["falsify".to_string(), "run".into()];
+    words.extend(manifest.smoke.then(|| "--smoke".into()));
+    words.extend(call.allow_external.then(|| "--allow-external".into()));
+    words.push(format!("--seed {}", manifest.seed));
+    for (option, values) in [("--map", &call.maps), ("--set", &call.set)] {
+        words.extend(values.iter().map(|value| format!("{option} {}", quoted(value))));
+    }
+    words.extend(call.scenarios.iter().map(|file| quoted(file)));
+    words.join(" ")
+}
+
+/// A word as a shell takes it for itself.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-=:+".contains(c);
+    if !word.is_empty() && word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', "'\\''")) }
 }
 
 /// The files of a report that a reader may want.

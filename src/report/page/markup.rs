@@ -33,7 +33,7 @@ pub fn slug(text: &str) -> String {
 /// A share as a percentage: whole, but for small ones.
 pub fn percent(share: f64) -> String {
     let hundred = share * 100.0;
-    if hundred > 0.0 && hundred < 9.95 { format!("{hundred:.1} %") } else { format!("{hundred:.0} %") }
+    if hundred > 0.0 && hundred < 9.95 { format!("{hundred:.1}\u{a0}%") } else { format!("{hundred:.0}\u{a0}%") }
 }
 
 /// A whole number with thin spaces between the thousands.
@@ -69,7 +69,7 @@ mod tests {
     fn numbers_are_for_people() {
         assert_eq!(
             [0.0, 0.004, 0.0994, 0.0996, 0.844, 1.0].map(percent),
-            ["0 %", "0.4 %", "9.9 %", "10 %", "84 %", "100 %"]
+            ["0", "0.4", "9.9", "10", "84", "100"].map(|number| format!("{number}\u{a0}%"))
         );
         assert_eq!([7, 1234, 1_000_000].map(count), ["7", "1\u{202f}234", "1\u{202f}000\u{202f}000"]);
     }

@@ -78,7 +78,7 @@ pub fn page(contents: &Contents<'_>) -> PolarsResult<Page> {
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'\">\n\
          <meta name=\"generator\" content=\"falsify {}\">\n<title>{name}</title>\n<style>\n{}{FIGURE_CSS}{}</style>\n</head>\n<body>\n\
-         <a class=\"skip\" href=\"#results\">Skip to the results</a>\n{}{}<main>{}{body}</main>\n<script>\n{}{}</script>\n</body>\n</html>\n",
+         <a class=\"skip\" href=\"#main\">Skip to the results</a>\n{}{}<main id=\"main\">{}{body}</main>\n<script>\n{}{}</script>\n</body>\n</html>\n",
         escape(&contents.manifest.version),
         properties(),
         include_str!("page.css"),

@@ -9,7 +9,7 @@ use super::markup::{escape, percent};
 use super::tally::CellKey;
 
 /// Width and height of the picture of a rate.
-const SIZE: (f64, f64) = (156.0, 26.0);
+const SIZE: (f64, f64) = (136.0, 26.0);
 /// Its margin at both ends.
 const END: f64 = 6.0;
 
@@ -130,9 +130,9 @@ fn picture(
     }
     let _ = write!(
         text,
-        "<rect class=\"{colour}\" opacity=\".32\" x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"11\" rx=\"2\"/>",
+        "<rect class=\"{colour}\" opacity=\".32\" x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"9\" rx=\"2\"/>",
         at(low),
-        middle - 5.5,
+        middle - 4.5,
         at(high) - at(low)
     );
     if runs.len() > 1 {
