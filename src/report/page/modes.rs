@@ -42,8 +42,10 @@ pub fn modes(cards: &[ModeCard]) -> String {
         return String::new();
     }
     let mut html = String::from(
-        "<section id=\"modes\"><h2>Kinds of collisions</h2><p class=\"lead\">By where the car was hit, whether it moved, who would have avoided it and \
-         what its driver was doing; within these by the last seconds before the touch. Each is played by its most typical example.</p><div class=\"cards\">",
+        "<section id=\"modes\"><h2>Kinds of collisions</h2><p class=\"lead\">By where the car was hit, whether it moved, \
+         who would have avoided it and what its driver was doing; within these by the last seconds before the touch. Each is played by \
+         its most typical example. <span class=\"keys\">Space plays, arrows step by a tick, with shift by a second.</span></p>\
+         <div class=\"cards\">",
     );
     let mut players = cards.iter().enumerate().filter_map(|(number, card)| Some((number, card, card.replay.as_ref()?)));
     for (number, card, replay) in players.by_ref().take(SHOWN) {

@@ -14,7 +14,7 @@ const STEP: f64 = 0.25;
 /// What the page tells cells apart by; names of columns of `episodes`.
 const KEY: [&str; 8] = ["pedestrian", "reward", "train_town", "train_policy", "town", "policy", "vehicle", "adversary"];
 
-/// A cell: the values of [`KEY`], and the number of the `evaluate` block.
+/// A cell: pedestrian, reward, town and policy of its training, town, policy, vehicle, adversary, and the number of the `evaluate` block.
 pub type CellKey = ([String; 8], u32);
 
 /// Episodes that began in one place.
