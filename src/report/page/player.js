@@ -301,7 +301,7 @@ class Player {
       line(touched ? bold("touch") : "gap " + gap.toFixed(1) + " m"),
       line("driver: ", bold(this.mode(tick)), brake > 4 ? " · brake " + brake + " %" : ""),
       line(this.seen(tick) ? "in sight" : "hidden"));
-    this.scene.setAttribute("aria-label", this.says.textContent);
+    this.scene.setAttribute("aria-label", [...this.says.children].map((part) => part.textContent).join(", "));
     this.bar.setAttribute("aria-valuetext", (tick * data.dt).toFixed(2) + " seconds");
   }
 
