@@ -189,7 +189,7 @@ fn carry_out(
     let place = place?;
     let metrics = cells(campaign, &finished, &gathered, options.format).map_err(|error| error.to_string())?;
     match options.format {
-        Output::Human => front::say(&place.join("summary.md").display().to_string()),
+        Output::Human => front::say(&place.join("report.html").display().to_string()),
         Output::Json => Event::ReportWritten { campaign: &name, folder: &place, complete: manifest.complete }.tell(),
     }
     let passed = gates.judge(&manifest, &metrics);

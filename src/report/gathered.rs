@@ -4,7 +4,7 @@ use polars::prelude::{BooleanChunked, DataFrame, Float64Chunked, PolarsResult, S
 
 use super::evidence::{Evidence, Gathering};
 use super::metrics::runs;
-use super::{Episodes, Kinds, ReportFolder, Run, Starts, WriteError};
+use super::{Episodes, Kinds, ReportFolder, Run, Starts, Tally, WriteError};
 use crate::av::DrivingMode;
 use crate::compile::Evaluation;
 use crate::env::{Ending, Outcome, Spawn};
@@ -38,6 +38,8 @@ pub struct Gathered {
     pub evidence: Evidence,
     /// Where trained pedestrians began, by town.
     pub starts: BTreeMap<String, Starts>,
+    /// What the page shows of the episodes.
+    pub tally: Tally,
 }
 
 /// Goes over all episodes once: writes the table `episodes` and gathers what all other outputs are made from.
@@ -64,6 +66,7 @@ pub fn gather(
         every_driver_drove: true,
         evidence: Evidence::default(),
         starts: BTreeMap::new(),
+        tally: Tally::default(),
     };
     let mut evidence = Gathering::new(seed.child("report"));
     let mut drove: BTreeMap<(&str, &str), bool> = BTreeMap::new();
@@ -74,6 +77,7 @@ pub fn gather(
         for part in run.parts() {
             let part = part.map_err(failed)?;
             file.add(&part)?;
+            gathered.tally.add(&part).map_err(failed)?;
             let drives = gathered.count(&run, &part).map_err(failed)?;
             *drove.entry((&evaluation.town, &evaluation.policy)).or_default() |= drives;
             match &mut whole {

@@ -6,7 +6,7 @@ use super::{Cell, Evidence, Manifest, Spread, evidence};
 use crate::compile::{Campaign, Driver};
 
 /// What the simulator leaves out, for every summary.
-const LEFT_OUT: &str = "\
+pub(super) const LEFT_OUT: &str = "\
 The simulator is flat and has one car and one pedestrian: no other traffic, no kerbs, no weather, and parked cars and trees \
 only where the scenario puts them. The car is a kinematic bicycle whose pedals are fitted to figures that others printed from \
 CARLA, and its driver knows without error and at once whatever it looks at, unless the scenario gives it sensors. The pedestrian is a disc. Maps from OpenDRIVE hold \

@@ -1,9 +1,9 @@
 use std::collections::BTreeMap;
 
 use super::{
-    Gathered, Kinds, Manifest, Metrics, ReportFolder, WriteError, beside, evidence, learning_curve, learning_figures,
-    published, published_summary, search_cell_table, search_cells, search_failures, search_summary, searches, summary,
-    town_map, trainings_summary,
+    Gathered, Kinds, Manifest, Metrics, ReportFolder, WriteError, beside, evidence, learning_curve, published,
+    published_summary, search_cell_table, search_cells, search_failures, search_summary, searches, summary, town_map,
+    trainings_summary, write_page,
 };
 use crate::campaign::Finished;
 use crate::compile::{Campaign, TrainingKey};
@@ -23,7 +23,7 @@ pub fn write(
     campaign: &Campaign,
     finished: &Finished,
     gathered: &Gathered,
-    kinds: Kinds<'_>,
+    mut kinds: Kinds<'_>,
     manifest: &Manifest,
 ) -> Result<(), WriteError> {
     let failed = |name: &str| {
@@ -37,11 +37,8 @@ pub fn write(
     folder.table("cells", &cells)?;
     folder.table("comparisons", &evidence::comparison_table(&evidence.comparisons))?;
     folder.table("transfer", &evidence::transfer_table(&evidence.transfers))?;
-    let kinds = kinds.write(folder)?;
+    let kinds_words = kinds.write(folder)?;
     folder.table("learning_curve", &learning_curve(&finished.trainings))?;
-    for (name, svg) in learning_figures(&finished.trainings) {
-        folder.file(&format!("{name}.svg"), svg.as_bytes())?;
-    }
     for town in &campaign.towns {
         let starts = gathered.starts.get(&town.name).cloned().unwrap_or_default();
         folder.file(&format!("town-{}.svg", town.name), town_map(&town.town, &starts).as_bytes())?;
@@ -76,14 +73,15 @@ pub fn write(
         folder.table("published", &published(&all))?;
         page.push_str(&published_summary(&all));
     }
-    page.push_str(&kinds);
+    page.push_str(&kinds_words);
     if !finished.searches.is_empty() {
-        let cells = search_cells(&finished.searches);
+        let searched = search_cells(&finished.searches);
         folder.table("searches", &searches(&finished.searches))?;
-        folder.table("search_cells", &search_cell_table(&cells))?;
+        folder.table("search_cells", &search_cell_table(&searched))?;
         folder.table("search_failures", &search_failures(&finished.searches))?;
-        page.push_str(&search_summary(&cells));
+        page.push_str(&search_summary(&searched));
     }
     folder.file("summary.md", page.as_bytes())?;
-    folder.file("manifest.toml", manifest.to_toml().as_bytes())
+    folder.file("manifest.toml", manifest.to_toml().as_bytes())?;
+    write_page(folder, campaign, finished, gathered, manifest, &cells, &kinds)
 }

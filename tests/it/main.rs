@@ -32,6 +32,7 @@ mod layers;
 mod learning;
 mod onnx;
 mod messages;
+mod page;
 mod ped_world;
 mod ped_world_reference;
 mod policies_elsewhere;

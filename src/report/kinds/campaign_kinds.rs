@@ -1,8 +1,9 @@
 use polars::prelude::{DataFrame, PolarsResult};
 
-use super::cell::CellKinds;
+use super::cell::{CellKinds, Mode};
 use super::sample::RunSample;
 use super::{curves, mode_panels, rule_bars, tables, words};
+use crate::analysis::FailureMode;
 use crate::campaign::TrainingResult;
 use crate::compile::{Campaign, Evaluation, Pedestrian};
 use crate::report::{ReportFolder, WriteError};
@@ -59,7 +60,7 @@ impl<'a> Kinds<'a> {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn write(mut self, folder: &ReportFolder) -> Result<String, WriteError> {
+    pub fn write(&mut self, folder: &ReportFolder) -> Result<String, WriteError> {
         for runs in std::mem::take(&mut self.open) {
             self.analyse(runs);
         }
@@ -87,6 +88,17 @@ impl<'a> Kinds<'a> {
             folder.file("mode_accumulation.svg", svg.as_bytes())?;
         }
         Ok(words::words(cells, &names))
+    }
+}
+
+impl Kinds<'_> {
+    /// The modes of all cells that [`Kinds::write`] has written: an evaluation of the cell, the mode, and its example's name,
+    /// `RUN:EPISODE`.
+    pub fn modes(&self) -> impl Iterator<Item = (&Evaluation, &FailureMode, String)> {
+        let example = |mode: &Mode| format!("{}:{}", mode.example.2, mode.example.1);
+        self.cells
+            .iter()
+            .flat_map(move |cell| cell.modes.iter().map(move |mode| (cell.evaluation, &mode.mode, example(mode))))
     }
 }
 
