@@ -37,6 +37,7 @@ mod policies_elsewhere;
 mod program;
 mod recorded_update;
 mod reference;
+mod replaying;
 mod resuming;
 mod road_reference;
 mod routes_reference;
