@@ -31,7 +31,8 @@ pub fn account(scenario: &Scenario, outcome: &Outcome, recording: &Recording, ve
             events.push((time(tick + 1), format!("{what}, {:.1} m from the car", moment.gap(scenario))));
         }
     }
-    events.extend(doings(moments).into_iter().map(|(tick, doing)| (time(tick), doing)));
+    // What leads to a moment was chosen a tick before.
+    events.extend(doings(moments).into_iter().map(|(tick, doing)| (time(tick - 1), doing)));
     if let Some(verdict) = verdict {
         let begun = (outcome.duration - verdict.warning).max(0.0);
         events.push((begun, format!("the danger begins, {:.2} s before the touch", verdict.warning)));
