@@ -122,6 +122,21 @@ impl<'a> Stage<'a> {
         }
     }
 
+    /// Draws a bar of five metres into the corner.
+    pub fn scale(&self, page: &mut String) {
+        let part = self.size.x * 0.01;
+        let (x, y) = (self.low.x + 2.0 * part, -self.low.y - 2.0 * part);
+        let _ = writeln!(
+            page,
+            "<path d=\"M{x:.2} {y:.2}h5\" stroke=\"#22262b\" stroke-width=\"{:.2}\"/>\
+             <text x=\"{:.2}\" y=\"{:.2}\" style=\"font-size:{:.2}px\">5 m</text>",
+            part * 0.5,
+            x + 5.0 + part,
+            y + part,
+            part * 3.4
+        );
+    }
+
     /// How large the pedestrian is drawn (m): as it is, but never so small that it gets lost.
     pub fn walker_radius(&self) -> f64 {
         self.scenario.adversary.body.radius.max(self.size.x * 0.012)

@@ -39,6 +39,7 @@ mod policies_elsewhere;
 mod program;
 mod recorded_update;
 mod reference;
+mod replaying;
 mod resuming;
 mod road_reference;
 mod routes_reference;
