@@ -101,9 +101,9 @@ impl Figure {
         );
         let mut x = GAP;
         for (class, text) in &self.legend {
-            let _ = write!(
+            let _ = writeln!(
                 svg,
-                "<g transform=\"translate({x:.0} 36)\">{}</g><text class=\"ink\" x=\"{:.0}\" y=\"46\">{}</text>\n",
+                "<g transform=\"translate({x:.0} 36)\">{}</g><text class=\"ink\" x=\"{:.0}\" y=\"46\">{}</text>",
                 mark(class),
                 x + 18.0,
                 escape(text)
@@ -112,10 +112,10 @@ impl Figure {
         }
         for (place, panel) in self.panels.iter().enumerate() {
             let (column, row) = ((place % columns) as f64, (place / columns) as f64);
-            let _ = write!(
+            let _ = writeln!(
                 svg,
                 "<g transform=\"translate({:.0} {:.0})\"><text class=\"ink name\" y=\"12\">{}</text>\
-                 <svg y=\"{TITLE}\" width=\"{:.0}\" height=\"{:.0}\">{}</svg></g>\n",
+                 <svg y=\"{TITLE}\" width=\"{:.0}\" height=\"{:.0}\">{}</svg></g>",
                 GAP + column * (width + GAP),
                 top + row * (height + GAP),
                 escape(&panel.title),

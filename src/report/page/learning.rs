@@ -3,6 +3,9 @@ use super::figure::Figure;
 use crate::campaign::TrainingResult;
 use crate::rl::UpdateLog;
 
+/// The points of a training's curve.
+type Points = Vec<(f64, f64)>;
+
 /// A curve has about so many points at most.
 const POINTS: usize = 160;
 
@@ -22,7 +25,7 @@ fn figure(
     title: &str,
     value: fn(&UpdateLog) -> Option<f64>,
 ) -> Option<Figure> {
-    let mut groups: Vec<(String, Vec<Vec<(f64, f64)>>)> = Vec::new();
+    let mut groups: Vec<(String, Vec<Points>)> = Vec::new();
     for training in trainings {
         let Ok(trained) = &training.result else { continue };
         let key = &training.key;
@@ -30,7 +33,7 @@ fn figure(
         let stride = trained.learning_curve.len().div_ceil(POINTS).max(1);
         let last = trained.learning_curve.len().saturating_sub(1);
         let kept = trained.learning_curve.iter().enumerate().filter(|(place, _)| place % stride == 0 || *place == last);
-        let curve: Vec<(f64, f64)> = kept.filter_map(|(_, log)| Some((log.steps as f64, value(log)?))).collect();
+        let curve: Points = kept.filter_map(|(_, log)| Some((log.steps as f64, value(log)?))).collect();
         if curve.is_empty() {
             continue;
         }
@@ -60,7 +63,7 @@ fn figure(
         let ends = mean.points.last().map_or(0.0, |point| point.1);
         let begins = mean.points.first().map_or(0.0, |point| point.1);
         let says = format!("{title}, {} trainings: from {} to {}.", curves.len(), short(begins), short(ends));
-        let thin = |points: &Vec<(f64, f64)>| Curve { thin: true, points: points.clone(), ..Curve::default() };
+        let thin = |points: &Points| Curve { thin: true, points: points.clone(), ..Curve::default() };
         let mut drawn: Vec<Curve> = if curves.len() > 1 { curves.iter().map(thin).collect() } else { Vec::new() };
         drawn.push(mean);
         frame.panel(group.clone(), says, &drawn)
@@ -75,7 +78,7 @@ fn figure(
 }
 
 /// The mean over curves where all have a value, and one standard deviation about it.
-fn mean(curves: &[Vec<(f64, f64)>]) -> Curve {
+fn mean(curves: &[Points]) -> Curve {
     let mut mean = Curve::default();
     for (x, _) in &curves[0] {
         let values: Vec<f64> =

@@ -23,13 +23,13 @@ mod searches;
 mod extras;
 mod closing;
 mod contents;
-mod page;
+mod make;
 mod write;
 
 pub use contents::{Contents, Extra};
 pub use figure::{Figure, Panel};
+pub use make::{Page, page};
 pub use modes::ModeCard;
-pub use page::{Page, page};
 pub use replay::Replay;
 pub use tally::Tally;
 pub use write::write_page;

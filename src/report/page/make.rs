@@ -195,7 +195,7 @@ fn key_numbers(contents: &Contents<'_>, cells: &[Named<'_>]) -> String {
     }
     if contents.manifest.errors > 0 {
         tiles.push((
-            count(contents.manifest.errors as u64),
+            count(contents.manifest.errors),
             "episodes in which a driver failed as a program; they count nowhere".into(),
         ));
     }
