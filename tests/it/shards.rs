@@ -78,7 +78,7 @@ fn shards_make_the_report_of_one_machine_and_whatever_is_missing_or_wrong_is_nam
 
     let merge = ["merge", "parts.scn", "--out", "merged", "--shards", "3", "--from", "a", "b", "c"];
     let output = falsify(&merge[..9], here);
-    assert_eq!(output.status.status.code(), Some(9), "{output:?}");
+    assert_eq!(output.status.code(), Some(9), "{output:?}");
     assert!(error(&output).contains("do again, of 3 shards: 1"), "{}", error(&output));
     assert!(!here.join("merged/parts").exists());
 
@@ -102,7 +102,7 @@ fn shards_make_the_report_of_one_machine_and_whatever_is_missing_or_wrong_is_nam
     let mut again = merge;
     again[3] = "again";
     let output = falsify(&again, here);
-    assert_eq!(output.status.status.code(), Some(9), "{output:?}");
+    assert_eq!(output.status.code(), Some(9), "{output:?}");
     assert!(error(&output).contains(search) && error(&output).contains("is damaged"), "{}", error(&output));
 }
 
