@@ -11,6 +11,7 @@ pub mod diagnostic;
 pub mod units;
 pub mod signature;
 pub mod seed;
+pub mod statistics;
 pub mod geometry;
 pub mod lang;
 pub mod road;

@@ -1,46 +1,83 @@
+use rand::RngExt;
 use smartcore::cluster::kmeans::{KMeans, KMeansParameters};
 use smartcore::linalg::basic::matrix::DenseMatrix;
+
+use super::agreement::{adjusted_rand, silhouette};
+use crate::seed::Seed;
 
 /// Fewer points than this are one cluster.
 const LEAST: usize = 40;
 /// Most clusters that are tried.
-const MOST: usize = 4;
-/// Two halves must agree so well for clusters to count.
+const MOST: usize = 5;
+/// Two halves, and bootstrap samples with the whole, must agree so well for clusters to count.
 const STABLE: f64 = 0.8;
+/// Clusters with a smaller silhouette have "no substantial structure" (Kaufman and Rousseeuw, *Finding Groups in Data*, 1990).
+const APART: f64 = 0.25;
 /// From so many beginnings k-means is run, of which the best counts; their numbers seed the choice of centres.
-const BEGINNINGS: u64 = 10;
+const BEGINNINGS: u64 = 5;
+/// Bootstrap samples.
+const SAMPLES: u64 = 10;
+
+/// How far clusters can be trusted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stability {
+    /// How well the partitions agree that k-means finds on the two halves, as adjusted Rand index.
+    pub halves: f64,
+    /// How well partitions found on bootstrap samples agree with the one of all points, as mean adjusted Rand index.
+    pub bootstrap: f64,
+    /// Mean silhouette.
+    pub silhouette: f64,
+}
 
 /// A partition of points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clusters {
     /// The cluster of each point, from 0.
     pub labels: Vec<usize>,
-    /// How well the partitions agree that k-means finds on the two halves, as adjusted Rand index; 1 for
-    /// a single cluster.
-    pub stability: f64,
+    /// How far to trust it; none for a single cluster.
+    pub stability: Option<Stability>,
 }
 
 /// Partitions points of equal dimension into as many clusters as two halves of them agree on: those of even and those of
-/// odd groups, so that points which belong together stay in one half.
+/// odd groups, so that points which belong together stay in one half. Bootstrap samples must agree as well. Of several such numbers the
+/// one with the largest silhouette counts.
 ///
-/// Features are standardised first.
+/// K-means also cuts one long heap in two, and halves may agree on where: clusters are a way to look at the data, no finding.
 pub fn clusters(points: &[Vec<f64>], groups: &[u32]) -> Clusters {
-    let single = Clusters { labels: vec![0; points.len()], stability: 1.0 };
+    let single = Clusters { labels: vec![0; points.len()], stability: None };
     if points.len() < LEAST {
         return single;
     }
-    let points = standardised(points);
     let half = |rest: u32| {
         let members = points.iter().zip(groups).filter(|(_, group)| **group % 2 == rest);
         members.map(|(point, _)| point.clone()).collect::<Vec<_>>()
     };
     let (even, odd) = (half(0), half(1));
     let attempt = |k: usize| {
-        let stability = adjusted_rand(&partition(&even, &points, k)?, &partition(&odd, &points, k)?);
-        Some(Clusters { labels: partition(&points, &points, k)?, stability })
+        let halves = adjusted_rand(&partition(&even, points, k)?, &partition(&odd, points, k)?);
+        if halves < STABLE {
+            return None;
+        }
+        let labels = partition(points, points, k)?;
+        let silhouette = silhouette(points, &labels).filter(|width| *width >= APART)?;
+        let bootstrap = bootstrap(points, &labels);
+        (bootstrap >= STABLE).then_some((labels, Stability { halves, bootstrap, silhouette }))
     };
-    let stable = (2..=MOST).rev().filter_map(attempt).find(|found| found.stability >= STABLE);
-    stable.unwrap_or(single)
+    let best = (2..=MOST).filter_map(attempt).max_by(|a, b| a.1.silhouette.total_cmp(&b.1.silhouette));
+    best.map_or(single, |(labels, stability)| Clusters { labels, stability: Some(stability) })
+}
+
+/// How well partitions of samples drawn with replacement agree with this one; a sample on which there are not as many clusters
+/// agrees not at all.
+fn bootstrap(points: &[Vec<f64>], labels: &[usize]) -> f64 {
+    let k = labels.iter().max().map_or(1, |most| most + 1);
+    let agreement = |sample| {
+        let mut stream = Seed::root(0).child("bootstrap of clusters").index(sample).stream();
+        let drawn: Vec<Vec<f64>> =
+            points.iter().map(|_| points[stream.random_range(0..points.len())].clone()).collect();
+        partition(&drawn, points, k).map_or(0.0, |other| adjusted_rand(labels, &other))
+    };
+    (0..SAMPLES).map(agreement).sum::<f64>() / SAMPLES as f64
 }
 
 /// Fits `k` centres to some points, from many beginnings, and says which centre is nearest to each of others; none when a
@@ -77,38 +114,6 @@ fn scatter(points: &[Vec<f64>], labels: &[usize], k: usize) -> f64 {
     points.iter().zip(labels).map(apart).sum()
 }
 
-fn standardised(points: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let n = points.len() as f64;
-    let dimensions = points.first().map_or(0, Vec::len);
-    let scales: Vec<(f64, f64)> = (0..dimensions)
-        .map(|axis| {
-            let mean = points.iter().map(|point| point[axis]).sum::<f64>() / n;
-            let variance = points.iter().map(|point| (point[axis] - mean).powi(2)).sum::<f64>() / n;
-            (mean, if variance > 0.0 { variance.sqrt() } else { 1.0 })
-        })
-        .collect();
-    points.iter().map(|point| point.iter().zip(&scales).map(|(x, (mean, sd))| (x - mean) / sd).collect()).collect()
-}
-
-/// The adjusted Rand index of two partitions of the same points.
-///
-/// # Source
-/// Hubert and Arabie, *Comparing partitions*, Journal of Classification 2, 1985, eq. 5.
-fn adjusted_rand(a: &[usize], b: &[usize]) -> f64 {
-    let pairs = |n: usize| n as f64 * (n as f64 - 1.0) / 2.0;
-    let size = |labels: &[usize]| labels.iter().max().map_or(0, |most| most + 1);
-    let mut table = vec![vec![0usize; size(b)]; size(a)];
-    for (x, y) in a.iter().zip(b) {
-        table[*x][*y] += 1;
-    }
-    let both: f64 = table.iter().flatten().map(|n| pairs(*n)).sum();
-    let rows: f64 = table.iter().map(|row| pairs(row.iter().sum())).sum();
-    let columns: f64 = (0..size(b)).map(|y| pairs(table.iter().map(|row| row[y]).sum())).sum();
-    let expected = rows * columns / pairs(a.len());
-    let most = (rows + columns) / 2.0;
-    if most == expected { 1.0 } else { (both - expected) / (most - expected) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -124,22 +129,25 @@ mod tests {
     }
 
     #[test]
-    fn three_heaps_are_found_and_one_is_not_split() {
+    fn three_heaps_are_found_and_a_few_points_are_not_split() {
         let groups: Vec<u32> = (0..90).collect();
         let found = clusters(&around(&[0.0, 10.0, 20.0], 30), &groups);
         assert_eq!(found.labels.iter().max(), Some(&2), "{found:?}");
-        assert!(found.stability > 0.99);
+        let stability = found.stability.unwrap();
+        assert!(stability.halves > 0.99 && stability.bootstrap > 0.99 && stability.silhouette > 0.8, "{stability:?}");
         for (i, label) in found.labels.iter().enumerate() {
             assert_eq!(*label, found.labels[i % 3], "a heap is one cluster");
         }
         let few = clusters(&around(&[0.0, 10.0], 5), &groups[..10]);
-        assert!(few.labels.iter().all(|label| *label == 0));
+        assert!(few.labels.iter().all(|label| *label == 0) && few.stability.is_none());
     }
 
     #[test]
-    fn the_index_is_one_for_equal_and_near_zero_for_crossed_partitions() {
-        assert_eq!(adjusted_rand(&[0, 0, 1, 1], &[1, 1, 0, 0]), 1.0);
-        // Hubert and Arabie's definition by hand: 0 pairs together in both, 2 expected out of 6·(1/3)·(1/3).
-        assert!((adjusted_rand(&[0, 0, 1, 1], &[0, 1, 0, 1]) + 0.5).abs() < 1e-12);
+    fn a_round_heap_in_many_dimensions_is_not_split() {
+        let mut stream = Seed::root(1).stream();
+        let points: Vec<Vec<f64>> =
+            (0..200).map(|_| (0..8).map(|_| stream.random_range(-1.0..1.0)).collect()).collect();
+        let found = clusters(&points, &(0..200).collect::<Vec<_>>());
+        assert!(found.stability.is_none(), "{found:?}");
     }
 }

@@ -1,144 +1,113 @@
 use std::collections::BTreeMap;
 
 use super::clusters::clusters;
-use crate::campaign::EpisodeRow;
-use crate::env::Ending;
+use super::{Approach, Failure, Kind, Stability};
 
-/// Where the car was hit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Impact {
-    /// Within the front sector.
-    Front,
-    /// Beside it, to the car's left.
-    Left,
-    /// Beside it, to the car's right.
-    Right,
-    /// Within 60° of straight behind.
-    Rear,
-}
-
-impl Impact {
-    /// Where a pedestrian hit the car, who was within the front sector or not, at this bearing from the car's middle (rad).
-    pub fn new(front: bool, bearing: f64) -> Self {
-        match bearing {
-            _ if front => Self::Front,
-            b if b.abs() >= 120_f64.to_radians() => Self::Rear,
-            b if b > 0.0 => Self::Left,
-            _ => Self::Right,
-        }
-    }
-
-    /// Its name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Front => "front",
-            Self::Left => "left",
-            Self::Right => "right",
-            Self::Rear => "rear",
-        }
-    }
-}
-
-/// A kind of collision of the trained pedestrians of one reward and training, in one town against one policy.
+/// A way in which collisions of one kind come about.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FailureMode {
-    /// Any of its rows tells which reward, training, town and policy.
-    pub example: EpisodeRow,
-    /// Where the car was hit.
-    pub impact: Impact,
-    /// Whether the car moved.
-    pub moving: bool,
-    /// Number of the cluster within impact and motion, from 0.
-    pub cluster: usize,
-    /// How many collisions.
+    /// What its collisions are like.
+    pub kind: Kind,
+    /// How many collisions of that kind there are.
     pub failures: usize,
-    /// Share of all collisions of the cell.
+    /// Number of the cluster within the kind, from 0, the largest first.
+    pub cluster: usize,
+    /// How many clusters the kind has.
+    pub clusters: usize,
+    /// Share of all collisions; a cluster's share of its kind is that among the collisions whose approach is known.
     pub share: f64,
-    /// Mean distance of the pedestrian at the beginning (m).
-    pub distance: f64,
-    /// Mean bearing of the pedestrian from the car at the beginning (rad), positive to the left.
-    pub bearing: f64,
-    /// Mean length of the episodes (s).
+    /// Its collisions, as places in the list given: those whose approach is known, or all of the kind when none is.
+    pub members: Vec<usize>,
+    /// The member that is nearest to all the others, as place in the list given.
+    pub medoid: usize,
+    /// Root mean square distance of the members from the medoid (m), see [`Approach::distance`]; none when no approach is known.
+    pub spread: Option<f64>,
+    /// Quantiles of the car's speed at the touch (m/s): a tenth, half and nine tenths of the members are at most as fast.
+    pub impact_speed: [f64; 3],
+    /// Median time from the beginning of the episode to the touch (s).
     pub length: f64,
-    /// Mean speed of the car at the impact (m/s).
-    pub impact_speed: f64,
-    /// How well two halves of the failures agree on the clusters, 0 to 1.
-    pub stability: f64,
+    /// How far the clusters of the kind can be trusted; none where there is only one.
+    pub stability: Option<Stability>,
 }
 
-/// A collision as the analysis sees it.
-struct Failure<'a> {
-    row: &'a EpisodeRow,
-    features: Vec<f64>,
-}
-
-/// The collisions of a cell, by impact and whether the car moved.
-type Classes<'a> = BTreeMap<(Impact, bool), Vec<Failure<'a>>>;
-
-/// Finds the failure modes of trained pedestrians, cell by cell in the order of the rows, the commonest first.
-pub fn failure_modes(rows: &[EpisodeRow]) -> Vec<FailureMode> {
-    let mut cells: Vec<(&EpisodeRow, Classes<'_>)> = Vec::new();
-    for row in rows.iter().filter(|row| row.pedestrian == "trained") {
-        let Ending::Collision { front, moving, impact_speed, bearing } = row.outcome.ending else { continue };
-        let same = |other: &EpisodeRow| {
-            let (a, b) = (&row.trained, &other.trained);
-            let place = |row: &EpisodeRow| {
-                (row.town.clone(), row.policy.clone(), row.vehicle.clone(), row.adversary.clone(), row.block)
-            };
-            (&a.reward, &a.town, &a.policy) == (&b.reward, &b.town, &b.policy) && place(row) == place(other)
-        };
-        let index = cells.iter().position(|(first, _)| same(first)).unwrap_or_else(|| {
-            cells.push((row, BTreeMap::new()));
-            cells.len() - 1
-        });
-        let spawn = &row.outcome.spawn;
-        let start = spawn.ego.to_local(spawn.pedestrian.position());
-        let distance = start.norm();
-        // A bearing as a point on the unit circle: ±180° are neighbours.
-        let features = vec![distance, start.x / distance, start.y / distance, row.outcome.duration, impact_speed];
-        cells[index].1.entry((Impact::new(front, bearing), moving)).or_default().push(Failure { row, features });
+/// Finds the ways in which collisions come about, the commonest first. Runs are kept apart nowhere: a mode may be that of one
+/// training alone.
+pub fn failure_modes(failures: &[Failure]) -> Vec<FailureMode> {
+    let mut kinds: BTreeMap<Kind, Vec<usize>> = BTreeMap::new();
+    for (place, failure) in failures.iter().enumerate() {
+        kinds.entry(failure.kind).or_default().push(place);
     }
-    cells.into_iter().flat_map(|(_, classes)| modes(classes)).collect()
+    let mut modes: Vec<FailureMode> =
+        kinds.into_iter().flat_map(|(kind, places)| modes_of(kind, &places, failures)).collect();
+    modes.sort_by(|a, b| b.share.total_cmp(&a.share));
+    modes
 }
 
-fn modes(classes: Classes<'_>) -> Vec<FailureMode> {
-    let all: usize = classes.values().map(Vec::len).sum();
-    let mut modes = Vec::new();
-    for ((impact, moving), failures) in classes {
-        let features: Vec<Vec<f64>> = failures.iter().map(|failure| failure.features.clone()).collect();
-        let groups: Vec<u32> = failures.iter().map(|failure| failure.row.episode).collect();
-        let found = clusters(&features, &groups);
-        for cluster in 0..=found.labels.iter().copied().max().unwrap_or(0) {
-            let members: Vec<&Failure<'_>> = failures
-                .iter()
-                .zip(&found.labels)
-                .filter(|(_, label)| **label == cluster)
-                .map(|(failure, _)| failure)
-                .collect();
-            let means: Vec<f64> = (0..5)
-                .map(|axis| members.iter().map(|member| member.features[axis]).sum::<f64>() / members.len() as f64)
-                .collect();
-            let far = |failure: &Failure<'_>| {
-                // Metres, tenths of a radian, seconds and metres a second are of one order here.
-                let scale = [1.0, 10.0, 10.0, 1.0, 1.0];
-                (0..5).map(|axis| ((failure.features[axis] - means[axis]) * scale[axis]).powi(2)).sum::<f64>()
-            };
-            let Some(example) = members.iter().min_by(|a, b| far(a).total_cmp(&far(b))) else { continue };
-            modes.push(FailureMode {
-                example: example.row.clone(),
-                impact,
-                moving,
-                cluster,
-                failures: members.len(),
-                share: members.len() as f64 / all as f64,
-                distance: means[0],
-                bearing: libm::atan2(means[2], means[1]),
-                length: means[3],
-                impact_speed: means[4],
-                stability: found.stability,
-            });
+fn modes_of(kind: Kind, places: &[usize], failures: &[Failure]) -> Vec<FailureMode> {
+    let (mut known, mut approaches) = (Vec::new(), Vec::new());
+    for place in places {
+        if let Some(approach) = &failures[*place].approach {
+            known.push(*place);
+            approaches.push(approach);
         }
     }
-    modes.sort_by_key(|mode| std::cmp::Reverse(mode.failures));
-    modes
+    let share = places.len() as f64 / failures.len() as f64;
+    let mode = |members: Vec<usize>, medoid, spread| {
+        let quantile = |value: &dyn Fn(&Failure) -> f64, share| {
+            let mut values: Vec<f64> = members.iter().map(|member| value(&failures[*member])).collect();
+            values.sort_by(f64::total_cmp);
+            quantile(&values, share)
+        };
+        FailureMode {
+            kind,
+            failures: places.len(),
+            cluster: 0,
+            clusters: 1,
+            share,
+            medoid,
+            spread,
+            impact_speed: [0.1, 0.5, 0.9].map(|share| quantile(&|failure| failure.impact_speed, share)),
+            length: quantile(&|failure| failure.length, 0.5),
+            stability: None,
+            members,
+        }
+    };
+    if known.is_empty() {
+        return vec![mode(places.to_vec(), places[0], None)];
+    }
+    let points: Vec<Vec<f64>> = approaches.iter().map(|approach| approach.features()).collect();
+    // Equal episodes begin the same, whatever the run.
+    let groups: Vec<u32> = known.iter().map(|place| failures[*place].episode).collect();
+    let found = clusters(&points, &groups);
+    let count = found.labels.iter().max().map_or(1, |most| most + 1);
+    let mut heaps: Vec<Vec<usize>> = vec![Vec::new(); count];
+    found.labels.iter().enumerate().for_each(|(index, label)| heaps[*label].push(index));
+    heaps.sort_by_key(|heap| std::cmp::Reverse(heap.len()));
+    let numbered = heaps.into_iter().enumerate().map(|(cluster, heap)| {
+        let (medoid, spread) = medoid(&heap, &approaches);
+        FailureMode {
+            cluster,
+            clusters: count,
+            share: share * heap.len() as f64 / known.len() as f64,
+            stability: found.stability,
+            ..mode(heap.iter().map(|index| known[*index]).collect(), known[medoid], Some(spread))
+        }
+    });
+    numbered.collect()
+}
+
+/// The one of some approaches whose distances from the others are least in sum, and the root mean square of these distances (m).
+fn medoid(heap: &[usize], approaches: &[&Approach]) -> (usize, f64) {
+    let distances = |one: usize| heap.iter().map(move |other| approaches[one].distance(approaches[*other]));
+    let sums = heap.iter().map(|one| (*one, distances(*one).sum::<f64>()));
+    let (medoid, _) = sums.min_by(|a, b| a.1.total_cmp(&b.1)).expect("a cluster has a member");
+    let squares: f64 = distances(medoid).map(|distance| distance * distance).sum();
+    (medoid, (squares / heap.len() as f64).sqrt())
+}
+
+/// The quantile of sorted values, linear between them.
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let place = share * (sorted.len() - 1) as f64;
+    let (low, high) = (sorted[place.floor() as usize], sorted[place.ceil() as usize]);
+    low + (high - low) * place.fract()
 }

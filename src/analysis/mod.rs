@@ -1,9 +1,28 @@
-//! Failure modes: in how many ways a trained pedestrian hits the car. The only code that knows smartcore.
+//! Kinds of failure: in how many ways a pedestrian hits the car, and which beginnings lead there. The only code that knows smartcore.
 //!
-//! Collisions are first sorted by rules anyone can check (side of the impact, whether the car moved), then clustered by
-//! how they began and went.
+//! 1. A collision is a [`Failure`], sorted into a [`Kind`] by rules that anyone can check.
+//! 2. Within a kind the ways to the touch ([`Approach`]) are clustered. A number of clusters counts only when two halves of the data
+//!    and bootstrap samples agree on it; each [`FailureMode`] has its medoid as an example.
+//! 3. [`Richness`] says how many kinds there are, and estimates how many have not been seen.
+//! 4. [`Explanation`] says in a few rules which beginnings end badly, and how well the rules hold for episodes that they were not
+//!    learnt from.
 
-mod failure_modes;
+mod failure;
+mod approach;
+mod agreement;
 mod clusters;
+mod failure_modes;
+mod richness;
+mod cases;
+mod tree;
+mod explanation;
+#[cfg(test)]
+mod tests;
 
-pub use failure_modes::{FailureMode, Impact, failure_modes};
+pub use approach::{Approach, Station};
+pub use cases::{Cases, Feature, Scale};
+pub use clusters::Stability;
+pub use explanation::{Condition, Explanation, Importance, Rule};
+pub use failure::{Failure, Impact, Kind};
+pub use failure_modes::{FailureMode, failure_modes};
+pub use richness::{Richness, accumulation};

@@ -3,7 +3,7 @@ use crate::seed::Stream;
 use crate::sim::Control;
 
 /// What a driver is doing, for tables and replays.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, serde::Serialize, serde::Deserialize)]
 pub enum DrivingMode {
     /// Along its route, as fast as it wants.
     #[default]

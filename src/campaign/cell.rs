@@ -1,5 +1,6 @@
 use std::ops::Range;
 
+use super::StoppingRule;
 use crate::compile::{Campaign, Evaluation, Pedestrian};
 use crate::falsifier::TrainError;
 
@@ -23,15 +24,30 @@ pub enum Cell {
 }
 
 impl Evaluation {
-    /// How many pieces of work it is.
+    /// How many pieces of work it is: one when its episodes decide how many there are.
     pub fn chunks(&self) -> u32 {
-        self.episodes.div_ceil(CHUNK)
+        if self.halfwidth.is_some() { 1 } else { self.episodes.div_ceil(CHUNK) }
     }
 
-    /// The episodes of one of its chunks.
+    /// The episodes of one of its chunks, at most.
     pub fn chunk(&self, chunk: u32) -> Range<u32> {
+        if self.halfwidth.is_some() {
+            return 0..self.episodes;
+        }
         let start = chunk * CHUNK;
         start..self.episodes.min(start.saturating_add(CHUNK))
+    }
+
+    /// Until when it goes on.
+    pub fn rule(&self) -> StoppingRule {
+        StoppingRule::new(self.halfwidth, self.episodes)
+    }
+
+    /// Whether so many of its episodes, so many of which the driver drove to their end, with so many collisions, are all that it needs.
+    pub fn is_finished_with(&self, episodes: u32, valid: u64, collisions: u64) -> bool {
+        let rule = self.rule();
+        let early = self.halfwidth.is_some() && rule.looks().contains(&episodes) && rule.is_met(collisions, valid);
+        episodes == self.episodes || early
     }
 
     /// The place of the training that its pedestrian comes from.

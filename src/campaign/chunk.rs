@@ -5,7 +5,7 @@ use super::watch::watch_numbered;
 use super::{Cell, CellError, EpisodeRow, Keeper, Observer, Progress};
 use crate::compile::Campaign;
 use crate::env::{Outcome, Recording};
-use crate::judge::judge;
+use crate::judge::{NearMiss, judge};
 use crate::rl::ActorCritic;
 use crate::seed::Seed;
 
@@ -43,34 +43,57 @@ pub(super) fn try_chunk(
     let evaluation = &campaign.evaluations[index];
     let cell = Cell::Chunk { evaluation: index, chunk };
     let wanted = evaluation.chunk(chunk);
-    let first = wanted.start + keeper.episodes(index, chunk);
-    if first >= wanted.end {
+    let before = keeper.episodes(index, chunk);
+    let first = wanted.start + before.episodes;
+    if before.enough || first >= wanted.end {
         return observer.reused(cell);
     }
-    observer.continued(cell, first - wanted.start);
+    observer.continued(cell, before.episodes);
     let rows = std::cell::RefCell::new(Rows { settled: Vec::new(), others: BTreeMap::new(), next: first, ticks: 0 });
     let mut limit = None;
     let mut note = |episode: u32, outcome: &Outcome, recording: &Recording| {
-        let verdict = judge(&evaluation.scenario, recording);
-        rows.borrow_mut().add(EpisodeRow::new(evaluation, episode, *outcome, verdict));
+        let scenario = &evaluation.scenario;
+        let (verdict, near_miss) = (judge(scenario, recording), NearMiss::new(scenario, recording));
+        rows.borrow_mut().add(EpisodeRow::new(evaluation, episode, *outcome, verdict, near_miss));
     };
     let stop = || observer.stop() || keeper.stop();
-    let tried = watch_numbered(evaluation, trained, first..wanted.end, seed, &mut note, &mut |_| {
+    let mut tell = |_| {
         observer.tried(index, evaluation);
         let rows = rows.borrow();
         keeper.keep_episodes(index, chunk, &rows.settled, Progress::UnderWay);
         limit = keeper.limit(cell, rows.ticks);
         flow(limit.is_some() || stop())
-    });
+    };
+    let rule = evaluation.rule();
+    let looks = if evaluation.halfwidth.is_some() { rule.looks() } else { vec![wanted.end] };
+    let (mut next, mut enough) = (first, false);
+    for look in looks.into_iter().filter(|look| *look > first) {
+        let tried = watch_numbered(evaluation, trained, next..look, seed, &mut note, &mut tell).len() as u32;
+        next += tried;
+        let rows = &rows.borrow().settled;
+        let valid = rows.iter().filter(|row| row.outcome.fault().is_none()).count() as u64;
+        let collisions = rows.iter().filter(|row| row.outcome.is_collision()).count() as u64;
+        enough = next == look
+            && evaluation.halfwidth.is_some()
+            && rule.is_met(before.collisions + collisions, before.valid + valid);
+        if enough || next < look {
+            break;
+        }
+    }
     let mut settled = rows.into_inner().settled;
-    settled.truncate(tried.len());
+    settled.truncate((next - first) as usize);
     let error = match limit {
-        _ if tried.len() == (first..wanted.end).len() => None,
+        _ if enough || next == wanted.end => None,
         Some(limit) => Some(limit),
         None if hopeless(&settled) => Some(CellError::Hopeless),
         None => None,
     };
-    keeper.keep_episodes(index, chunk, &settled, error.as_ref().map_or(Progress::Ended, Progress::Failed));
+    let end = match &error {
+        Some(error) => Progress::Failed(error),
+        None if enough => Progress::Enough,
+        None => Progress::Ended,
+    };
+    keeper.keep_episodes(index, chunk, &settled, end);
     observer.chunk_ended(index, chunk, error.as_ref());
 }
 

@@ -41,10 +41,10 @@ pub trait Keeper: Sync {
         let _ = (training, trained);
     }
 
-    /// How many of the first episodes of a chunk are there.
-    fn episodes(&self, evaluation: usize, chunk: u32) -> u32 {
+    /// What is there of a chunk: its first episodes.
+    fn episodes(&self, evaluation: usize, chunk: u32) -> Tally {
         let _ = (evaluation, chunk);
-        0
+        Tally::default()
     }
 
     /// Hears of the episodes of a chunk that have followed those that were there, all of them every time. With the last ones
@@ -81,8 +81,23 @@ pub enum Progress<'a> {
     UnderWay,
     /// No more follow now: all are there, or somebody asked to stop.
     Ended,
+    /// No more are needed: the stopping rule is met.
+    Enough,
     /// No more follow, for this reason.
     Failed(&'a CellError),
+}
+
+/// Some episodes of an evaluation, counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Tally {
+    /// How many.
+    pub episodes: u32,
+    /// How many the driver drove to their end.
+    pub valid: u64,
+    /// How many ended in a collision.
+    pub collisions: u64,
+    /// Whether no more are needed.
+    pub enough: bool,
 }
 
 /// Keeps episodes in memory and nothing else, for few of them.

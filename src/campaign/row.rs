@@ -1,6 +1,6 @@
 use crate::compile::{Evaluation, RunId, TrainingKey};
 use crate::env::Outcome;
-use crate::judge::Verdict;
+use crate::judge::{NearMiss, Verdict};
 
 /// One episode of an evaluation.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,11 +27,27 @@ pub struct EpisodeRow {
     pub outcome: Outcome,
     /// What reference drivers make of it; none without a collision.
     pub verdict: Option<Verdict>,
+    /// How near it came to a touch.
+    pub near_miss: NearMiss,
 }
 
 impl EpisodeRow {
+    /// Whether another is an episode of the same pedestrian of the same training in the same town against the same policy.
+    pub fn is_of_same_run(&self, other: &Self) -> bool {
+        let names = |row: &Self| [&row.town, &row.policy, &row.vehicle, &row.adversary].map(Clone::clone);
+        (self.block, self.pedestrian) == (other.block, other.pedestrian)
+            && self.trained == other.trained
+            && names(self) == names(other)
+    }
+
     /// Makes the row of an episode of an evaluation.
-    pub fn new(evaluation: &Evaluation, episode: u32, outcome: Outcome, verdict: Option<Verdict>) -> Self {
+    pub fn new(
+        evaluation: &Evaluation,
+        episode: u32,
+        outcome: Outcome,
+        verdict: Option<Verdict>,
+        near_miss: NearMiss,
+    ) -> Self {
         Self {
             run_id: evaluation.id,
             trained: evaluation.trained.clone(),
@@ -44,6 +60,7 @@ impl EpisodeRow {
             episode,
             outcome,
             verdict,
+            near_miss,
         }
     }
 }

@@ -18,10 +18,14 @@ pub fn map(options: &MapOptions) -> ExitCode {
             Ok(gathered) => gathered,
             Err(code) => return code,
         };
-        match front::tell(&gathered, &given, "nothing was drawn") {
-            Ok(()) => gathered.compiled.plan.into_iter().flat_map(|plan| plan.towns).map(|named| named.town).collect(),
-            Err(code) => return code,
+        // Where nobody can be placed, one wants to see the town all the more.
+        if gathered.compiled.unplaced.is_none()
+            && let Err(code) = front::tell(&gathered, &given, "nothing was drawn")
+        {
+            return code;
         }
+        let plan = gathered.compiled.plan.or(gathered.compiled.unplaced);
+        plan.into_iter().flat_map(|plan| plan.towns).map(|named| named.town).collect()
     } else {
         match read(&options.file) {
             Ok(town) => vec![std::sync::Arc::new(town)],

@@ -109,7 +109,8 @@ fn gather(campaign: &Campaign, options: &MergeOptions, store: &Store, others: &[
 
 /// Says what is lacking, and what would make it.
 fn lack(campaign: &Campaign, options: &MergeOptions, lacking: &[&(Cell, Taken)], all: usize) -> String {
-    let mut text = format!("{} of the {all} cells of `{}` are not there as they should be:", lacking.len(), campaign.name);
+    let mut text =
+        format!("{} of the {all} cells of `{}` are not there as they should be:", lacking.len(), campaign.name);
     for (cell, taken) in lacking.iter().take(SHOWN) {
         let why = match taken {
             Taken::Part(done) => format!("unfinished, {done} {}", unit(*cell)),
@@ -130,7 +131,8 @@ fn lack(campaign: &Campaign, options: &MergeOptions, lacking: &[&(Cell, Taken)],
             let shards: BTreeSet<u32> = lacking.iter().map(|(cell, _)| deal[cell]).collect();
             text.push_str(&format!("\n  do again, of {count} shards: {}", ranges(&shards)));
         }
-        None => text.push_str("\n  `falsify run` with the same files does only these; give --shards to see which shards would"),
+        None => text
+            .push_str("\n  `falsify run` with the same files does only these; give --shards to see which shards would"),
     }
     text
 }

@@ -11,7 +11,7 @@ use crate::campaign::{self, EpisodeRow, SearchResult, watch};
 use crate::compile::{Campaign, Evaluation, Pedestrian, Search};
 use crate::env::{Outcome, Recording, Scenario};
 use crate::falsifier::{Failure, Spent, follow};
-use crate::judge::{Verdict, judge};
+use crate::judge::{NearMiss, Verdict, judge};
 use crate::report::{self, Difference, FileRecord, Manifest, ReadError, StoredReport};
 use crate::rl::ActorCritic;
 use crate::seed::Seed;
@@ -209,7 +209,8 @@ impl Source {
         let seen = watch(evaluation, trained.as_ref(), episodes, &self.seed, note, go_on);
         let (outcome, recording) = seen.into_iter().next().expect("an episode that is tried comes to an end");
         let verdict = judge(&evaluation.scenario, &recording);
-        let again = report::episodes(&[EpisodeRow::new(evaluation, name.number, outcome, verdict)]);
+        let near_miss = NearMiss::new(&evaluation.scenario, &recording);
+        let again = report::episodes(&[EpisodeRow::new(evaluation, name.number, outcome, verdict, near_miss)]);
         let scenario = &evaluation.scenario;
         self.compared(name, who(evaluation), scenario, (outcome, recording, verdict), &stored, &again)
     }

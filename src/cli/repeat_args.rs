@@ -13,7 +13,7 @@ Examples:
   falsify replay 1a2b3c4d:17 --ticks way.csv
                                              also write every tick as a table, .csv or .parquet
 
-Names of failures are in summary.md (failure modes), in episodes.csv (`run_id`, `episode`) and in search_failures.csv (`run_id`, `failure`).
+Names of failures are in failure_modes.csv (`example`), episodes.csv (`run_id`, `episode`) and search_failures.csv (`run_id`, `failure`).
 
 Exit codes: 0 it came out as in the report   2 no such episode, or a file is missing   3 errors in a scenario
   6 a file cannot be written   8 it came out differently, or a scenario file is another one now";

@@ -9,7 +9,8 @@ use super::{ExitCode, front, interrupt, list, shard};
 use crate::campaign::{self, Cell, Finished};
 use crate::compile::Campaign;
 use crate::report::{
-    self, Episodes, FileRecord, Formats, Gathered, Manifest, Metrics, ReportFolder, TrainingRecord, Wanted, WriteError,
+    self, Episodes, FileRecord, Formats, Gathered, Kinds, Manifest, Metrics, ReportFolder, TrainingRecord, Wanted,
+    WriteError,
 };
 use crate::seed::Seed;
 use crate::store::{CODE, Ids, Index, Kept, Limits, Note, Store, StoreError, vector_instructions};
@@ -160,7 +161,9 @@ fn carry_out(
     }
     index.write(store, &name, campaign, seed).map_err(failed)?;
     let written = |error: WriteError| kept(&error.to_string(), &options.out);
-    let gathered = report::gather(&folder, campaign, &Episodes::new(campaign, &keeper)).map_err(written)?;
+    let mut kinds = Kinds::new(campaign, &finished.trainings, &Seed::root(seed));
+    let gathered =
+        report::gather(&folder, &Episodes::new(campaign, &keeper), &mut kinds, &Seed::root(seed)).map_err(written)?;
     if gathered.episodes == 0
         && finished.searches.is_empty()
         && finished.trainings.iter().all(|training| training.result.is_err())
@@ -171,7 +174,7 @@ fn carry_out(
     say_errors(&gathered, &name, options.format);
     let times = (keeper.training_seconds(), began.elapsed().as_secs_f64());
     let manifest = manifest(campaign, options, files, &finished, &gathered, times);
-    report::write(&folder, campaign, &finished, &gathered, &manifest).map_err(written)?;
+    report::write(&folder, campaign, &finished, &gathered, kinds, &manifest).map_err(written)?;
     if options.ticks != TickChoice::None {
         let all = options.ticks == TickChoice::All;
         let wanted = Wanted::of(&Episodes::new(campaign, &keeper), &finished, all).map_err(written)?;
@@ -186,7 +189,7 @@ fn carry_out(
     let place = place?;
     let metrics = cells(campaign, &finished, &gathered, options.format).map_err(|error| error.to_string())?;
     match options.format {
-        Output::Human => front::say(&place.join("summary.md").display().to_string()),
+        Output::Human => front::say(&place.join("report.html").display().to_string()),
         Output::Json => Event::ReportWritten { campaign: &name, folder: &place, complete: manifest.complete }.tell(),
     }
     let passed = gates.judge(&manifest, &metrics);
@@ -268,7 +271,6 @@ fn manifest(
             error: training.result.as_ref().err().map_or(String::new(), ToString::to_string),
         }
     });
-    let planned: u64 = campaign.evaluations.iter().map(|evaluation| u64::from(evaluation.episodes)).sum();
     let trained = finished.trainings.iter().filter(|training| training.result.is_ok()).count();
     Manifest {
         version: env!("CARGO_PKG_VERSION").into(),
@@ -279,7 +281,7 @@ fn manifest(
         settings: campaign.settings.clone(),
         smoke: options.smoke,
         complete: trained == campaign.trainings.len()
-            && gathered.episodes == planned
+            && gathered.all_tried
             && gathered.untried == 0
             && gathered.unpaid == 0
             && gathered.every_driver_drove
@@ -298,12 +300,7 @@ fn manifest(
 }
 
 /// Works the cells out, and prints them for people, narrow enough for a terminal.
-fn cells(
-    campaign: &Campaign,
-    finished: &Finished,
-    gathered: &Gathered,
-    format: Output,
-) -> Result<Metrics, WriteError> {
+fn cells(campaign: &Campaign, finished: &Finished, gathered: &Gathered, format: Output) -> Result<Metrics, WriteError> {
     let failed = |source| WriteError::Table { name: "cells".into(), source };
     let metrics = Metrics::of_runs(gathered.runs.clone()).map_err(failed)?;
     if format == Output::Human {

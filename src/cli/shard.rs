@@ -106,7 +106,8 @@ mod tests {
     #[test]
     fn the_number_comes_from_whoever_started_the_task() {
         let auto = Named::from_str("auto/16").unwrap();
-        let with = |name: &'static str, value: &'static str| move |asked: &str| (asked == name).then(|| value.to_string());
+        let with =
+            |name: &'static str, value: &'static str| move |asked: &str| (asked == name).then(|| value.to_string());
         for name in NUMBERS {
             assert_eq!(auto.resolve(with(name, "7")), Ok(Shard { index: 7, count: 16 }));
             assert!(auto.resolve(with(name, "16")).unwrap_err().contains(name));

@@ -78,7 +78,9 @@ fn summary(campaign: &CampaignStatus, processes: usize) -> Summary<'_> {
         false => "stopped",
     };
     let left = left(cells);
-    let failed = |cell: &CellStatus| Some((cell.written?, cell.header.as_ref().filter(|head| !head.error.is_empty())?.error.clone()));
+    let failed = |cell: &CellStatus| {
+        Some((cell.written?, cell.header.as_ref().filter(|head| !head.error.is_empty())?.error.clone()))
+    };
     let last = cells.iter().filter_map(|cell| failed(cell).map(|(when, _)| (when, cell))).max_by_key(|(when, _)| *when);
     Summary {
         campaign: &campaign.name,
@@ -114,7 +116,10 @@ fn left(cells: &[CellStatus]) -> Option<f64> {
             continue;
         }
         let done: u64 = of_kind(cells, word).map(CellStatus::done).sum();
-        let took: f64 = of_kind(cells, word).filter(|cell| cell.done() > 0).filter_map(|cell| Some(cell.header.as_ref()?.seconds)).sum();
+        let took: f64 = of_kind(cells, word)
+            .filter(|cell| cell.done() > 0)
+            .filter_map(|cell| Some(cell.header.as_ref()?.seconds))
+            .sum();
         if done == 0 {
             return None;
         }

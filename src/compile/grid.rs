@@ -226,6 +226,7 @@ impl Lowering<'_> {
                 scenario: scenarios[&trained.reward].0.clone(),
                 episodes: block.arguments.integer("episodes") as u32,
                 recipe: scenarios[&trained.reward].1,
+                halfwidth: block.arguments.has("halfwidth").then(|| block.arguments.number("halfwidth")),
             }));
         }
     }

@@ -209,10 +209,12 @@ pub struct Evaluation {
     pub block: u32,
     /// What is tried.
     pub scenario: Arc<Scenario>,
-    /// How many episodes.
+    /// How many episodes, at most when there is a half-width.
     pub episodes: u32,
     /// What the files say about it, without how its pedestrian was trained.
     pub recipe: Recipe,
+    /// The half-width of the collision rate's 95 % interval at which it ends before that.
+    pub halfwidth: Option<f64>,
 }
 
 /// What distinguishes a search from the others of its campaign.

@@ -228,7 +228,7 @@ mod tests {
         let text = r#"edition 1
 town old = opendrive(file: "old.xodr")
 town new { street quay { through: [(0 m, 0 m), (300 m, 0 m)] } }
-policy mild = cruise(speed: 5 m/s)
+policy mild = cruise(limit_share: 0.5)
 spawn near { distance: 7 m .. 9 m }
 episode short { ticks: 100 }
 reward hits { on hit => 1 }
@@ -267,9 +267,17 @@ campaign both {
         assert_eq!(changed(&format!("{map}<!-- resurveyed -->"), &[]), [false, true, false], "a map");
         assert_eq!(changed(map, &[("300 m", "301 m")]), [true, false, true], "a town");
         assert_eq!(changed(map, &[("steps: 100", "steps: 200")]), [true, false, false], "a training");
-        assert_eq!(changed(map, &[("5 m/s", "18 km/h"), ("reward", "/// Pays.\nreward")]), [false; 3], "units, help");
-        assert_eq!(changed(map, &[("5 m/s", "5.1 m/s")]), [true; 3], "a driver");
+        assert_eq!(
+            changed(map, &[("share: 0.5", "share:  0.50"), ("reward hits", "/// Pays.\nreward hits")]),
+            [false; 3],
+            "layout, help"
+        );
+        assert_eq!(changed(map, &[("share: 0.5", "share: 0.6")]), [true; 3], "a driver");
         assert_eq!(changed(map, &[("on hit => 1", "on hit => 1 + 0")]), [true; 3], "a formula");
-        assert_eq!(changed(map, &[("reward", "reward more { on hit => 2 }\nreward")]), [false; 3], "something else");
+        assert_eq!(
+            changed(map, &[("reward hits", "reward more { on hit => 2 }\nreward hits")]),
+            [false; 3],
+            "something else"
+        );
     }
 }

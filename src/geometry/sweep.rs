@@ -27,12 +27,33 @@ pub fn first_touch(from: Point, to: Point, radius: f64, start: &OrientedBox, end
     if a.x.min(b.x) > reach.x || a.x.max(b.x) < -reach.x || a.y.min(b.y) > reach.y || a.y.max(b.y) < -reach.y {
         return None;
     }
-    let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
-    let slabs =
-        [enter_slab(a, motion, Vector::new(reach.x, half.y)), enter_slab(a, motion, Vector::new(half.x, reach.y))];
-    let circles = corners.map(|(x, y)| enter_circle(a - Vector::new(x * half.x, y * half.y), motion, radius));
-    let fraction = slabs.into_iter().chain(circles).flatten().min_by(f64::total_cmp)?;
+    let fraction = enter_grown(a, motion, half, radius)?;
     Some(Touch { fraction, local: a + motion * fraction })
+}
+
+/// Finds the time (s) after which a disc touches a box, when it keeps its place and velocity in the frame of the box (m, m/s); none
+/// when that is not within the horizon (s). 0 when it touches already.
+pub fn time_to_touch(place: Vector, velocity: Vector, half: Vector, radius: f64, horizon: f64) -> Option<f64> {
+    let (reach, end) = (half + Vector::new(radius, radius), place + velocity * horizon);
+    if place.x.min(end.x) > reach.x
+        || place.x.max(end.x) < -reach.x
+        || place.y.min(end.y) > reach.y
+        || place.y.max(end.y) < -reach.y
+    {
+        return None;
+    }
+    enter_grown(place, velocity * horizon, half, radius).map(|fraction| fraction * horizon)
+}
+
+/// The share of a motion after which a point enters a box that is grown by a radius.
+fn enter_grown(start: Vector, motion: Vector, half: Vector, radius: f64) -> Option<f64> {
+    let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
+    let slabs = [
+        enter_slab(start, motion, Vector::new(half.x + radius, half.y)),
+        enter_slab(start, motion, Vector::new(half.x, half.y + radius)),
+    ];
+    let circles = corners.map(|(x, y)| enter_circle(start - Vector::new(x * half.x, y * half.y), motion, radius));
+    slabs.into_iter().chain(circles).flatten().min_by(f64::total_cmp)
 }
 
 fn enter_slab(start: Vector, motion: Vector, half: Vector) -> Option<f64> {

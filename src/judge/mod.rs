@@ -12,19 +12,25 @@
 //! 4. A driver *avoids* the failure when the car touches nobody while it moves. Who then walks into the standing car is not
 //!    counted, nor who comes from behind.
 //!
+//! Episodes of all kinds are measured for how near they came to a touch ([`NearMiss`]).
+//!
 //! The labels are explained at [`Label`], the drivers at [`Reference`]. Reference drivers brake as their figures say, whatever
 //! the car's own brake can do.
 
 mod driven_path;
+mod sight;
 mod encounter;
 mod reference;
 mod trial;
 mod verdict;
+mod near_miss;
 #[cfg(test)]
 mod tests;
 
 pub use driven_path::{DrivenPath, Place};
 pub use encounter::{Encounter, Step};
+pub use near_miss::NearMiss;
 pub use reference::Reference;
+pub use sight::Sight;
 pub use trial::Trial;
 pub use verdict::{Label, Verdict, judge};

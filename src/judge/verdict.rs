@@ -1,5 +1,5 @@
 use super::trial::STANDING;
-use super::{Encounter, Reference, Trial};
+use super::{Encounter, Reference, Sight, Trial};
 use crate::env::{Recording, Scenario};
 use crate::sim::Contact;
 
@@ -40,6 +40,11 @@ impl Label {
         Self::Standing,
     ];
 
+    /// The one with this name in tables.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|label| label.name() == name)
+    }
+
     /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
@@ -63,6 +68,8 @@ pub struct Verdict {
     /// Whether the pedestrian never walked faster than 8 km/h nor sped up by more than 1.65 m/s², as in Euro NCAP's tests.
     /// Turning and stopping are not limited.
     pub foreseeable: bool,
+    /// Whether the pedestrian could be seen before the touch.
+    pub sight: Sight,
     /// The car's speed at the recorded touch (m/s).
     pub impact_speed: f64,
     /// How each driver fared, in the order of [`Reference::ALL`].
@@ -97,6 +104,7 @@ pub fn judge(scenario: &Scenario, recording: &Recording) -> Option<Verdict> {
         label,
         warning: encounter.warning,
         foreseeable: is_foreseeable(recording, encounter.dt),
+        sight: Sight::new(scenario, recording),
         impact_speed: contact.impact_speed,
         trials,
     })

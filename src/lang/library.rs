@@ -10,6 +10,7 @@ const FILES: &[(&str, &str)] = &[
     ("carla_towns.scn", include_str!("../../scenarios/lib/carla_towns.scn")),
     ("drivers.scn", include_str!("../../scenarios/lib/drivers.scn")),
     ("paper.scn", include_str!("../../scenarios/lib/paper.scn")),
+    ("paper_tables.scn", include_str!("../../scenarios/lib/paper_tables.scn")),
     ("rewards.scn", include_str!("../../scenarios/lib/rewards.scn")),
     ("sensors.scn", include_str!("../../scenarios/lib/sensors.scn")),
     ("towns.scn", include_str!("../../scenarios/lib/towns.scn")),

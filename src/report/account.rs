@@ -31,7 +31,8 @@ pub fn account(scenario: &Scenario, outcome: &Outcome, recording: &Recording, ve
             events.push((time(tick + 1), format!("{what}, {:.1} m from the car", moment.gap(scenario))));
         }
     }
-    events.extend(doings(moments).into_iter().map(|(tick, doing)| (time(tick), doing)));
+    // What leads to a moment was chosen a tick before.
+    events.extend(doings(moments).into_iter().map(|(tick, doing)| (time(tick - 1), doing)));
     if let Some(verdict) = verdict {
         let begun = (outcome.duration - verdict.warning).max(0.0);
         events.push((begun, format!("the danger begins, {:.2} s before the touch", verdict.warning)));
@@ -105,9 +106,9 @@ fn ending(outcome: &Outcome, moments: &[Moment]) -> String {
     match outcome.ending {
         Ending::Collision { front, moving, impact_speed, bearing: at } => {
             let side = if front { "the front sector" } else { "a side or the rear" };
-            let car = if moving { format!("the car, {}", speed(impact_speed)) } else { "the car, which stands".into() };
+            let car = if moving { speed(impact_speed) } else { "at rest".to_string() };
             let walking = moments.last().map_or(0.0, |last| last.pedestrian.speed());
-            format!("they touch: {car}, in {side}, {}; the pedestrian walks at {walking:.1} m/s", bearing(at))
+            format!("they touch in {side}, {}; the car is {car}, the pedestrian walks at {walking:.1} m/s", bearing(at))
         }
         Ending::Lost => "the episode is given up, as its scenario says".to_string(),
         Ending::Timeout => format!("the time is up; the least gap was {:.2} m", outcome.least_gap),
@@ -131,7 +132,11 @@ fn judged(verdict: &Verdict) -> Vec<String> {
         let trial = verdict.trial(reference);
         let fared = match trial.impact_speed {
             None => format!("avoids it, {:.2} m are left", trial.least_gap),
-            Some(speed) => format!("hits at {speed:.1} m/s, {:.1} m/s slower", verdict.reduction(reference)),
+            Some(speed) => match verdict.reduction(reference) {
+                less if less >= 0.05 => format!("hits at {speed:.1} m/s, {less:.1} m/s slower"),
+                less if less <= -0.05 => format!("hits at {speed:.1} m/s, {:.1} m/s faster", -less),
+                _ => format!("hits at {speed:.1} m/s, no slower"),
+            },
         };
         format!("  {:<6} {fared}", reference.name())
     }));

@@ -2,7 +2,7 @@ use std::fmt::Write;
 
 use super::account::BRAKING;
 use super::stage::{STYLE, Stage};
-use super::town_map::escape;
+use super::svg::escape;
 use crate::env::{Moment, Recording, Scenario};
 use crate::judge::Verdict;
 
@@ -45,6 +45,7 @@ pub fn animation(
     clock.sight(&mut page, &stage);
     clock.car(&mut page, &stage);
     clock.walker(&mut page, &stage);
+    stage.scale(&mut page);
     let _ = writeln!(
         page,
         "</svg>\n<rect class=\"frame\" x=\"{EDGE}\" y=\"{HEAD}\" width=\"{WIDE}\" height=\"{tall:.1}\"/>\n\
@@ -59,7 +60,7 @@ pub fn animation(
         let x = left + wide * (tick - first) as f64 / (last - first).max(1) as f64;
         let _ = writeln!(
             page,
-            "<text class=\"small faint\" x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{:.1} s</text>",
+            "<text class=\"small faint\" x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{:.2} s</text>",
             chart + CHART + 25.0,
             stage.time(tick)
         );

@@ -9,7 +9,7 @@ Each collision was run again with other drivers at the brake: same path, same pe
 danger began; nobody steers, and the pedestrian does not react to the other driver. *Of all episodes* is the rate at which \
 this driver has failures that count against it; the columns after it say what the collisions are, as shares that add up to 1:
 
-- **preventable**: a careful human would have avoided it. The driver under test failed: look at these first, `verdict` in `episodes.csv` finds them.
+- **preventable**: a careful human would have avoided it. The driver under test failed: look at these first: `verdict` in `episodes.csv` finds them, `falsify replay RUN_ID:EPISODE` tells what happened, `falsify render` draws it.
 - **contested**: some reference drivers avoid it and some do not, so it hangs on whom one asks.
 - **by machine**: no human or rule avoids it, but an ideal emergency brake or the physical limit does.
 - **unpreventable**: braking at once with 0.85 g does not avoid it.

@@ -7,7 +7,7 @@ use polars_io::parquet::read::ParquetReader;
 use polars_io::parquet::write::ParquetWriter;
 
 use super::tables::{identity, outcomes};
-use crate::campaign::EpisodeRow;
+use crate::campaign::{EpisodeRow, Tally};
 use crate::compile::{Campaign, Evaluation};
 
 /// Some episodes of an evaluation.
@@ -129,6 +129,22 @@ pub fn encode(before: Option<&[u8]>, rows: &[EpisodeRow]) -> PolarsResult<(Vec<u
     let mut bytes = Vec::new();
     ParquetWriter::new(&mut bytes).finish(&mut table)?;
     Ok((bytes, table.height() as u64))
+}
+
+/// Counts the episodes that [`encode`] wrote.
+///
+/// # Errors
+/// As [`decode`].
+pub fn tally(bytes: &[u8]) -> PolarsResult<Tally> {
+    let table = decode(bytes)?;
+    let (outcomes, collisions) = (table.column("outcome")?.str()?, table.column("collision")?.bool()?);
+    let errors = outcomes.iter().filter(|outcome| *outcome == Some("error")).count();
+    Ok(Tally {
+        episodes: table.height() as u32,
+        valid: (table.height() - errors) as u64,
+        collisions: u64::from(collisions.sum().unwrap_or_default()),
+        enough: false,
+    })
 }
 
 /// Decodes what [`encode`] wrote.

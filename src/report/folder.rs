@@ -18,8 +18,14 @@ const TABLES: &[&str] = &[
     "ticks",
     "runs",
     "cells",
+    "comparisons",
+    "transfer",
     "published",
     "failure_modes",
+    "mode_counts",
+    "mode_accumulation",
+    "explanations",
+    "explanation_features",
     "learning_curve",
     "searches",
     "search_cells",
@@ -157,6 +163,20 @@ impl ReportFolder {
         file.sync_all().map_err(failed)
     }
 
+    /// The names of the files that are there so far, in order.
+    ///
+    /// # Errors
+    /// The folder cannot be read.
+    pub fn names(&self) -> Result<Vec<String>, WriteError> {
+        let failed = |source| WriteError::Folder { path: self.draft.path().to_path_buf(), source };
+        let entries =
+            fs::read_dir(self.draft.path()).map_err(failed)?.collect::<Result<Vec<_>, _>>().map_err(failed)?;
+        let mut names: Vec<String> =
+            entries.iter().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        Ok(names)
+    }
+
     /// Puts the report in its place; an earlier report there gives way. An incomplete one gets a place of its own,
     /// `name-partial`, so that it never replaces a complete one; when that comes, it goes.
     ///
@@ -256,8 +276,11 @@ fn is_ours(name: &str) -> bool {
     let (stem, extension) = name.split_once('.').unwrap_or((name, ""));
     match extension {
         "csv" | "parquet" => TABLES.contains(&stem),
-        "svg" => stem.starts_with("learning_") || stem.starts_with("town-"),
-        _ => [MARK, "summary.md", "pedestrians"].contains(&name),
+        "svg" => {
+            ["learning_", "town-", "figure-"].iter().any(|prefix| stem.starts_with(prefix))
+                || stem == "mode_accumulation"
+        }
+        _ => [MARK, "summary.md", "report.html", "pedestrians", "modes"].contains(&name),
     }
 }
 

@@ -2,16 +2,14 @@ use std::collections::BTreeMap;
 
 use polars::prelude::{BooleanChunked, DataFrame, Float64Chunked, PolarsResult, StringChunked, UInt32Chunked};
 
+use super::evidence::{Evidence, Gathering};
 use super::metrics::runs;
-use super::{Episodes, ReportFolder, Run, Starts, WriteError};
+use super::{Episodes, Kinds, ReportFolder, Run, Starts, Tally, WriteError};
 use crate::av::DrivingMode;
-use crate::campaign::EpisodeRow;
-use crate::compile::{Campaign, Evaluation};
+use crate::compile::Evaluation;
 use crate::env::{Ending, Outcome, Spawn};
 use crate::geometry::Pose;
-
-/// Most collisions of a cell that failure modes are found in: the first ones of each of its runs.
-pub const MOST_COLLISIONS: usize = 20_000;
+use crate::seed::Seed;
 
 /// What one pass over all episodes brings: small tables, counts, and a bounded sample.
 #[derive(Debug, Clone)]
@@ -22,6 +20,8 @@ pub struct Gathered {
     pub episodes: u64,
     /// Simulator ticks of them.
     pub ticks: u64,
+    /// Whether every evaluation has all its episodes, or as many as its stopping rule asks for.
+    pub all_tried: bool,
     /// Episodes in error.
     pub errors: u64,
     /// How many of these were not tried, for a limit or since something before them had failed.
@@ -34,36 +34,42 @@ pub struct Gathered {
     pub first_unpaid: Option<String>,
     /// Whether every driver drove at least one episode in every town to its end.
     pub every_driver_drove: bool,
-    /// Collisions of trained pedestrians, at most [`MOST_COLLISIONS`] a cell.
-    pub collisions: Vec<EpisodeRow>,
-    /// How many more there were.
-    pub left_out: u64,
+    /// Intervals over trainings, comparisons on common beginnings, transfer gaps.
+    pub evidence: Evidence,
     /// Where trained pedestrians began, by town.
     pub starts: BTreeMap<String, Starts>,
+    /// What the page shows of the episodes.
+    pub tally: Tally,
 }
 
 /// Goes over all episodes once: writes the table `episodes` and gathers what all other outputs are made from.
 ///
 /// # Errors
 /// A table that cannot be made or a file that cannot be written.
-pub fn gather(folder: &ReportFolder, campaign: &Campaign, episodes: &Episodes<'_>) -> Result<Gathered, WriteError> {
+pub fn gather(
+    folder: &ReportFolder,
+    episodes: &Episodes<'_>,
+    kinds: &mut Kinds<'_>,
+    seed: &Seed,
+) -> Result<Gathered, WriteError> {
     let failed = |source| WriteError::Table { name: "episodes".into(), source };
     let mut gathered = Gathered {
         runs: runs(&super::episodes(&[])).map_err(failed)?,
         episodes: 0,
         ticks: 0,
+        all_tried: true,
         errors: 0,
         untried: 0,
         first_error: None,
         unpaid: 0,
         first_unpaid: None,
         every_driver_drove: true,
-        collisions: Vec::new(),
-        left_out: 0,
+        evidence: Evidence::default(),
         starts: BTreeMap::new(),
+        tally: Tally::default(),
     };
+    let mut evidence = Gathering::new(seed.child("report"));
     let mut drove: BTreeMap<(&str, &str), bool> = BTreeMap::new();
-    let shares = shares(campaign);
     let mut file = folder.stream("episodes", super::episodes(&[]).schema())?;
     for run in episodes.runs() {
         let evaluation = run.evaluation;
@@ -71,6 +77,7 @@ pub fn gather(folder: &ReportFolder, campaign: &Campaign, episodes: &Episodes<'_
         for part in run.parts() {
             let part = part.map_err(failed)?;
             file.add(&part)?;
+            gathered.tally.add(&part).map_err(failed)?;
             let drives = gathered.count(&run, &part).map_err(failed)?;
             *drove.entry((&evaluation.town, &evaluation.policy)).or_default() |= drives;
             match &mut whole {
@@ -78,44 +85,32 @@ pub fn gather(folder: &ReportFolder, campaign: &Campaign, episodes: &Episodes<'_
                 None => whole = Some(part),
             }
         }
-        let Some(mut whole) = whole else { continue };
+        let Some(mut whole) = whole else {
+            gathered.all_tried = false;
+            continue;
+        };
+        gathered.all_tried &= is_finished(evaluation, &whole).map_err(failed)?;
         // Sums must not hang on how many pieces there were.
         whole.rechunk_mut();
         gathered.runs.vstack_mut(&runs(&whole).map_err(failed)?).map_err(failed)?;
         if evaluation.pedestrian.name() == "trained" {
-            let most = shares[&cell(evaluation)];
-            gathered.sample(evaluation, &whole, most).map_err(failed)?;
+            gathered.note_starts(evaluation, &whole).map_err(failed)?;
         }
+        kinds.add(&whole).map_err(failed)?;
+        evidence.add(&whole).map_err(failed)?;
     }
     gathered.runs.rechunk_mut();
     gathered.every_driver_drove = drove.values().all(|drove| *drove);
     file.finish()?;
+    gathered.evidence = evidence.finish();
     Ok(gathered)
 }
 
-/// What the runs of a cell have in common.
-type CellKey<'a> = (&'a str, &'a str, &'a str, &'a str, &'a str, &'a str, &'a str, &'a str, u32);
-
-fn cell(evaluation: &Evaluation) -> CellKey<'_> {
-    let trained = &evaluation.trained;
-    (
-        &trained.reward,
-        &trained.town,
-        &trained.policy,
-        evaluation.pedestrian.name(),
-        &evaluation.town,
-        &evaluation.policy,
-        &evaluation.vehicle,
-        &evaluation.adversary,
-        evaluation.block,
-    )
-}
-
-/// How many collisions are taken of each run of a cell.
-fn shares(campaign: &Campaign) -> BTreeMap<CellKey<'_>, usize> {
-    let mut runs: BTreeMap<CellKey<'_>, usize> = BTreeMap::new();
-    campaign.evaluations.iter().for_each(|evaluation| *runs.entry(cell(evaluation)).or_default() += 1);
-    runs.into_iter().map(|(cell, runs)| (cell, MOST_COLLISIONS.div_ceil(runs))).collect()
+/// Whether a run has all its episodes, or as many as its stopping rule asks for.
+fn is_finished(evaluation: &Evaluation, run: &DataFrame) -> PolarsResult<bool> {
+    let errors = text(run, "outcome")?.iter().filter(|outcome| *outcome == Some("error")).count();
+    let collisions = truth(run, "collision")?.sum().unwrap_or_default();
+    Ok(evaluation.is_finished_with(run.height() as u32, (run.height() - errors) as u64, collisions.into()))
 }
 
 impl Gathered {
@@ -148,24 +143,14 @@ impl Gathered {
         Ok(drives)
     }
 
-    /// Takes the first collisions of a run, and the places where it began.
-    fn sample(&mut self, evaluation: &Evaluation, run: &DataFrame, most: usize) -> PolarsResult<()> {
+    /// Notes the places where a run began.
+    fn note_starts(&mut self, evaluation: &Evaluation, run: &DataFrame) -> PolarsResult<()> {
         let columns = Columns::new(run)?;
         let starts = self.starts.entry(evaluation.town.clone()).or_default();
-        let mut taken = 0;
         for row in 0..run.height() {
             let Some(outcome) = columns.outcome(row) else { continue };
             let episode = columns.episode.get(row).unwrap_or_default();
             starts.add((&evaluation.policy, evaluation.block, episode), &outcome);
-            if !outcome.is_collision() {
-                continue;
-            }
-            if taken < most {
-                self.collisions.push(EpisodeRow::new(evaluation, episode, outcome, None));
-                taken += 1;
-            } else {
-                self.left_out += 1;
-            }
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 use polars::prelude::*;
 
-use super::wilson;
 use crate::judge::Label;
+use crate::statistics::wilson;
 
 /// What a run is told apart by, beside its number.
 const CELL: [&str; 9] =
@@ -92,9 +92,11 @@ const AVERAGED: [&str; 8] = [
     "preventable_share",
 ];
 
-/// The rates of the table of cells that get an interval: name, part, whole.
-const RATES: [(&str, &str, &str); 3] = [
+/// The rates that get an interval: name, part, whole.
+const RATES: [(&str, &str, &str); 5] = [
     ("collision_rate", "collisions", "episodes"),
+    ("front_rate", "front_collisions", "collisions"),
+    ("moving_rate", "moving_collisions", "episodes"),
     ("preventable_rate", "preventable_collisions", "episodes"),
     ("preventable_share", "preventable_collisions", "collisions"),
 ];
@@ -139,7 +141,7 @@ pub fn runs(episodes: &DataFrame) -> PolarsResult<DataFrame> {
         col("foreseeable").fill_null(lit(false)).cast(DataType::UInt32).sum().alias("foreseeable_collisions"),
     ];
     aggregated.extend(labels);
-    episodes
+    let mut runs = episodes
         .clone()
         .lazy()
         .group_by_stable(by_run)
@@ -151,7 +153,9 @@ pub fn runs(episodes: &DataFrame) -> PolarsResult<DataFrame> {
             ratio("preventable_collisions", "episodes").alias("preventable_rate"),
             ratio("preventable_collisions", "collisions").alias("preventable_share"),
         ])
-        .collect()
+        .collect()?;
+    add_intervals(&mut runs)?;
+    Ok(runs)
 }
 
 fn of_runs(runs: DataFrame) -> PolarsResult<Metrics> {
@@ -159,19 +163,25 @@ fn of_runs(runs: DataFrame) -> PolarsResult<Metrics> {
     let by_cell: Vec<Expr> = CELL.iter().map(|name| col(*name)).collect();
     let mut sums =
         vec![len().cast(DataType::UInt32).alias("runs"), total("episodes"), total("errors"), total("collisions")];
-    sums.push(total("foreseeable_collisions"));
+    sums.extend(["front_collisions", "moving_collisions", "foreseeable_collisions"].map(total));
     sums.extend(Label::ALL.map(|label| total(&counted(label))));
     for name in AVERAGED {
         sums.push(col(name).mean().alias(format!("{name}_mean")));
         sums.push(col(name).std(1).alias(format!("{name}_sd")));
     }
     let mut cells = runs.clone().lazy().group_by_stable(by_cell).agg(sums).collect()?;
-    for (name, part, whole) in RATES {
-        let (low, high) = intervals(&cells, part, whole)?;
-        cells.with_column(Column::new(format!("{name}_wilson_low").into(), low))?;
-        cells.with_column(Column::new(format!("{name}_wilson_high").into(), high))?;
-    }
+    add_intervals(&mut cells)?;
     Ok(Metrics { runs, cells })
+}
+
+/// Adds Wilson's intervals to runs or cells.
+fn add_intervals(table: &mut DataFrame) -> PolarsResult<()> {
+    for (name, part, whole) in RATES {
+        let (low, high) = intervals(table, part, whole)?;
+        table.with_column(Column::new(format!("{name}_wilson_low").into(), low))?;
+        table.with_column(Column::new(format!("{name}_wilson_high").into(), high))?;
+    }
+    Ok(())
 }
 
 /// Whether the driver drove to the end of the episode.
@@ -266,7 +276,7 @@ mod tests {
     use crate::compile::TrainingKey;
     use crate::env::{Ending, Outcome, Spawn};
     use crate::geometry::Pose;
-    use crate::judge::{Trial, Verdict};
+    use crate::judge::{Sight, Trial, Verdict};
 
     fn row(run: u32, episode: u32, hit: Option<(bool, f64)>) -> EpisodeRow {
         let ending = hit.map_or(Ending::Timeout, |(front, impact_speed)| Ending::Collision {
@@ -283,6 +293,7 @@ mod tests {
             label: if front { Label::Preventable } else { Label::Standing },
             warning: 2.0,
             foreseeable: front,
+            sight: Sight { hidden: 0.0, seen: 3.0 },
             impact_speed,
             trials: [Trial { impact_speed: None, time: 1.0, least_gap: 0.5 }; 6],
         });
@@ -308,6 +319,7 @@ mod tests {
                 trail: Default::default(),
             },
             verdict,
+            near_miss: crate::judge::NearMiss::default(),
         }
     }
 

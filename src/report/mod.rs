@@ -2,17 +2,16 @@
 //!
 //! Metrics are aggregated in two steps, as in the paper: episodes → run → cell. A "±" is the standard deviation over
 //! runs, that is over trainings; an interval is Wilson's over the episodes of all runs together and says nothing about
-//! further trainings.
+//! further trainings; [`evidence`] has those that do.
 
 mod tables;
 mod episodes;
-mod wilson;
 mod metrics;
 mod learning_curve;
-mod figure;
+mod svg;
+mod scenery;
 mod town_map;
 mod waypoints;
-mod student;
 mod survival;
 mod searches;
 mod search_summary;
@@ -20,10 +19,13 @@ mod summary;
 mod avoidable;
 mod published;
 mod trainings;
+mod kinds;
+mod evidence;
 mod manifest;
 mod table_stream;
 mod folder;
 mod gathered;
+mod page;
 mod write;
 mod stored;
 mod parting;
@@ -38,17 +40,22 @@ mod junit;
 
 pub use account::{Account, account};
 pub use animation::animation;
-pub use episodes::{Chunk, Chunks, Episodes, Run, decode, encode};
-pub use figure::learning_figures;
+pub use episodes::{Chunk, Chunks, Episodes, Run, decode, encode, tally};
+pub use evidence::{
+    Between, CellEvidence, CellKey, Change, Comparison, Evidence, Figure, Gathering, Quantiles, Test, Transfer,
+};
 pub use folder::{Formats, ReportFolder, WriteError, write_csv, write_file, write_table};
 pub use gate::{Gate, GateError, Judged};
-pub use gathered::{Gathered, MOST_COLLISIONS, gather};
+pub use gathered::{Gathered, gather};
 pub use junit::{Suite, called, junit, shown};
+pub use kinds::Kinds;
 pub use learning_curve::learning_curve;
 pub use manifest::{Call, FileRecord, Manifest, TrainingRecord};
 pub use metrics::{Cell, Metrics, Spread, metrics};
+pub use page::{Contents, Extra, ModeCard, Page, Panel, Replay, Tally, page, write_page};
 pub use parting::parting;
 pub use published::{Agreement, Beside, beside, published, published_summary};
+pub use scenery::{Scenery, Surface};
 pub use search_summary::{search_summary, search_table};
 pub use searches::{Average, SearchCell, search_cell_table, search_cells, search_failures, searches};
 pub use stored::{Difference, ReadError, StoredFailure, StoredReport, differences, failure};
@@ -56,13 +63,12 @@ pub use strip::strip;
 pub use summary::{summary, table};
 pub use survival::{MedianTime, median_time};
 pub use table_stream::TableStream;
-pub use tables::{episodes, failure_modes};
+pub use tables::episodes;
 pub use tick_file::{Wanted, write_ticks};
 pub use ticks::ticks;
 pub use town_map::{Starts, spawn_map, town_map};
 pub use trainings::trainings_summary;
 pub use waypoints::waypoints;
-pub use wilson::wilson;
 pub use write::{pedestrian_file, write};
 
 /// A row of a table, or several.

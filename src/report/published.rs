@@ -2,10 +2,10 @@ use std::fmt::Write;
 
 use polars::prelude::{Column, DataFrame, NamedFrom, Series};
 
-use super::student::quantile;
 use super::summary::spread;
 use super::{Cell, Spread};
 use crate::compile::{Published, PublishedCell, PublishedFigure};
+use crate::statistics::student_quantile;
 
 /// A spread that is printed as 0.00 may have been as large as this.
 const ROUNDED_AWAY: f64 = 0.004;
@@ -28,7 +28,7 @@ pub struct Beside<'a> {
     /// Welch's 95 % interval of the difference, both spreads being between trainings; none without spreads.
     ///
     /// # Source
-    /// Welch, *The generalization of "Student's" problem*, Biometrika 34, 1947, with the degrees of freedom rounded down. A
+    /// Welch, *The generalization of "Student's" problem*, Biometrika 34, 1947. A
     /// published spread of 0.00 counts as 0.004.
     pub interval: Option<(f64, f64)>,
 }
@@ -118,7 +118,7 @@ fn welch((a, n): (f64, u32), (b, m): (f64, u32)) -> Option<f64> {
     }
     let (a, b) = (a * a / f64::from(n), b * b / f64::from(m));
     let degrees = (a + b) * (a + b) / (a * a / f64::from(n - 1) + b * b / f64::from(m - 1));
-    Some(quantile(degrees.floor().max(1.0) as usize) * (a + b).sqrt())
+    Some(student_quantile(degrees) * (a + b).sqrt())
 }
 
 /// Published figures beside ours as a table, one row for each figure.

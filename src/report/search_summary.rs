@@ -70,12 +70,12 @@ pub fn search_table(cells: &[SearchCell]) -> String {
 }
 
 /// The falsifier; with the number of its block when that is not the first.
-fn who(cell: &SearchCell) -> String {
+pub(super) fn who(cell: &SearchCell) -> String {
     let key = &cell.key;
     if key.block == 0 { key.falsifier.clone() } else { format!("{} #{}", key.falsifier, key.block) }
 }
 
-fn median(time: MedianTime) -> String {
+pub(super) fn median(time: MedianTime) -> String {
     let end = |end: Option<f64>| end.map_or(String::new(), |ticks| format!("{ticks}"));
     match (time.median, time.low) {
         (None, None) => "–".into(),
@@ -84,7 +84,7 @@ fn median(time: MedianTime) -> String {
     }
 }
 
-fn average((mean, interval): Average, digits: usize) -> String {
+pub(super) fn average((mean, interval): Average, digits: usize) -> String {
     match (mean, interval) {
         (None, _) => "–".into(),
         (Some(mean), None) => format!("{mean:.digits$}"),

@@ -2,13 +2,13 @@ use std::collections::BTreeSet;
 
 use polars::prelude::{Column, DataFrame, NamedFrom, Series};
 
-use super::student::mean_interval;
 use super::survival::{MedianTime, median_time};
 use crate::analysis::Impact;
 use crate::campaign::SearchResult;
 use crate::compile::SearchKey;
 use crate::env::{Ending, Outcome};
 use crate::falsifier::Failure;
+use crate::statistics::mean_interval;
 
 /// A search in figures.
 #[derive(Debug, Clone, PartialEq)]

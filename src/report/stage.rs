@@ -4,11 +4,11 @@ use std::fmt::Write;
 use std::ops::RangeInclusive;
 
 use super::account::BRAKING;
-use super::town_map::{outline, polygon};
+use super::scenery::Scenery;
+use super::town_map::polygon;
 use crate::env::{Moment, Recording, Scenario};
 use crate::geometry::{Point, Vector};
 use crate::judge::Verdict;
-use crate::road::LaneKind;
 
 /// What is shown before the danger begins, and of an episode without a collision around its least gap (s).
 const BEFORE: f64 = 1.5;
@@ -21,8 +21,8 @@ const LEAST: f64 = 24.0;
 
 /// How everything looks.
 pub const STYLE: &str = "\
-.paper{fill:#fff}.ground{fill:#e9ece4}.sidewalk{fill:#d5d7d9}.lane{fill:#a3a8ae}.crosswalk{fill:#f4f4f0;fill-opacity:.85}\
-.building{fill:#c2b196;stroke:#96856b;stroke-width:.2}.car{fill:#1f5fc4;stroke:#fff;stroke-width:.16}.glass{fill:#bcd3f5}\
+.paper{fill:#fff}.ground{fill:#e9ece4}.walk{fill:#d5d7d9}.lane{fill:#a3a8ae}.zebra{fill:#f4f4f0;fill-opacity:.85}\
+.house{fill:#c2b196;stroke:#96856b;stroke-width:.2}.car{fill:#1f5fc4;stroke:#fff;stroke-width:.16}.glass{fill:#bcd3f5}\
 .lamp{fill:#ff2a1a}.walker{fill:#d4202c;stroke:#fff}.way{fill:none;stroke-linecap:round;stroke-linejoin:round}\
 .ego-way{stroke:#1f5fc4}.walker-way{stroke:#d4202c}.sight{stroke:#222;stroke-dasharray:.7 .7;stroke-width:.12;fill:none}\
 .hidden{stroke:#fff;stroke-opacity:.7}.frame{fill:none;stroke:#b9bdc2}\
@@ -117,40 +117,24 @@ impl<'a> Stage<'a> {
             size.x,
             size.y
         );
-        for (class, wanted) in [("sidewalk", false), ("lane", true)] {
-            for road in &town.roads {
-                let mut drawn = String::new();
-                let kind = |kind| (kind == LaneKind::Driving) == wanted && kind != LaneKind::None;
-                outline(&mut drawn, road, class, &kind);
-                drawn.lines().filter(|line| self.is_in_view(line)).for_each(|line| {
-                    page.push_str(line);
-                    page.push('\n');
-                });
-            }
+        for (surface, corners) in &Scenery::new(town).within(low, low + size).polygons {
+            polygon(page, surface.class(), corners);
         }
-        let mut drawn = String::new();
-        town.crosswalks.iter().for_each(|crosswalk| polygon(&mut drawn, "crosswalk", crosswalk));
-        town.obstacles.iter().for_each(|building| polygon(&mut drawn, "building", &building.corners()));
-        drawn.lines().filter(|line| self.is_in_view(line)).for_each(|line| {
-            page.push_str(line);
-            page.push('\n');
-        });
     }
 
-    /// Whether the box around a drawn polygon is in view.
-    fn is_in_view(&self, line: &str) -> bool {
-        let points = line.split('"').nth(3).unwrap_or_default();
-        let corners = points.split_whitespace().filter_map(|corner| {
-            let (x, y) = corner.split_once(',')?;
-            Some((x.parse::<f64>().ok()?, -y.parse::<f64>().ok()?))
-        });
-        let (mut low, mut high) = ((f64::MAX, f64::MAX), (f64::MIN, f64::MIN));
-        for (x, y) in corners {
-            low = (low.0.min(x), low.1.min(y));
-            high = (high.0.max(x), high.1.max(y));
-        }
-        let end = self.low + self.size;
-        low.0 < end.x && high.0 > self.low.x && low.1 < end.y && high.1 > self.low.y
+    /// Draws a bar of five metres into the corner.
+    pub fn scale(&self, page: &mut String) {
+        let part = self.size.x * 0.01;
+        let (x, y) = (self.low.x + 2.0 * part, -self.low.y - 2.0 * part);
+        let _ = writeln!(
+            page,
+            "<path d=\"M{x:.2} {y:.2}h5\" stroke=\"#22262b\" stroke-width=\"{:.2}\"/>\
+             <text x=\"{:.2}\" y=\"{:.2}\" style=\"font-size:{:.2}px\">5 m</text>",
+            part * 0.5,
+            x + 5.0 + part,
+            y + part,
+            part * 3.4
+        );
     }
 
     /// How large the pedestrian is drawn (m): as it is, but never so small that it gets lost.

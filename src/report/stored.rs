@@ -125,7 +125,7 @@ impl StoredReport {
         let name = run.to_string();
         for table in ["runs", "search_failures"] {
             let Some(ids) = self.read(table, Some(&["run_id"]), None)? else { continue };
-            if self.texts(table, &ids, "run_id")?.iter().any(|id| *id == name) {
+            if self.texts(table, &ids, "run_id")?.contains(&name) {
                 return Ok(true);
             }
         }

@@ -1,7 +1,7 @@
 use std::fmt::Write;
 
 use super::stage::{STYLE, Stage};
-use super::town_map::escape;
+use super::svg::escape;
 use crate::env::{Recording, Scenario};
 use crate::judge::Verdict;
 
@@ -59,6 +59,9 @@ pub fn strip(
         stage.ways(&mut page, tick, 0.75);
         stage.sight(&mut page, moment);
         stage.actors(&mut page, moment);
+        if frame == 0 {
+            stage.scale(&mut page);
+        }
         let _ = writeln!(
             page,
             "</svg>\n<rect class=\"frame\" x=\"{x:.1}\" y=\"{y:.1}\" width=\"{WIDE}\" height=\"{tall:.1}\"/>\n\
@@ -79,7 +82,7 @@ pub fn strip(
         let _ = writeln!(
             page,
             "<path class=\"mark\" d=\"M{x:.1} {chart:.1}v{CHART}\"/>\
-             <text class=\"small faint\" x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{:.1} s</text>",
+             <text class=\"small faint\" x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{:.2} s</text>",
             chart + CHART + 25.0,
             stage.time(tick)
         );

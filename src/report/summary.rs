@@ -2,18 +2,18 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use super::avoidable::avoidable;
-use super::{Cell, Manifest, Spread};
+use super::{Cell, Evidence, Manifest, Spread, evidence};
 use crate::compile::{Campaign, Driver};
 
 /// What the simulator leaves out, for every summary.
-const LEFT_OUT: &str = "\
+pub(super) const LEFT_OUT: &str = "\
 The simulator is flat and has one car and one pedestrian: no other traffic, no kerbs, no weather, and parked cars and trees \
 only where the scenario puts them. The car is a kinematic bicycle whose pedals are fitted to figures that others printed from \
 CARLA, and its driver knows without error and at once whatever it looks at, unless the scenario gives it sensors. The pedestrian is a disc. Maps from OpenDRIVE hold \
 no buildings unless the scenario adds them.";
 
 /// The page to read first: one table of cells, how it was made, and what it does not say.
-pub fn summary(campaign: &Campaign, cells: &[Cell], manifest: &Manifest) -> String {
+pub fn summary(campaign: &Campaign, cells: &[Cell], evidence: &Evidence, manifest: &Manifest) -> String {
     let mut page = format!("# {}\n\n", campaign.name);
     for line in &campaign.docs {
         let _ = writeln!(page, "{line}");
@@ -29,6 +29,7 @@ pub fn summary(campaign: &Campaign, cells: &[Cell], manifest: &Manifest) -> Stri
     }
     if !cells.is_empty() {
         episodes(&mut page, cells);
+        page.push_str(&evidence::page(cells, evidence));
     }
     page.push_str(&drivers(&campaign.drivers));
     let _ = write!(

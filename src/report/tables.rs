@@ -1,10 +1,9 @@
 use polars::prelude::{Column, DataFrame, NamedFrom, PlSmallStr, Scalar, Series};
 
-use crate::analysis::FailureMode;
 use crate::campaign::EpisodeRow;
 use crate::compile::Evaluation;
 use crate::env::Ending;
-use crate::judge::{Reference, Trial};
+use crate::judge::{NearMiss, Reference, Trial};
 
 /// Episodes as a table, one row each, in the order given. The columns are explained in `reports/README.md`.
 pub fn episodes(rows: &[EpisodeRow]) -> DataFrame {
@@ -72,6 +71,8 @@ pub(super) fn outcomes(rows: &[EpisodeRow]) -> DataFrame {
         Ending::Collision { front, moving, impact_speed, bearing } => Some((front, moving, impact_speed, bearing)),
         _ => None,
     };
+    // A driver that failed has not driven to the end.
+    let near = |row: &EpisodeRow| if row.outcome.fault().is_some() { NearMiss::default() } else { row.near_miss };
     let mut columns = vec![
         count("episode", &|row| row.episode),
         text("outcome", &|row| ending(&row.outcome.ending).into()),
@@ -85,6 +86,8 @@ pub(super) fn outcomes(rows: &[EpisodeRow]) -> DataFrame {
         number("episode_length_s", &|row| row.outcome.duration),
         count("ticks", &|row| row.outcome.ticks),
         number("least_gap_m", &|row| row.outcome.least_gap),
+        maybe("min_ttc_s", &|row| near(row).min_ttc),
+        maybe("pet_s", &|row| near(row).pet),
         text("driving_mode", &|row| row.outcome.last_mode.name().into()),
         number("ego_x_m", &|row| row.outcome.spawn.ego.x),
         number("ego_y_m", &|row| row.outcome.spawn.ego.y),
@@ -116,6 +119,8 @@ fn verdicts(rows: &[EpisodeRow]) -> Vec<Column> {
         Column::from(Series::new("verdict".into(), labels)),
         truth("foreseeable", judged().map(|verdict| verdict.map(|verdict| verdict.foreseeable)).collect()),
         series("warning_s", judged().map(|verdict| verdict.map(|verdict| verdict.warning)).collect()),
+        series("hidden_share", judged().map(|verdict| verdict.map(|verdict| verdict.sight.hidden)).collect()),
+        series("in_sight_s", judged().map(|verdict| verdict.map(|verdict| verdict.sight.seen)).collect()),
     ];
     for reference in Reference::ALL {
         let name = reference.name();
@@ -137,41 +142,4 @@ fn ending(ending: &Ending) -> &'static str {
         Ending::Timeout => "timeout",
         Ending::Error(_) => "error",
     }
-}
-
-/// Failure modes as a table, one row each, in the order given.
-pub fn failure_modes(modes: &[FailureMode]) -> DataFrame {
-    let text = |name: &str, value: &dyn Fn(&FailureMode) -> String| {
-        Column::from(Series::new(name.into(), modes.iter().map(value).collect::<Vec<String>>()))
-    };
-    let count = |name: &str, value: &dyn Fn(&FailureMode) -> u32| {
-        Column::from(Series::new(name.into(), modes.iter().map(value).collect::<Vec<u32>>()))
-    };
-    let number = |name: &str, value: &dyn Fn(&FailureMode) -> f64| {
-        Column::from(Series::new(name.into(), modes.iter().map(value).collect::<Vec<f64>>()))
-    };
-    let columns = vec![
-        text("reward", &|mode| mode.example.trained.reward.clone()),
-        text("train_town", &|mode| mode.example.trained.town.clone()),
-        text("train_policy", &|mode| mode.example.trained.policy.clone()),
-        text("town", &|mode| mode.example.town.clone()),
-        text("policy", &|mode| mode.example.policy.clone()),
-        text("vehicle", &|mode| mode.example.vehicle.clone()),
-        text("adversary", &|mode| mode.example.adversary.clone()),
-        count("block", &|mode| mode.example.block),
-        text("impact", &|mode| mode.impact.name().into()),
-        text("motion", &|mode| if mode.moving { "moving" } else { "standing" }.into()),
-        count("cluster", &|mode| mode.cluster as u32),
-        count("failures", &|mode| mode.failures as u32),
-        number("share", &|mode| mode.share),
-        number("mean_distance_m", &|mode| mode.distance),
-        number("mean_bearing_deg", &|mode| mode.bearing.to_degrees()),
-        number("mean_length_s", &|mode| mode.length),
-        number("mean_impact_speed_mps", &|mode| mode.impact_speed),
-        number("stability", &|mode| mode.stability),
-        count("example_run", &|mode| mode.example.trained.run),
-        count("example_episode", &|mode| mode.example.episode),
-        text("example", &|mode| format!("{}:{}", mode.example.run_id, mode.example.episode)),
-    ];
-    DataFrame::new(modes.len(), columns).expect("all columns have a value for every row")
 }

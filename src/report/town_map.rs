@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+use super::scenery::Scenery;
+use super::svg::escape;
 use crate::env::{Ending, Outcome, Spawn};
 use crate::geometry::{Point, Pose};
-use crate::road::{LaneKind, Road, Town};
+use crate::road::Town;
 
-/// Spacing of the points of a lane's outline (m).
-const STEP: f64 = 2.0;
 /// Ground shown around the town (m).
 const MARGIN: f64 = 12.0;
 /// Most beginnings that are drawn of a policy and a block.
@@ -53,23 +53,15 @@ fn drawn(town: &Town, content: &dyn Fn(&mut String, f64, f64)) -> String {
     let mut page = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{left:.1} {top:.1} {width:.1} {height:.1}\" width=\"1000\" \
          font-family=\"sans-serif\">\n<title>{}</title>\n\
-         <style>.ground{{fill:#e8ebe4}}.sidewalk{{fill:#cfd1d4}}.lane{{fill:#8b9096}}.crosswalk{{fill:#f2f2ee;fill-opacity:.8}}\
-         .building{{fill:#b9a68c;stroke:#8f7c63;stroke-width:.3}}.start{{stroke-width:.6}}\
+         <style>.ground{{fill:#e8ebe4}}.walk{{fill:#cfd1d4}}.lane{{fill:#8b9096}}.zebra{{fill:#f2f2ee;fill-opacity:.8}}\
+         .house{{fill:#b9a68c;stroke:#8f7c63;stroke-width:.3}}.start{{stroke-width:.6}}\
          .ego,.pedestrian{{fill:none;stroke-width:.7;stroke-linecap:round}}.ego{{stroke:#1f5fc4}}\
          .pedestrian{{stroke:#b2182b}}</style>\n\
          <rect class=\"ground\" x=\"{left:.1}\" y=\"{top:.1}\" width=\"{width:.1}\" height=\"{height:.1}\"/>\n",
         escape(&town.name),
     );
-    for (class, wanted) in [("sidewalk", false), ("lane", true)] {
-        for road in &town.roads {
-            outline(&mut page, road, class, &|kind| (kind == LaneKind::Driving) == wanted && kind != LaneKind::None);
-        }
-    }
-    for crosswalk in &town.crosswalks {
-        polygon(&mut page, "crosswalk", crosswalk);
-    }
-    for building in &town.obstacles {
-        polygon(&mut page, "building", &building.corners());
+    for (surface, corners) in &Scenery::new(town).polygons {
+        polygon(&mut page, surface.class(), corners);
     }
     let (x, y) = (left + MARGIN, top + height - LEGEND / 2.0);
     scale_bar(&mut page, x, y);
@@ -162,34 +154,10 @@ fn dots_legend(page: &mut String, x: f64, y: f64) {
     }
 }
 
-pub(super) fn outline(page: &mut String, road: &Road, class: &str, wanted: &dyn Fn(LaneKind) -> bool) {
-    for (index, section) in road.sections.iter().enumerate() {
-        let steps = ((section.end - section.start) / STEP).ceil().max(1.0);
-        for lane in section.lanes.iter().filter(|lane| lane.id != 0 && wanted(lane.kind)) {
-            let edge = |side: f64| {
-                (0..=steps as u32).filter_map(move |i| {
-                    let s = section.start + (section.end - section.start) * f64::from(i) / steps;
-                    let (t, _) = road.lane_centre(index, lane.id, s)?;
-                    let line = road.plan_view.pose(s);
-                    Some(line.position() + line.left() * (t + side * lane.width.value(s) / 2.0))
-                })
-            };
-            let mut corners: Vec<Point> = edge(1.0).collect();
-            let right: Vec<Point> = edge(-1.0).collect();
-            corners.extend(right.iter().rev());
-            polygon(page, class, &corners);
-        }
-    }
-}
-
 pub(super) fn polygon(page: &mut String, class: &str, corners: &[Point]) {
     let _ = write!(page, "<polygon class=\"{class}\" points=\"");
     for corner in corners {
         let _ = write!(page, "{:.2},{:.2} ", corner.x, -corner.y);
     }
     page.push_str("\"/>\n");
-}
-
-pub(super) fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

@@ -1,12 +1,10 @@
 use std::collections::BTreeMap;
 
-use super::gathered::MOST_COLLISIONS;
 use super::{
-    Gathered, Manifest, Metrics, ReportFolder, WriteError, beside, failure_modes, learning_curve, learning_figures,
-    published, published_summary, search_cell_table, search_cells, search_failures, search_summary, searches, summary,
-    town_map, trainings_summary,
+    Gathered, Kinds, Manifest, Metrics, ReportFolder, WriteError, beside, evidence, learning_curve, published,
+    published_summary, search_cell_table, search_cells, search_failures, search_summary, searches, summary, town_map,
+    trainings_summary, write_page,
 };
-use crate::analysis;
 use crate::campaign::Finished;
 use crate::compile::{Campaign, TrainingKey};
 
@@ -25,6 +23,7 @@ pub fn write(
     campaign: &Campaign,
     finished: &Finished,
     gathered: &Gathered,
+    mut kinds: Kinds<'_>,
     manifest: &Manifest,
 ) -> Result<(), WriteError> {
     let failed = |name: &str| {
@@ -33,12 +32,13 @@ pub fn write(
     };
     let metrics = Metrics::of_runs(gathered.runs.clone()).map_err(failed("cells"))?;
     folder.table("runs", &metrics.runs)?;
-    folder.table("cells", &metrics.cells)?;
-    folder.table("failure_modes", &failure_modes(&analysis::failure_modes(&gathered.collisions)))?;
+    let evidence = &gathered.evidence;
+    let cells = metrics.cells.hstack(&evidence::cell_columns(&evidence.cells)).map_err(failed("cells"))?;
+    folder.table("cells", &cells)?;
+    folder.table("comparisons", &evidence::comparison_table(&evidence.comparisons))?;
+    folder.table("transfer", &evidence::transfer_table(&evidence.transfers))?;
+    let kinds_words = kinds.write(folder)?;
     folder.table("learning_curve", &learning_curve(&finished.trainings))?;
-    for (name, svg) in learning_figures(&finished.trainings) {
-        folder.file(&format!("{name}.svg"), svg.as_bytes())?;
-    }
     for town in &campaign.towns {
         let starts = gathered.starts.get(&town.name).cloned().unwrap_or_default();
         folder.file(&format!("town-{}.svg", town.name), town_map(&town.town, &starts).as_bytes())?;
@@ -66,26 +66,22 @@ pub fn write(
         folder.file(&pedestrian_file(key, "onnx"), &trained.actor_critic.to_onnx(&bounds, &metadata))?;
     }
     let cells = metrics.cells().map_err(failed("cells"))?;
-    let mut page = summary(campaign, &cells, manifest);
+    let mut page = summary(campaign, &cells, evidence, manifest);
     page.push_str(&trainings_summary(&finished.trainings));
     if !campaign.published.is_empty() {
         let all = beside(&campaign.published, &cells);
         folder.table("published", &published(&all))?;
         page.push_str(&published_summary(&all));
     }
-    if gathered.left_out > 0 {
-        let (most, more) = (MOST_COLLISIONS, gathered.left_out);
-        page.push_str(&format!(
-            "\nFailure modes were found in the first {most} collisions of each cell, in equal parts from its runs; {more} more were left out.\n"
-        ));
-    }
+    page.push_str(&kinds_words);
     if !finished.searches.is_empty() {
-        let cells = search_cells(&finished.searches);
+        let searched = search_cells(&finished.searches);
         folder.table("searches", &searches(&finished.searches))?;
-        folder.table("search_cells", &search_cell_table(&cells))?;
+        folder.table("search_cells", &search_cell_table(&searched))?;
         folder.table("search_failures", &search_failures(&finished.searches))?;
-        page.push_str(&search_summary(&cells));
+        page.push_str(&search_summary(&searched));
     }
     folder.file("summary.md", page.as_bytes())?;
-    folder.file("manifest.toml", manifest.to_toml().as_bytes())
+    folder.file("manifest.toml", manifest.to_toml().as_bytes())?;
+    write_page(folder, campaign, finished, gathered, manifest, &cells, &kinds)
 }

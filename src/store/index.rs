@@ -74,7 +74,7 @@ impl Index {
         let (id, wanted) = (ids.get(cell), amount(campaign, cell));
         match store.head(id) {
             Some(Ok(header)) => match header.state {
-                State::Finished if matches!(cell, Cell::Chunk { .. }) && header.done < wanted => {
+                State::Finished if header.done < wanted && is_counted(campaign, cell) => {
                     return Known::Begun(header.done, wanted);
                 }
                 State::Finished => return Known::Finished,
@@ -93,6 +93,11 @@ impl Index {
             _ => "training changed",
         })
     }
+}
+
+/// Whether it is known beforehand how many episodes a cell has, which may have been made for fewer.
+fn is_counted(campaign: &Campaign, cell: Cell) -> bool {
+    matches!(cell, Cell::Chunk { evaluation, .. } if campaign.evaluations[evaluation].halfwidth.is_none())
 }
 
 /// Updates or episodes that a cell has when it is finished.

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 
 use super::{Found, Header, Id, Ids, State, Store, StoreError, cell_name};
-use crate::campaign::{Cell, CellError, Claim, EpisodeRow, Keeper, Progress, SearchResult};
+use crate::campaign::{Cell, CellError, Claim, EpisodeRow, Keeper, Progress, SearchResult, Tally};
 use crate::compile::Campaign;
 use crate::env::Outcome;
 use crate::falsifier::{Spent, TrainingRun};
@@ -176,16 +176,26 @@ impl Keeper for Kept<'_> {
         self.write(cell, State::Finished, updates, String::new(), &trained.to_safetensors());
     }
 
-    fn episodes(&self, evaluation: usize, chunk: u32) -> u32 {
+    fn episodes(&self, evaluation: usize, chunk: u32) -> Tally {
         let cell = Cell::Chunk { evaluation, chunk };
-        match self.store.read(self.id(cell)) {
-            Found::Whole(header, bytes) if header.state != State::Failed => {
-                if header.done < self.campaign.evaluations[evaluation].chunk(chunk).len() as u64 {
-                    self.take_over(cell, header.seconds, bytes);
-                }
-                header.done as u32
+        let Found::Whole(header, bytes) = self.store.read(self.id(cell)) else { return Tally::default() };
+        if header.state == State::Failed {
+            return Tally::default();
+        }
+        let planned = &self.campaign.evaluations[evaluation];
+        let enough = header.state == State::Finished && planned.halfwidth.is_some();
+        if enough || header.done >= planned.chunk(chunk).len() as u64 {
+            return Tally { episodes: header.done as u32, enough, ..Tally::default() };
+        }
+        match report::tally(&bytes) {
+            Ok(tally) => {
+                self.take_over(cell, header.seconds, bytes);
+                tally
             }
-            _ => 0,
+            Err(_) => {
+                self.store.damaged(self.id(cell));
+                Tally::default()
+            }
         }
     }
 
@@ -215,7 +225,8 @@ impl Keeper for Kept<'_> {
             }
             Progress::Failed(error) => (State::Failed, error.to_string()),
             // A driver that failed may do better another time.
-            Progress::Ended if faulty => (State::Failed, String::new()),
+            Progress::Ended | Progress::Enough if faulty => (State::Failed, String::new()),
+            Progress::Enough => (State::Finished, String::new()),
             Progress::Ended if whole => (State::Finished, String::new()),
             Progress::UnderWay if faulty => return,
             _ => (State::Begun, String::new()),

@@ -45,9 +45,8 @@ impl WorkFolder {
 /// How many processes have a folder here.
 pub(super) fn processes(root: &Path) -> usize {
     let folders = fs::read_dir(root).into_iter().flatten().flatten();
-    let at_work = |entry: &fs::DirEntry| {
-        entry.file_name().to_string_lossy().starts_with(PREFIX) && !is_dead(&entry.path())
-    };
+    let at_work =
+        |entry: &fs::DirEntry| entry.file_name().to_string_lossy().starts_with(PREFIX) && !is_dead(&entry.path());
     folders.filter(at_work).count()
 }
 

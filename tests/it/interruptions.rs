@@ -12,7 +12,7 @@ edition 1
 import "lib/paper.scn"
 import "lib/drivers.scn"
 import "lib/towns.scn"
-training quick = ppo(steps: 360, steps_per_update: 30, epochs: 2, environments: 2)
+training quick = ppo(steps: 120, steps_per_update: 10, epochs: 1, environments: 2, hidden: [8])
 reward shy { on hit => 1 }
 falsifier walk = random()
 campaign cut {
@@ -43,8 +43,8 @@ impl Place {
 
     fn command(&self, more: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_falsify"));
-        command.args(["run", "cut.scn", "--threads", "2", "--out", "out"]).args(more);
-        command.current_dir(self.folder.path()).env_remove("FALSIFY_OUT").env_remove("FALSIFY_THREADS");
+        command.args(["run", "cut.scn", "--out", "out"]).args(more);
+        command.current_dir(self.folder.path()).env_remove("FALSIFY_OUT").env("FALSIFY_THREADS", "2");
         command
     }
 
@@ -64,14 +64,15 @@ impl Place {
         self.folder.path().join("out")
     }
 
-    /// All files of the report; the manifest without its times and the number of threads.
+    /// All files of the report; the manifest without times, number of threads and working folder.
     fn report(&self) -> BTreeMap<String, Vec<u8>> {
         let report = self.out().join("cut");
         let read = |path: PathBuf| {
             let mut bytes = std::fs::read(&path).unwrap();
             if path.ends_with("manifest.toml") {
                 let text = String::from_utf8(bytes).unwrap();
-                let kept = text.lines().filter(|line| !line.starts_with("wall_time_s") && !line.starts_with("threads"));
+                let varies = |line: &&str| ["wall_time_s", "threads", "folder"].iter().any(|key| line.starts_with(key));
+                let kept = text.lines().filter(|line| !varies(line));
                 bytes = kept.collect::<Vec<_>>().join("\n").into_bytes();
             }
             (path.strip_prefix(&report).unwrap().display().to_string(), bytes)
@@ -163,7 +164,7 @@ fn a_campaign_that_is_killed_at_any_moment_ends_in_the_same_bytes() {
 #[cfg(unix)]
 fn ctrl_c_saves_what_is_under_way() {
     let place = Place::new();
-    let long = SCENARIO.replace("steps: 360", "steps: 3600");
+    let long = SCENARIO.replace("steps: 120", "steps: 3600");
     place.write(&long);
     let mut child = place.begin(&["--checkpoint", "3600"]);
     let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
@@ -239,7 +240,7 @@ fn an_edit_reruns_what_it_changes_and_nothing_else() {
     // Trainings of the reward, its trained and its random pedestrians.
     assert_eq!((lines(&list, "[reuse]"), lines(&list, "changed]")), (7, 6), "{list}");
     assert!(list.lines().filter(|line| line.contains("changed]")).all(|line| line.contains("shy")), "{list}");
-    assert!(list.contains("train  shy in harbour against behavior, run 0: 360 decisions [run: scenario changed]"));
+    assert!(list.contains("train  shy in harbour against behavior, run 0: 120 decisions [run: scenario changed]"));
     place.write(&format!(
         "// A comment.\n{}",
         SCENARIO.replace("on hit => 1", "on hit   => 1.0").replace("reward shy", "/// Hits.\nreward shy")
@@ -269,15 +270,15 @@ fn an_edit_reruns_what_it_changes_and_nothing_else() {
 fn a_cell_beyond_its_limit_is_an_error_and_goes_on_another_time() {
     let (wanted, _) = undisturbed();
     let place = Place::new();
-    let limited = place.run(&["--max-ticks", "3000"]);
+    let limited = place.run(&["--max-ticks", "1500"]);
     assert_eq!(limited.status.code(), Some(5), "{limited:?}");
     let said = error(&limited);
-    assert!(said.contains("not finished within the 3000 ticks that a cell may use"), "{said}");
+    assert!(said.contains("not finished within the 1500 ticks that a cell may use"), "{said}");
     let partial = |name: &str| std::fs::read_to_string(place.out().join("cut-partial").join(name)).unwrap();
     let episodes = partial("episodes.csv");
     assert_eq!(episodes.lines().count(), 1 + 8 * 12, "every episode has a row");
-    assert!(episodes.contains(",error,its training failed: not finished within the 3000 ticks"), "{episodes}");
-    assert!(partial("manifest.toml").contains("error = \"not finished within the 3000 ticks"));
+    assert!(episodes.contains(",error,its training failed: not finished within the 1500 ticks"), "{episodes}");
+    assert!(partial("manifest.toml").contains("error = \"not finished within the 1500 ticks"));
     assert!(place.run(&[]).status.success());
     same(&place.report(), &wanted, "after a limit");
 }
@@ -285,7 +286,7 @@ fn a_cell_beyond_its_limit_is_an_error_and_goes_on_another_time() {
 /// Runs on a file system that is too small, then on the same one when it has grown.
 const FULL: &str = r#"
 set -u
-mount -t tmpfs -o size=160k none small || exit 99
+mount -t tmpfs -o size=96k none small || exit 99
 "$FALSIFY" run cut.scn --threads 2 --checkpoint 3600 --out small/out >first.txt 2>&1
 echo $? >first.code
 mount -o remount,size=64m small || exit 99

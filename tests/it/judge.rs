@@ -4,12 +4,13 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 
+use falsify::analysis::Approach;
 use falsify::av::reference_drivers::{OwnMotion, ReferenceDriver, Threat};
 use falsify::compile::{Catalog, compile};
 use falsify::env::{Ending, Outcome, PedestrianEnv, Recording, Scenario};
 use falsify::falsifier::{Intercept, watch_walker};
 use falsify::geometry::{Obstacles, OrientedBox, Pose, Vector};
-use falsify::judge::{Encounter, Label, Reference, Trial, judge};
+use falsify::judge::{Encounter, Label, Reference, Sight, Trial, judge};
 use falsify::seed::Seed;
 use falsify::sim::{Contact, World};
 
@@ -158,6 +159,50 @@ fn the_danger_begins_when_the_pedestrian_can_be_seen() {
     assert!(!hidden.trial(Reference::CarefulHuman).is_avoided() && hidden.trial(Reference::IdealBrake).is_avoided());
     assert_eq!(hidden.label, Label::Contested, "who began to count at 2 s saw no more: {hidden:?}");
     assert!(!hidden.foreseeable || verdict.foreseeable);
+}
+
+#[test]
+fn who_comes_out_from_behind_a_wall_is_hidden_until_then() {
+    let sight = |walls: &[OrientedBox]| {
+        let (scenario, recording) = run_out(walls, |_| 1.39);
+        judge(&scenario, &recording).unwrap().sight
+    };
+    let open = sight(&[]);
+    assert_eq!((open.hidden, open.seen, open.is_occluded()), (0.0, Sight::WINDOW, false));
+    // It walks 1.39 m/s: the front edge of a wall's end at 1.9 m is passed about 1.4 s before, at 1.2 m about 0.9 s.
+    for (edge, seconds, occluded) in [(1.9, 1.4, false), (1.2, 0.9, true)] {
+        let found = sight(&[OrientedBox::new(Pose::new(4.0, edge + 0.5, 0.0), 25.0, 0.5)]);
+        assert!((found.seen - seconds).abs() < 0.3, "{edge}: {found:?}");
+        assert!((found.hidden - (1.0 - found.seen / Sight::WINDOW)).abs() < 1e-9, "never seen before: {found:?}");
+        assert_eq!(found.is_occluded(), occluded, "{found:?}");
+    }
+    // A post between them for a moment: it was in sight before, too.
+    let post = sight(&[OrientedBox::new(Pose::new(24.0, 1.0, 0.0), 0.3, 0.3)]);
+    assert!(post.seen < 2.0 && post.hidden < 0.5 && post.hidden > 0.0, "{post:?}");
+}
+
+#[test]
+fn an_approach_is_the_pedestrian_as_the_car_sees_it() {
+    let (scenario, recording) = run_out(&[], |_| 1.39);
+    let approach = Approach::new(&recording, 0.05).unwrap();
+    let touch = scenario.vehicle.half_length + scenario.adversary.body.radius;
+    for (i, station) in approach.stations.iter().enumerate() {
+        let before = Approach::WINDOW - i as f64 * Approach::STEP;
+        let wanted = [touch + 10.0 * before, 1.39 * before, 10.0];
+        for (found, wanted) in [station.ahead, station.left, station.speed].into_iter().zip(wanted) {
+            assert!((found - wanted).abs() < 2e-3, "{i}: {found}, not {wanted}");
+        }
+    }
+    let mut nobody = recording.clone();
+    nobody.begin(&World::new(
+        scenario.town.clone(),
+        scenario.obstacles.clone(),
+        scenario.vehicle.clone(),
+        scenario.adversary.body,
+        None,
+        0.05,
+    ));
+    assert_eq!(Approach::new(&nobody, 0.05), None);
 }
 
 #[test]

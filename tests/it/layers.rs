@@ -7,8 +7,9 @@ use std::path::{Path, PathBuf};
 const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("diagnostic", &[]),
     ("units", &[]),
-    ("signature", &["units"]),
+    ("signature", &["units", "statistics"]),
     ("seed", &[]),
+    ("statistics", &["seed"]),
     ("geometry", &[]),
     ("lang", &["diagnostic", "units", "signature"]),
     ("road", &["geometry", "seed"]),
@@ -35,12 +36,13 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
         ],
     ),
     ("judge", &["geometry", "sim", "av", "env"]),
-    ("campaign", &["seed", "rl", "env", "compile", "falsifier", "judge"]),
-    ("analysis", &["env", "campaign"]),
+    ("campaign", &["seed", "statistics", "rl", "env", "compile", "falsifier", "judge"]),
+    ("analysis", &["seed", "av", "env", "judge"]),
     (
         "report",
         &[
             "seed",
+            "statistics",
             "geometry",
             "road",
             "sim",

@@ -35,9 +35,15 @@ fn the_main_campaigns_survive_a_smoke_run() {
     let reports: Vec<PathBuf> = std::fs::read_dir(out.path()).unwrap().map(|entry| entry.unwrap().path()).collect();
     assert!(!reports.is_empty());
     for report in reports {
-        for file in
-            ["manifest.toml", "summary.md", "episodes.csv", "episodes.parquet", "cells.csv", "learning_curve.csv"]
-        {
+        for file in [
+            "manifest.toml",
+            "report.html",
+            "summary.md",
+            "episodes.csv",
+            "episodes.parquet",
+            "cells.csv",
+            "learning_curve.csv",
+        ] {
             let path = report.join(file);
             assert!(std::fs::metadata(&path).is_ok_and(|data| data.len() > 100), "{}", path.display());
         }

@@ -36,9 +36,14 @@ fn the_column_dictionary_names_every_column() {
     assert!(output.status.success(), "{output:?}");
     let dictionary = read("reports/README.md");
     let tables = [
-        ("first_look", ["episodes", "runs", "cells", "learning_curve", "failure_modes"].as_slice()),
+        (
+            "first_look",
+            ["episodes", "runs", "cells", "comparisons", "transfer", "learning_curve", "failure_modes"].as_slice(),
+        ),
+        ("first_look", &["mode_counts", "mode_accumulation", "explanations", "explanation_features"]),
         ("rivals", &["searches", "search_cells", "search_failures"]),
     ];
+    let mut made = std::collections::BTreeSet::new();
     for (campaign, table) in tables.into_iter().flat_map(|(name, tables)| tables.iter().map(move |table| (name, table)))
     {
         let text = std::fs::read_to_string(out.path().join(format!("{campaign}-smoke/{table}.csv"))).unwrap();
@@ -46,8 +51,17 @@ fn the_column_dictionary_names_every_column() {
             let generic = column.trim_end_matches("_mean").trim_end_matches("_sd");
             let named = [column, generic].iter().any(|name| dictionary.contains(&format!("`{name}`")));
             assert!(named, "reports/README.md does not explain `{column}` of {table}");
+            made.insert(column.to_string());
+            made.insert(generic.to_string());
         }
     }
+    // Those of ticks are held where a table of them is made.
+    let (columns, _) = dictionary.split_once("\nTicks, one row each").expect("it has a part about ticks");
+    let (_, columns) = columns.split_once("\n## Columns").expect("it has a part about columns");
+    let cells = columns.lines().filter_map(|line| line.strip_prefix("| `")?.split(" | ").next());
+    let explained = cells.flat_map(|cell| cell.split("`, `").map(|name| name.trim_end_matches('`').to_string()));
+    let gone: Vec<String> = explained.filter(|name| !made.contains(name)).collect();
+    assert!(gone.is_empty(), "reports/README.md explains columns that no table has: {gone:?}");
 }
 
 #[test]

@@ -1,0 +1,72 @@
+use crate::env::{Moment, Recording};
+
+/// Where the pedestrian was from the car at a time, and how fast the car was.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Station {
+    /// How far the pedestrian was ahead of the middle of the car (m).
+    pub ahead: f64,
+    /// How far it was to the left of the car's axis (m).
+    pub left: f64,
+    /// Speed of the car (m/s).
+    pub speed: f64,
+}
+
+impl Station {
+    fn new(moment: &Moment) -> Self {
+        let place = moment.ego.pose.to_local(moment.pedestrian.pose.position());
+        Self { ahead: place.x, left: place.y, speed: moment.ego.speed }
+    }
+
+    fn mix(self, other: Self, share: f64) -> Self {
+        let mix = |a: f64, b: f64| a + (b - a) * share;
+        Self {
+            ahead: mix(self.ahead, other.ahead),
+            left: mix(self.left, other.left),
+            speed: mix(self.speed, other.speed),
+        }
+    }
+}
+
+/// The last [`Approach::WINDOW`] before a touch: the way of the pedestrian in the frame of the car, which moves and turns with it, and
+/// how fast the car was.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Approach {
+    /// One station every [`Approach::STEP`], the last one at the touch. What lies before the episode is as at its beginning.
+    pub stations: [Station; Self::STATIONS],
+}
+
+impl Approach {
+    /// How far back it goes (s).
+    pub const WINDOW: f64 = 3.0;
+    /// Time between two stations (s).
+    pub const STEP: f64 = Self::WINDOW / (Self::STATIONS - 1) as f64;
+    const STATIONS: usize = 7;
+
+    /// The end of an episode with ticks of this length (s); none when nobody was touched.
+    pub fn new(recording: &Recording, dt: f64) -> Option<Self> {
+        let contact = recording.contact()?;
+        let moments = recording.moments();
+        let touch = (moments.len().checked_sub(2)?) as f64 + contact.fraction;
+        let stations = std::array::from_fn(|i| {
+            let back = (Self::STATIONS - 1 - i) as f64 * Self::STEP / dt;
+            let tick = (touch - back).max(0.0);
+            let first = (tick.floor() as usize).min(moments.len() - 2);
+            Station::new(&moments[first]).mix(Station::new(&moments[first + 1]), tick - first as f64)
+        });
+        Some(Self { stations })
+    }
+
+    /// How far two approaches lie apart (m): the root of the mean over the stations of the squared distance between the places plus the
+    /// squared difference of the speeds, 1 m/s counting as 1 m.
+    pub fn distance(&self, other: &Self) -> f64 {
+        let apart = |(a, b): (&f64, &f64)| (a - b) * (a - b);
+        self.features().iter().zip(&other.features()).map(apart).sum::<f64>().sqrt()
+    }
+
+    /// A point whose Euclidean distance from another approach's is [`Approach::distance`].
+    pub(super) fn features(&self) -> Vec<f64> {
+        let scale = 1.0 / (Self::STATIONS as f64).sqrt();
+        let numbers = self.stations.iter().flat_map(|station| [station.ahead, station.left, station.speed]);
+        numbers.map(|number| number * scale).collect()
+    }
+}

@@ -1,0 +1,198 @@
+use super::trial::STANDING;
+use crate::env::{Moment, Recording, Scenario};
+use crate::geometry::{Vector, time_to_touch};
+
+/// Touches farther ahead than this (s) are none.
+const HORIZON: f64 = 10.0;
+/// Footprints that are looked at together.
+const BLOCK: usize = 16;
+
+/// How near an episode came to a touch.
+///
+/// | symbol | field | unit |
+/// |---|---|---|
+/// | TTC = min over t of min { s : the disc touches the box at t + s when both keep the velocities that they have at t } | `min_ttc` | s |
+/// | PET = min { \|t₁ − t₂\| : the disc at t₁ touches the box at t₂ } | `pet` | s |
+///
+/// # Source
+/// Hayward, *Near-miss determination through use of a scale of danger*, Highway Research Record 384, 1972. Allen, Shin and
+/// Cooper, *Analysis of traffic conflicts and collisions*, Transportation Research Record 667, 1978, who measure PET at one
+/// point of conflict; here it is the least over all points that both sweep.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct NearMiss {
+    /// Least time to collision at constant velocities (s), over all ticks at which the car moves (more than 0.1 m/s); none when they
+    /// never were on course to touch within ten seconds. 0 when they touched while it moved.
+    pub min_ttc: Option<f64>,
+    /// Post-encroachment time (s), to a tick: the least time between one leaving a place and the other taking it. None when their
+    /// ways do not cross, and when they touched.
+    pub pet: Option<f64>,
+}
+
+impl NearMiss {
+    /// Measures an episode.
+    pub fn new(scenario: &Scenario, recording: &Recording) -> Self {
+        let blueprint = &scenario.vehicle;
+        let half = Vector::new(blueprint.half_length, blueprint.half_width);
+        let pair = Pair { half, radius: scenario.adversary.body.radius };
+        let moments = recording.moments();
+        let ticks = if recording.contact().is_none() { pair.least_lag(moments) } else { None };
+        Self { min_ttc: pair.least_time(moments), pet: ticks.map(|ticks| ticks as f64 * scenario.episode.tick) }
+    }
+}
+
+/// The sizes of the box and of the disc (m).
+struct Pair {
+    half: Vector,
+    radius: f64,
+}
+
+impl Pair {
+    /// The least time to collision (s).
+    fn least_time(&self, moments: &[Moment]) -> Option<f64> {
+        let mut least = HORIZON;
+        let mut heading = Heading::default();
+        for moment in moments.iter().filter(|moment| moment.ego.speed > STANDING) {
+            let ego = &moment.ego;
+            heading.turn(ego.pose.yaw);
+            let place = heading.local(moment.pedestrian.pose.x - ego.pose.x, moment.pedestrian.pose.y - ego.pose.y);
+            let velocity = heading.local(moment.pedestrian.velocity.x, moment.pedestrian.velocity.y);
+            let closing = velocity - Vector::new(ego.speed, 0.0);
+            if let Some(time) = time_to_touch(place, closing, self.half, self.radius, least) {
+                least = time;
+            }
+        }
+        (least < HORIZON).then_some(least)
+    }
+
+    /// The least number of ticks between the box and the disc filling the same place.
+    fn least_lag(&self, moments: &[Moment]) -> Option<usize> {
+        let reach = self.half.norm() + self.radius;
+        let mut heading = Heading::default();
+        let cars = footprints(moments, |moment| {
+            heading.turn(moment.ego.pose.yaw);
+            (moment.ego.pose.x, moment.ego.pose.y, heading)
+        });
+        let walkers =
+            footprints(moments, |moment| (moment.pedestrian.pose.x, moment.pedestrian.pose.y, Heading::default()));
+        let bounds = |all: &[Footprint]| all.chunks(BLOCK).map(Bounds::new).collect::<Vec<_>>();
+        let (car_bounds, walker_bounds) = (bounds(&cars), bounds(&walkers));
+        let mut least = usize::MAX;
+        for (here, bounds) in cars.chunks(BLOCK).zip(&car_bounds) {
+            for (there, others) in walkers.chunks(BLOCK).zip(&walker_bounds) {
+                if bounds.lag(others) >= least || !bounds.is_within(others, reach) {
+                    continue;
+                }
+                for car in here {
+                    for walker in there {
+                        let lag = lag(car.ticks, walker.ticks);
+                        if lag < least && self.touch(car, walker, reach) {
+                            least = lag;
+                        }
+                    }
+                }
+            }
+        }
+        (least < usize::MAX).then_some(least)
+    }
+
+    fn touch(&self, car: &Footprint, walker: &Footprint, reach: f64) -> bool {
+        let (dx, dy) = (walker.x - car.x, walker.y - car.y);
+        if dx * dx + dy * dy > reach * reach {
+            return false;
+        }
+        let place = car.heading.local(dx, dy);
+        let (ahead, aside) = ((place.x.abs() - self.half.x).max(0.0), (place.y.abs() - self.half.y).max(0.0));
+        ahead * ahead + aside * aside <= self.radius * self.radius
+    }
+}
+
+/// A heading whose sine and cosine are taken once, as long as it stays the same.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Heading {
+    yaw: f64,
+    sin: f64,
+    cos: f64,
+}
+
+impl Default for Heading {
+    fn default() -> Self {
+        Self { yaw: 0.0, sin: 0.0, cos: 1.0 }
+    }
+}
+
+impl Heading {
+    fn turn(&mut self, yaw: f64) {
+        if yaw != self.yaw {
+            let (sin, cos) = libm::sincos(yaw);
+            *self = Self { yaw, sin, cos };
+        }
+    }
+
+    /// A displacement of the world seen from this heading: ahead and to the left.
+    fn local(&self, x: f64, y: f64) -> Vector {
+        Vector::new(self.cos * x + self.sin * y, -self.sin * x + self.cos * y)
+    }
+}
+
+/// Where somebody was from one tick to another, both included.
+#[derive(Debug, Clone, Copy)]
+struct Footprint {
+    ticks: (usize, usize),
+    x: f64,
+    y: f64,
+    heading: Heading,
+}
+
+/// The places of somebody in order; ticks without a motion count as one.
+fn footprints(moments: &[Moment], mut place: impl FnMut(&Moment) -> (f64, f64, Heading)) -> Vec<Footprint> {
+    let mut all: Vec<Footprint> = Vec::with_capacity(moments.len());
+    for (tick, moment) in moments.iter().enumerate() {
+        let (x, y, heading) = place(moment);
+        match all.last_mut() {
+            Some(last) if (last.x, last.y, last.heading) == (x, y, heading) => last.ticks.1 = tick,
+            _ => all.push(Footprint { ticks: (tick, tick), x, y, heading }),
+        }
+    }
+    all
+}
+
+/// The ticks between two stretches of time; 0 when they overlap.
+fn lag(a: (usize, usize), b: (usize, usize)) -> usize {
+    a.0.saturating_sub(b.1).max(b.0.saturating_sub(a.1))
+}
+
+/// What holds several footprints: their ticks and the box of their middles.
+#[derive(Debug, Clone, Copy)]
+struct Bounds {
+    ticks: (usize, usize),
+    low: (f64, f64),
+    high: (f64, f64),
+}
+
+impl Bounds {
+    fn new(footprints: &[Footprint]) -> Self {
+        let first = footprints[0];
+        let mut bounds = Self { ticks: first.ticks, low: (first.x, first.y), high: (first.x, first.y) };
+        for footprint in footprints {
+            bounds.ticks.1 = footprint.ticks.1;
+            bounds.low = (bounds.low.0.min(footprint.x), bounds.low.1.min(footprint.y));
+            bounds.high = (bounds.high.0.max(footprint.x), bounds.high.1.max(footprint.y));
+        }
+        bounds
+    }
+
+    fn lag(&self, other: &Self) -> usize {
+        lag(self.ticks, other.ticks)
+    }
+
+    /// Whether the boxes are no farther apart than this, on either axis.
+    fn is_within(&self, other: &Self, reach: f64) -> bool {
+        self.low.0 - reach <= other.high.0
+            && other.low.0 - reach <= self.high.0
+            && self.low.1 - reach <= other.high.1
+            && other.low.1 - reach <= self.high.1
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,110 @@
+use super::place::{Measured, Place};
+use super::tried::Tried;
+use super::{CellKey, Figure};
+use crate::judge::Reference;
+use crate::seed::Seed;
+use crate::statistics::{Sample, interquartile_mean, mean_interval, quantile};
+
+/// A figure between trainings.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Between {
+    /// Of each run, in order; none where it has no value.
+    pub by_run: Vec<Option<f64>>,
+    /// Mean of the middle half of the runs.
+    pub iqm: Option<f64>,
+    /// 95 % interval of the mean by hierarchical bootstrap.
+    pub bootstrap: Option<(f64, f64)>,
+    /// Student's 95 % interval over the runs; none for a single one.
+    pub student: Option<(f64, f64)>,
+}
+
+/// Median and tails of something.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Quantiles {
+    /// Of how many.
+    pub n: u64,
+    /// At the shares that were asked for; none when there are no numbers.
+    pub at: [Option<f64>; 3],
+}
+
+impl Quantiles {
+    fn new(mut values: Vec<f64>, shares: [f64; 3]) -> Self {
+        values.sort_by(f64::total_cmp);
+        Self { n: values.len() as u64, at: shares.map(|share| quantile(&values, share)) }
+    }
+}
+
+/// What is known of a cell beside its means.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CellEvidence {
+    /// Which cell.
+    pub key: CellKey,
+    /// Episodes of all runs.
+    pub episodes: u64,
+    /// Collisions of all runs.
+    pub collisions: u64,
+    /// In the order of [`Figure::ALL`].
+    pub between: [Between; 5],
+    /// Median, 90th and 99th percentile of the impact speeds (m/s).
+    pub impact_speed: Quantiles,
+    /// 1st and 10th percentile and median of the least times to collision of episodes without a collision (s).
+    pub min_ttc: Quantiles,
+    /// The same of post-encroachment times (s).
+    pub pet: Quantiles,
+    /// How many collisions each reference driver avoids, in the order of [`Reference::ALL`].
+    pub avoided: [u64; 6],
+    /// The samples of [`Figure::COMPARED`] with the numbers of their runs, for transfer gaps.
+    pub(super) samples: [Option<(Vec<u32>, Sample)>; 3],
+}
+
+impl CellEvidence {
+    /// Gathers a cell of a place; its figures are [measured](Self::measure) one by one.
+    pub(super) fn new(place: &Place, cell: usize) -> Self {
+        let runs = place.runs(cell);
+        let all = |values: fn(&Tried) -> &Vec<f64>| runs.iter().flat_map(values).copied().collect();
+        Self {
+            key: runs[0].key.clone(),
+            episodes: runs.iter().map(Tried::episodes).sum(),
+            collisions: runs.iter().map(Tried::collisions).sum(),
+            between: Default::default(),
+            impact_speed: Quantiles::new(all(|run| &run.impact_speeds), [0.5, 0.9, 0.99]),
+            min_ttc: Quantiles::new(all(|run| &run.min_ttc), [0.01, 0.1, 0.5]),
+            pet: Quantiles::new(all(|run| &run.pet), [0.01, 0.1, 0.5]),
+            avoided: std::array::from_fn(|driver| runs.iter().map(|run| run.avoided[driver]).sum()),
+            samples: Default::default(),
+        }
+    }
+
+    /// Takes down a figure of this cell of a place.
+    pub(super) fn measure(&mut self, place: &Place, measured: &Measured, cell: usize, seed: &Seed) {
+        let figure = measured.figure;
+        let runs = place.cells[cell].clone();
+        let by_run: Vec<Option<f64>> =
+            measured.runs[runs.clone()].iter().map(|run| run.as_ref().map(|(value, _)| *value)).collect();
+        let known: Vec<f64> = by_run.iter().copied().flatten().collect();
+        let sample = place.sample(measured, cell, None);
+        let (least, most) = figure.bounds();
+        let cut = |(low, high): (f64, f64)| (low.clamp(least, most), high.clamp(least, most));
+        self.between[figure as usize] = Between {
+            iqm: interquartile_mean(&known),
+            bootstrap: sample.as_ref().map(|sample| cut(sample.bootstrap(&seed.child(figure.name())))),
+            student: if known.is_empty() { None } else { mean_interval(&known).1.map(cut) },
+            by_run,
+        };
+        if let Some(slot) = Figure::COMPARED.iter().position(|compared| *compared == figure) {
+            let numbers = runs.filter(|run| measured.runs[*run].is_some()).map(|run| place.tried[run].run);
+            self.samples[slot] = sample.map(|sample| (numbers.collect(), sample));
+        }
+    }
+
+    /// A figure between trainings.
+    pub fn between(&self, figure: Figure) -> &Between {
+        &self.between[figure as usize]
+    }
+
+    /// Collisions that a reference driver would have avoided, and those that it would not.
+    pub fn split(&self, reference: Reference) -> (u64, u64) {
+        let avoided = self.avoided[reference as usize];
+        (avoided, self.collisions - avoided)
+    }
+}

@@ -1,0 +1,117 @@
+use super::place::{Measured, Place};
+use super::{CellKey, Figure};
+use crate::seed::Seed;
+use crate::statistics::{benjamini_hochberg, holm, mcnemar};
+
+/// How a p-value was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Test {
+    /// Student's t over trainings, with what common beginnings add: about further trainings and episodes.
+    Student,
+    /// McNemar's exact test on pairs of episodes: about these two pedestrians and further episodes.
+    McNemar,
+    /// None fits: one training against several.
+    None,
+}
+
+impl Test {
+    /// Its name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Student => "student",
+            Self::McNemar => "mcnemar",
+            Self::None => "",
+        }
+    }
+}
+
+/// Two pedestrians that met the same beginnings.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comparison {
+    /// The first.
+    pub first: CellKey,
+    /// The one that is taken off.
+    pub second: CellKey,
+    /// What is compared.
+    pub figure: Figure,
+    /// Runs of both.
+    pub runs: [u64; 2],
+    /// Beginnings that each run met.
+    pub episodes: u64,
+    /// The figure of both, mean over runs.
+    pub values: [f64; 2],
+    /// First less second.
+    pub difference: f64,
+    /// 95 % interval by hierarchical bootstrap on common beginnings.
+    pub bootstrap: (f64, f64),
+    /// Student's 95 % interval.
+    pub student: Option<(f64, f64)>,
+    /// How p was found.
+    pub test: Test,
+    /// Probability of such a difference by chance.
+    pub p: Option<f64>,
+    /// The same, adjusted for all comparisons of the campaign by Holm's method.
+    pub holm: Option<f64>,
+    /// The same by Benjamini and Hochberg's.
+    pub benjamini_hochberg: Option<f64>,
+}
+
+/// The pairs that matter: every trained pedestrian with every untrained one that has the same reward, and with itself trained for
+/// an earlier reward.
+pub fn pairs(place: &Place) -> Vec<(usize, usize)> {
+    let keys = || (0..place.cells.len()).map(|cell| (cell, &place.runs(cell)[0].key));
+    let mut pairs = Vec::new();
+    for (first, a) in keys().filter(|(_, key)| key.is_trained()) {
+        for (second, b) in keys() {
+            let plain = !b.is_trained() && a.reward == b.reward;
+            let same = a.pedestrian == b.pedestrian && a.train_town == b.train_town && a.train_policy == b.train_policy;
+            if plain || (same && second < first) {
+                pairs.push((first, second));
+            }
+        }
+    }
+    pairs
+}
+
+/// Compares two cells of a place; none when one of them has no value.
+pub fn compare(place: &Place, measured: &Measured, (first, second): (usize, usize), seed: &Seed) -> Option<Comparison> {
+    let (figure, sample) = (measured.figure, place.sample(measured, first, Some(second))?);
+    let (ours, theirs) = (&place.runs(first)[0], &place.runs(second)[0]);
+    let seed = theirs.key.who(&ours.key.who(&seed.child("comparison")));
+    let (a, b) = sample.values.split_at(sample.first);
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let cut = |(low, high): (f64, f64)| (low.clamp(-1.0, 1.0), high.clamp(-1.0, 1.0));
+    let (test, p, student) = if a.len() == 1 && b.len() == 1 {
+        let (only_first, only_second) = ours.discordant(theirs, figure);
+        (Test::McNemar, Some(mcnemar(only_first, only_second)), None)
+    } else {
+        match sample.student() {
+            Some(found) => (Test::Student, Some(found.p), Some(cut((found.low, found.high)))),
+            None => (Test::None, None, None),
+        }
+    };
+    Some(Comparison {
+        first: ours.key.clone(),
+        second: theirs.key.clone(),
+        figure,
+        runs: [a.len() as u64, b.len() as u64],
+        episodes: sample.episodes,
+        values: [mean(a), mean(b)],
+        difference: sample.estimate(),
+        bootstrap: cut(sample.bootstrap(&seed.child(figure.name()))),
+        student,
+        test,
+        p,
+        holm: None,
+        benjamini_hochberg: None,
+    })
+}
+
+/// Adjusts p for the number of comparisons.
+pub fn adjust(comparisons: &mut [Comparison]) {
+    let raw: Vec<f64> = comparisons.iter().filter_map(|comparison| comparison.p).collect();
+    let tested = comparisons.iter_mut().filter(|comparison| comparison.p.is_some());
+    for (comparison, (first, second)) in tested.zip(holm(&raw).into_iter().zip(benjamini_hochberg(&raw))) {
+        (comparison.holm, comparison.benjamini_hochberg) = (Some(first), Some(second));
+    }
+}

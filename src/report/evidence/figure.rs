@@ -1,0 +1,40 @@
+/// A figure of a pedestrian that is averaged over trainings and compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Figure {
+    /// Collisions of all episodes.
+    Collision,
+    /// Frontal collisions of all collisions.
+    Front,
+    /// Collisions with a moving car of all episodes.
+    Moving,
+    /// Preventable collisions of all episodes.
+    Preventable,
+    /// Reward of an episode.
+    Reward,
+}
+
+impl Figure {
+    /// All of them, in the order of the tables.
+    pub const ALL: [Self; 5] = [Self::Collision, Self::Front, Self::Moving, Self::Preventable, Self::Reward];
+    /// Those in which pedestrians are compared: rates of all episodes.
+    pub const COMPARED: [Self; 3] = [Self::Collision, Self::Moving, Self::Preventable];
+
+    /// What its columns begin with.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Collision => "collision_rate",
+            Self::Front => "front_rate",
+            Self::Moving => "moving_rate",
+            Self::Preventable => "preventable_rate",
+            Self::Reward => "episode_reward",
+        }
+    }
+
+    /// Between what it lies.
+    pub fn bounds(self) -> (f64, f64) {
+        match self {
+            Self::Reward => (f64::NEG_INFINITY, f64::INFINITY),
+            _ => (0.0, 1.0),
+        }
+    }
+}

@@ -1,0 +1,79 @@
+use std::ops::Range;
+
+use super::Figure;
+use super::tried::Tried;
+use crate::statistics::Sample;
+
+/// All runs that were tried from the same beginnings, with those of a cell side by side.
+pub struct Place {
+    /// The runs.
+    pub tried: Vec<Tried>,
+    /// Where the runs of each cell are.
+    pub cells: Vec<Range<usize>>,
+}
+
+impl Place {
+    /// Sorts runs into cells, in the order of first appearance.
+    pub fn new(runs: Vec<Tried>) -> Self {
+        let mut groups: Vec<Vec<Tried>> = Vec::new();
+        for run in runs {
+            match groups.iter_mut().find(|group| group[0].key == run.key) {
+                Some(group) => group.push(run),
+                None => groups.push(vec![run]),
+            }
+        }
+        let mut end = 0;
+        let cells = groups.iter().map(|group| {
+            end += group.len();
+            end - group.len()..end
+        });
+        Self { cells: cells.collect(), tried: groups.into_iter().flatten().collect() }
+    }
+
+    /// The runs of a cell.
+    pub fn runs(&self, cell: usize) -> &[Tried] {
+        &self.tried[self.cells[cell].clone()]
+    }
+
+    /// A figure of all runs.
+    pub fn measure(&self, figure: Figure) -> Measured {
+        Measured { figure, runs: self.tried.iter().map(|run| run.influence(figure)).collect() }
+    }
+
+    /// A figure of one cell, or of how it differs from another; none when a cell has no value.
+    pub fn sample(&self, measured: &Measured, cell: usize, other: Option<usize>) -> Option<Sample> {
+        let known = |cell: usize| self.cells[cell].clone().filter(|run| measured.runs[*run].is_some());
+        let first: Vec<usize> = known(cell).collect();
+        let second: Vec<usize> = other.into_iter().flat_map(known).collect();
+        if first.is_empty() || (other.is_some() && second.is_empty()) {
+            return None;
+        }
+        let members = [first.as_slice(), second.as_slice()].concat();
+        let (values, pulls): (Vec<f64>, Vec<&Vec<f64>>) =
+            members.iter().filter_map(|run| measured.runs[*run].as_ref()).map(|(value, pulls)| (*value, pulls)).unzip();
+        let n = values.len();
+        let mut covariance = vec![0.0; n * n];
+        for (i, a) in pulls.iter().enumerate() {
+            for (j, b) in pulls.iter().enumerate().skip(i) {
+                let common = a.iter().zip(*b).map(|(a, b)| a * b).sum();
+                (covariance[i * n + j], covariance[j * n + i]) = (common, common);
+            }
+        }
+        let trained = |cell: usize| self.runs(cell)[0].key.is_trained();
+        Some(Sample {
+            values,
+            covariance,
+            first: first.len(),
+            trained: [trained(cell), other.is_some_and(trained)],
+            episodes: members.iter().map(|run| self.tried[*run].episodes()).min().unwrap_or(0),
+        })
+    }
+}
+
+/// A figure of all runs of a place.
+pub struct Measured {
+    /// Which.
+    pub figure: Figure,
+    /// Of each run, if it has one: the value, and by how much each episode moves it.
+    pub runs: Vec<Option<(f64, Vec<f64>)>>,
+}

@@ -1,0 +1,138 @@
+use crate::geometry::Point;
+use crate::road::{LaneKind, Road, Town};
+
+/// Spacing of the points from which a lane's outline is made (m).
+const STEP: f64 = 1.0;
+/// An outline may leave the lane's edge by so much (m).
+const TOLERANCE: f64 = 0.04;
+
+/// What of a town can be seen from above.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Surface {
+    /// A sidewalk, a shoulder: a lane that is not for driving.
+    Walk,
+    /// A lane for driving.
+    Lane,
+    /// A crosswalk.
+    Zebra,
+    /// Whatever blocks walkers and sight.
+    House,
+}
+
+impl Surface {
+    /// All of them, from the ground up.
+    pub const ALL: [Self; 4] = [Self::Walk, Self::Lane, Self::Zebra, Self::House];
+
+    /// Its class in a style sheet.
+    pub fn class(self) -> &'static str {
+        match self {
+            Self::Walk => "walk",
+            Self::Lane => "lane",
+            Self::Zebra => "zebra",
+            Self::House => "house",
+        }
+    }
+}
+
+/// A town from above: polygons, from the ground up.
+#[derive(Debug, Clone, Default)]
+pub struct Scenery {
+    /// What each is, and its corners (m).
+    pub polygons: Vec<(Surface, Vec<Point>)>,
+}
+
+impl Scenery {
+    /// Outlines everything in a town.
+    pub fn new(town: &Town) -> Self {
+        let mut polygons = Vec::new();
+        for surface in [Surface::Walk, Surface::Lane] {
+            for road in &town.roads {
+                outline(&mut polygons, road, surface);
+            }
+        }
+        polygons.extend(town.crosswalks.iter().map(|corners| (Surface::Zebra, corners.clone())));
+        polygons.extend(town.obstacles.iter().map(|each| (Surface::House, each.corners().to_vec())));
+        Self { polygons }
+    }
+
+    /// What overlaps an upright box between two corners.
+    pub fn within(&self, low: Point, high: Point) -> Self {
+        let overlaps = |corners: &[Point]| {
+            let least = corners.iter().fold(Point::new(f64::MAX, f64::MAX), |a, b| a.inf(b));
+            let most = corners.iter().fold(Point::new(f64::MIN, f64::MIN), |a, b| a.sup(b));
+            least.x <= high.x && least.y <= high.y && most.x >= low.x && most.y >= low.y
+        };
+        Self { polygons: self.polygons.iter().filter(|(_, corners)| overlaps(corners)).cloned().collect() }
+    }
+}
+
+fn outline(polygons: &mut Vec<(Surface, Vec<Point>)>, road: &Road, surface: Surface) {
+    let wanted = |kind: LaneKind| (kind == LaneKind::Driving) == (surface == Surface::Lane) && kind != LaneKind::None;
+    for (index, section) in road.sections.iter().enumerate() {
+        let steps = ((section.end - section.start) / STEP).ceil().max(1.0);
+        for lane in section.lanes.iter().filter(|lane| lane.id != 0 && wanted(lane.kind)) {
+            let edge = |side: f64| {
+                let points = (0..=steps as u32).filter_map(|i| {
+                    let s = section.start + (section.end - section.start) * f64::from(i) / steps;
+                    let (t, _) = road.lane_centre(index, lane.id, s)?;
+                    let line = road.plan_view.pose(s);
+                    Some(line.position() + line.left() * (t + side * lane.width.value(s) / 2.0))
+                });
+                thinned(&points.collect::<Vec<_>>())
+            };
+            let mut corners = edge(1.0);
+            corners.extend(edge(-1.0).iter().rev());
+            polygons.push((surface, corners));
+        }
+    }
+}
+
+/// The points of a line without which it would leave its way.
+///
+/// # Source
+/// Douglas and Peucker, *Cartographica* 10, 1973.
+fn thinned(line: &[Point]) -> Vec<Point> {
+    let (Some(first), Some(last)) = (line.first(), line.last()) else { return Vec::new() };
+    let mut kept = vec![false; line.len()];
+    let mut open = vec![(0, line.len() - 1)];
+    while let Some((from, to)) = open.pop() {
+        let chord = line[to] - line[from];
+        let length = chord.norm();
+        let off = |point: &Point| {
+            let beside = point - line[from];
+            if length > 1e-9 { (chord.perp(&beside) / length).abs() } else { beside.norm() }
+        };
+        let farthest = (from + 1..to).max_by(|a, b| off(&line[*a]).total_cmp(&off(&line[*b])));
+        if let Some(middle) = farthest.filter(|middle| off(&line[*middle]) > TOLERANCE) {
+            kept[middle] = true;
+            open.extend([(from, middle), (middle, to)]);
+        }
+    }
+    let between = line.iter().zip(&kept).filter(|(_, kept)| **kept).map(|(point, _)| *point);
+    let mut points = vec![*first];
+    points.extend(between);
+    points.push(*last);
+    points
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_thinned_line_keeps_its_corners_and_its_bends() {
+        let straight: Vec<Point> = (0..50).map(|x| Point::new(f64::from(x), 0.0)).collect();
+        assert_eq!(thinned(&straight), [Point::new(0.0, 0.0), Point::new(49.0, 0.0)]);
+        let arc: Vec<Point> = (0..=90)
+            .map(|deg| f64::from(deg).to_radians())
+            .map(|a| Point::new(libm::cos(a), libm::sin(a)) * 20.0)
+            .collect();
+        let thin = thinned(&arc);
+        assert!((6..25).contains(&thin.len()), "{}", thin.len());
+        for pair in thin.windows(2) {
+            let middle = (pair[0].coords + pair[1].coords) / 2.0;
+            assert!(20.0 - middle.norm() <= TOLERANCE + 1e-3);
+        }
+        assert!(thinned(&[]).is_empty());
+    }
+}

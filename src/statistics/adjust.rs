@@ -1,0 +1,55 @@
+/// Adjusts p-values of several tests so that the chance of *any* false finding stays below the level that they are compared with.
+///
+/// # Source
+/// Holm, *A simple sequentially rejective multiple test procedure*, Scandinavian Journal of Statistics 6, 1979.
+pub fn holm(p: &[f64]) -> Vec<f64> {
+    let mut adjusted = vec![0.0; p.len()];
+    let mut worst = 0.0_f64;
+    for (rank, place) in ascending(p).into_iter().enumerate() {
+        worst = worst.max(p[place] * (p.len() - rank) as f64).min(1.0);
+        adjusted[place] = worst;
+    }
+    adjusted
+}
+
+/// Adjusts p-values of several tests so that the *share* of false ones among the findings stays below the level, on average.
+///
+/// # Source
+/// Benjamini and Hochberg, *Controlling the false discovery rate*, Journal of the Royal Statistical Society B 57, 1995.
+pub fn benjamini_hochberg(p: &[f64]) -> Vec<f64> {
+    let mut adjusted = vec![0.0; p.len()];
+    let mut best = 1.0_f64;
+    for (rank, place) in ascending(p).into_iter().enumerate().rev() {
+        best = best.min(p[place] * p.len() as f64 / (rank + 1) as f64);
+        adjusted[place] = best;
+    }
+    adjusted
+}
+
+/// The places of numbers, from the least to the greatest.
+fn ascending(numbers: &[f64]) -> Vec<usize> {
+    let mut places: Vec<usize> = (0..numbers.len()).collect();
+    places.sort_by(|a, b| numbers[*a].total_cmp(&numbers[*b]));
+    places
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::recorded;
+
+    #[test]
+    fn adjusted_values_are_those_of_statsmodels() {
+        let near = |found: Vec<f64>, wanted: &[f64]| {
+            assert_eq!(found.len(), wanted.len());
+            assert!(found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?} is not {wanted:?}");
+        };
+        let (raw, by_holm, by_rate) = (recorded("p"), recorded("holm"), recorded("benjamini_hochberg"));
+        assert!(!raw.is_empty());
+        for ((p, first), second) in raw.iter().zip(&by_holm).zip(&by_rate) {
+            near(holm(p), first);
+            near(benjamini_hochberg(p), second);
+        }
+        assert!(holm(&[]).is_empty() && benjamini_hochberg(&[]).is_empty());
+    }
+}

@@ -1,0 +1,30 @@
+//! Intervals, tests and their corrections, as pure functions of numbers.
+//!
+//! What they say of a campaign is explained in `reports/README.md`; each is held against another program's numbers
+//! (`tests/reference/statistics`).
+
+mod normal;
+mod wilson;
+mod student;
+mod quantile;
+mod mcnemar;
+mod adjust;
+mod sample;
+
+pub use adjust::{benjamini_hochberg, holm};
+pub use mcnemar::mcnemar;
+pub use normal::{normal_below, normal_quantile};
+pub use quantile::{interquartile_mean, quantile};
+pub use sample::{Estimate, Sample};
+pub use student::{mean_interval, student_quantile, student_tails};
+pub use wilson::{wilson, wilson_at};
+
+/// The cases of a name that `tests/reference/statistics/record_statistics.py` has recorded, each a list of numbers.
+#[cfg(test)]
+fn recorded(name: &str) -> Vec<Vec<f64>> {
+    const RECORDED: &str = include_str!("../../tests/reference/statistics/statistics.json");
+    let recorded: serde_json::Value = serde_json::from_str(RECORDED).expect("it is JSON");
+    let number = |value: &serde_json::Value| value.as_f64().expect("a number");
+    let case = |case: &serde_json::Value| case.as_array().expect("a case is a list").iter().map(number).collect();
+    recorded[name].as_array().expect("there are cases of this name").iter().map(case).collect()
+}

@@ -1,0 +1,103 @@
+use super::*;
+use crate::statistics::recorded;
+
+/// Members without any noise of episodes.
+fn exact(first: &[f64], second: &[f64]) -> Sample {
+    let values = [first, second].concat();
+    let covariance = vec![0.0; values.len() * values.len()];
+    Sample { covariance, first: first.len(), values, trained: [true; 2], episodes: 1_000 }
+}
+
+/// Values, covariance, and who belongs to the first group, as `record_statistics.py` writes them.
+fn unpack(case: &[f64]) -> (Sample, &[f64]) {
+    let (members, first) = (case[0] as usize, case[1] as usize);
+    let (values, rest) = case[3..].split_at(members);
+    let (covariance, wanted) = rest.split_at(members * members);
+    let sample = Sample {
+        values: values.to_vec(),
+        covariance: covariance.to_vec(),
+        first,
+        trained: [true; 2],
+        episodes: case[2] as u64,
+    };
+    (sample, wanted)
+}
+
+#[test]
+fn the_bootstrap_is_that_of_drawing_trainings_and_episodes_one_by_one() {
+    let cases = recorded("bootstrap");
+    assert_eq!(cases.len(), 4);
+    for (number, case) in cases.iter().enumerate() {
+        let (sample, wanted) = unpack(case);
+        let found = sample.bootstrap(&Seed::root(1).index(number as u64));
+        let width = wanted[1] - wanted[0];
+        for (found, wanted) in [(found.0, wanted[0]), (found.1, wanted[1])] {
+            assert!((found - wanted).abs() < 0.05 * width, "{number}: {found} is not {wanted}");
+        }
+        assert_eq!(found, sample.bootstrap(&Seed::root(1).index(number as u64)));
+        assert_ne!(found, sample.bootstrap(&Seed::root(2).index(number as u64)));
+    }
+}
+
+#[test]
+fn without_noise_of_episodes_the_test_is_welchs() {
+    for case in recorded("welch") {
+        let (first, second) = case[4..].split_at(case[0] as usize);
+        let found = exact(first, second).student().unwrap();
+        assert!((found.p - case[1]).abs() < 1e-9 * case[1], "{case:?}: {found:?}");
+        assert!((found.low - case[2]).abs() < 1e-9 && (found.high - case[3]).abs() < 1e-9, "{case:?}: {found:?}");
+    }
+}
+
+#[test]
+fn a_single_training_says_nothing_about_others_and_an_untrained_pedestrian_does() {
+    assert_eq!(exact(&[0.9], &[0.5, 0.6]).student(), None);
+    let mut sample = exact(&[0.8, 0.9], &[0.5]);
+    assert_eq!(sample.student(), None);
+    sample.trained[1] = false;
+    sample.covariance[8] = 0.25 / 100.0;
+    let found = sample.student().unwrap();
+    // By hand: variances 0.005 / 2 between trainings and 0.0025 of the episodes: 0.005² / 0.0025² degrees of freedom.
+    let half = student_quantile(4.0) * 0.005_f64.sqrt();
+    assert!((found.low - 0.35 + half).abs() < 1e-12 && (found.high - 0.35 - half).abs() < 1e-12, "{found:?}");
+}
+
+#[test]
+fn what_common_episodes_add_to_both_groups_cancels() {
+    let mut sample = exact(&[0.8, 0.9, 0.85], &[0.5, 0.6, 0.55]);
+    let without = sample.student().unwrap();
+    sample.covariance.fill(0.01);
+    assert_eq!(sample.student().unwrap(), without);
+    let seed = Seed::root(1);
+    let (low, high) = sample.bootstrap(&seed);
+    assert!(high - low < 0.2, "their common part is 0.1 wide on one side: {low}..{high}");
+}
+
+#[test]
+fn where_nothing_varies_one_episode_is_the_error() {
+    let found = exact(&[1.0, 1.0, 1.0], &[0.0, 0.0, 0.0]).student().unwrap();
+    assert!((found.p - student_tails(1_000.0, 2.0)).abs() < 1e-12 && found.p > 0.0, "{found:?}");
+    assert!(exact(&[1.0; 3], &[1.0; 3]).student().unwrap().p > 0.999);
+}
+
+/// How often the intervals hold the truth, in campaigns whose trainings are drawn from a known distribution.
+#[test]
+fn intervals_hold_the_truth_as_often_as_the_readme_says() {
+    const CAMPAIGNS: u64 = 200;
+    for (trainings, least, most) in [(3, 0.70, 0.85), (5, 0.80, 0.92), (10, 0.88, 0.96)] {
+        let (mut by_bootstrap, mut by_student) = (0, 0);
+        for campaign in 0..CAMPAIGNS {
+            let seed = Seed::root(7).index(trainings).index(campaign);
+            let mut stream = seed.child("truth").stream();
+            let values = (0..trainings).map(|_| 0.8 + 0.05 * normal_quantile(uniform(&mut stream))).collect::<Vec<_>>();
+            let sample = exact(&values, &[]);
+            let holds = |(low, high): (f64, f64)| u64::from(low <= 0.8 && 0.8 <= high);
+            by_bootstrap += holds(sample.bootstrap(&seed.child("bootstrap")));
+            let student = sample.student().unwrap();
+            by_student += holds((student.low, student.high));
+        }
+        let share = |held: u64| held as f64 / CAMPAIGNS as f64;
+        assert!((least..most).contains(&share(by_bootstrap)), "{trainings}: {}", share(by_bootstrap));
+        assert!((0.925..0.985).contains(&share(by_student)), "{trainings}: {}", share(by_student));
+    }
+}

@@ -1,0 +1,103 @@
+/// The mean of a few numbers with its 95 % interval, as if they were drawn from a normal distribution; a single number has none.
+///
+/// # Source
+/// Student, *The probable error of a mean*, Biometrika 6, 1908.
+pub fn mean_interval(values: &[f64]) -> (f64, Option<(f64, f64)>) {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    if values.len() < 2 {
+        return (mean, None);
+    }
+    let variance = values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / (n - 1.0);
+    let half = student_quantile(n - 1.0) * (variance / n).sqrt();
+    (mean, Some((mean - half, mean + half)))
+}
+
+/// The share of Student's t that lies farther from 0 than `t`, on both sides together: a two-sided p-value. Degrees of
+/// freedom are above 0 and need not be whole.
+pub fn student_tails(t: f64, degrees: f64) -> f64 {
+    let x = degrees / (degrees + t * t);
+    incomplete_beta(degrees / 2.0, 0.5, x).clamp(0.0, 1.0)
+}
+
+/// The two-sided 95 % quantile of Student's t: [`student_tails`] of it is 0.05.
+pub fn student_quantile(degrees: f64) -> f64 {
+    let (mut low, mut high) = (1.0, 2.0);
+    while student_tails(high, degrees) > 0.05 {
+        high *= 2.0;
+    }
+    // A halving is a bit: as many as a double has.
+    for _ in 0..60 {
+        let middle = f64::midpoint(low, high);
+        if student_tails(middle, degrees) > 0.05 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    f64::midpoint(low, high)
+}
+
+/// The regularised incomplete beta function.
+///
+/// # Source
+/// Its continued fraction (DLMF 8.17.22) by the method of Lentz.
+fn incomplete_beta(a: f64, b: f64, x: f64) -> f64 {
+    if x <= 0.0 || x >= 1.0 {
+        return x.clamp(0.0, 1.0);
+    }
+    // The fraction converges fast on one side of the mean, and the function is symmetric.
+    if x > (a + 1.0) / (a + b + 2.0) {
+        return 1.0 - incomplete_beta(b, a, 1.0 - x);
+    }
+    let whole = libm::lgamma(a) + libm::lgamma(b) - libm::lgamma(a + b);
+    let front = libm::exp(a * libm::log(x) + b * libm::log1p(-x) - whole) / a;
+    let away = |value: f64| if value.abs() < 1e-300 { 1e-300 } else { value };
+    let (mut c, mut d) = (1.0, 1.0 / away(1.0 - (a + b) * x / (a + 1.0)));
+    let mut fraction = d;
+    for m in 1..1_000 {
+        let m = f64::from(m);
+        let even = m * (b - m) * x / ((a + 2.0 * m - 1.0) * (a + 2.0 * m));
+        let odd = -(a + m) * (a + b + m) * x / ((a + 2.0 * m) * (a + 2.0 * m + 1.0));
+        let before = fraction;
+        for step in [even, odd] {
+            d = 1.0 / away(1.0 + step * d);
+            c = away(1.0 + step / c);
+            fraction *= c * d;
+        }
+        if (fraction - before).abs() <= 1e-16 * fraction.abs() {
+            break;
+        }
+    }
+    front * fraction
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::recorded;
+
+    #[test]
+    fn the_interval_is_students() {
+        // By hand: mean 2, standard deviation 1, t = 4.302653.
+        let (mean, interval) = mean_interval(&[1.0, 2.0, 3.0]);
+        let (low, high) = interval.unwrap();
+        let half = 4.302_652_729_696 / 3_f64.sqrt();
+        assert!((mean - 2.0).abs() < 1e-12 && (low - 2.0 + half).abs() < 1e-9 && (high - 2.0 - half).abs() < 1e-9);
+        assert_eq!(mean_interval(&[4.0]), (4.0, None));
+    }
+
+    #[test]
+    fn tails_and_quantiles_are_those_of_scipy() {
+        for case in recorded("student_tails") {
+            let [t, degrees, tails] = case[..] else { panic!("{case:?}") };
+            let found = student_tails(t, degrees);
+            assert!((found - tails).abs() <= 1e-10 * tails, "{case:?}: {found}");
+        }
+        for case in recorded("student_quantile") {
+            let [degrees, quantile] = case[..] else { panic!("{case:?}") };
+            let found = student_quantile(degrees);
+            assert!((found - quantile).abs() < 1e-9 * quantile, "{case:?}: {found}");
+        }
+    }
+}

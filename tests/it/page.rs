@@ -1,0 +1,269 @@
+//! The page of a report, read as a file and opened in a browser.
+//!
+//! The browser is the one that `FALSIFY_BROWSER` names, or a Chromium or Chrome of a known name; without any the test says
+//! so and passes. It is driven through its pipe, so that no port is opened.
+
+use std::collections::BTreeSet;
+use std::io::{BufRead, BufReader, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+
+use serde_json::{Value, json};
+
+/// A campaign in which nobody is trained and somebody is hit, and whose names and words want to break out of the page.
+const SCENARIO: &str = r#"edition 1
+import "std/paper.scn"
+import "std/drivers.scn"
+import "std/towns.scn"
+
+/// </script><script>throw 1</script> & "quotes" <img src=x onerror=alert(1)>
+campaign page {
+  vehicle: model3
+  adversary: suicidal
+  spawn: ahead
+  episode: thirty_seconds
+  training: short
+
+  train {
+    towns: [harbour]
+    policies: [blind]
+    rewards: [r1]
+    runs: 2
+  }
+  evaluate {
+    towns: [harbour]
+    policies: [blind]
+    pedestrians: [trained, random, intercept]
+    episodes: 20
+  }
+}
+
+/// <b>Short</b>
+training short = ppo(steps: 1_500, portable_bits: true)
+"#;
+
+/// Runs the campaign and gives the folder of its report.
+fn report(out: &Path) -> PathBuf {
+    let file = out.join("page.scn");
+    std::fs::write(&file, SCENARIO).unwrap();
+    let run = Command::new(env!("CARGO_BIN_EXE_falsify")).arg("run").arg(&file).arg("--out").arg(out).output().unwrap();
+    assert!(run.status.success(), "{run:?}");
+    out.join("page")
+}
+
+#[test]
+fn a_report_has_a_page_that_needs_nothing_else_and_moves() {
+    let out = tempfile::tempdir().unwrap();
+    let folder = report(out.path());
+    let html = std::fs::read_to_string(folder.join("report.html")).unwrap();
+    stands_alone(&html, &folder);
+    assert!(html.len() < 3_000_000, "{} bytes", html.len());
+    match browser() {
+        Some(browser) => opens(&browser, &folder.join("report.html")),
+        None => loud!("SKIPPED: there is no Chromium or Chrome to open report.html in; set FALSIFY_BROWSER"),
+    }
+}
+
+/// What can be said without a browser.
+fn stands_alone(html: &str, folder: &Path) {
+    let mut ids = BTreeSet::new();
+    for part in html.split(" id=\"").skip(1) {
+        let id = part.split('"').next().unwrap();
+        assert!(ids.insert(id.to_string()), "`{id}` is there twice");
+    }
+    for attribute in ["src=\"", "href=\""] {
+        for part in html.split(attribute).skip(1) {
+            let target = part.split('"').next().unwrap();
+            match target.strip_prefix('#') {
+                Some(id) => assert!(ids.contains(id), "nothing has the id `{id}`"),
+                None => assert!(folder.join(target).is_file(), "`{target}` is no file of the report"),
+            }
+        }
+    }
+    for outside in ["url(", "@import", "fetch(", "XMLHttpRequest", "<img", "<link", "<iframe", "onerror=alert(1)>"] {
+        assert!(!html.contains(outside), "the page holds `{outside}`");
+    }
+    let data: Vec<&str> = html.split("<script type=\"application/json\"").skip(1).collect();
+    assert!(!data.is_empty(), "no kind of failure can be played");
+    for part in data {
+        let text = part.split_once('>').unwrap().1.split("</script>").next().unwrap();
+        let replay: Value = serde_json::from_str(text).unwrap();
+        assert_eq!(replay["ego"].as_array().unwrap().len(), replay["person"].as_array().unwrap().len());
+    }
+    balanced(html);
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|extension| extension == "svg") {
+            let svg = std::fs::read_to_string(&path).unwrap();
+            let read = roxmltree::Document::parse(&svg);
+            assert!(read.is_ok(), "{}: {read:?}", path.display());
+        }
+    }
+}
+
+/// Whether every element is closed, in order.
+fn balanced(html: &str) {
+    const VOID: [&str; 4] = ["meta", "br", "input", "!doctype"];
+    let mut open: Vec<String> = Vec::new();
+    let mut rest = html;
+    while let Some(start) = rest.find('<') {
+        let end = start + rest[start..].find('>').expect("a tag has an end");
+        let tag = &rest[start + 1..end];
+        let name: String =
+            tag.trim_start_matches('/').chars().take_while(|c| !c.is_whitespace() && *c != '/').collect();
+        rest = &rest[end + 1..];
+        if tag.starts_with('/') {
+            assert_eq!(open.pop().as_deref(), Some(name.as_str()), "</{name}> closes something else");
+        } else if !tag.ends_with('/') && !VOID.contains(&name.as_str()) {
+            // What is within these is no markup.
+            if ["script", "style"].contains(&name.as_str()) {
+                rest = &rest[rest.find(&format!("</{name}>")).unwrap()..];
+            }
+            open.push(name);
+        }
+    }
+    assert!(open.is_empty(), "never closed: {open:?}");
+}
+
+fn browser() -> Option<PathBuf> {
+    let named = std::env::var_os("FALSIFY_BROWSER").map(PathBuf::from);
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let names = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome"];
+    let known = std::env::split_paths(&path).flat_map(|folder| names.map(|name| folder.join(name)));
+    named.into_iter().chain(known).find(|place| place.is_file())
+}
+
+/// What the page does in a browser: it says nothing, asks for nothing, and its players move.
+fn opens(browser: &Path, page: &Path) {
+    let profile = tempfile::tempdir().unwrap();
+    let mut tab = Tab::open(browser, profile.path());
+    for domain in ["Page", "Runtime", "Log", "Network"] {
+        tab.ask(&format!("{domain}.enable"), json!({}));
+    }
+    tab.ask("Page.navigate", json!({ "url": format!("file://{}", page.display()) }));
+    tab.wait("Page.loadEventFired");
+    let players = tab.value("document.querySelectorAll('.player canvas.scene').length");
+    assert!(players.as_u64().unwrap() > 0, "{players}");
+    let show = "document.querySelector('.player .says').textContent";
+    let picture = "document.querySelector('.player canvas.scene').toDataURL()";
+    let (text, seen) = (tab.value(show), tab.value(picture));
+    tab.value("document.querySelector('.player').scrollIntoView()");
+    tab.value("document.querySelector('.player .play').click()");
+    let moved = "new Promise((done) => { const until = performance.now() + 20000; const look = () => { \
+         const bar = document.querySelector('.player input'); \
+         if (Number(bar.value) > Number(bar.dataset.from) || performance.now() > until) done(Number(bar.value)); \
+         else requestAnimationFrame(look); }; look(); })";
+    tab.value(
+        "(() => { const bar = document.querySelector('.player input'); bar.dataset.from = Number(bar.value) + 5; })()",
+    );
+    tab.value(moved);
+    assert_ne!(tab.value(show), text, "the time does not change");
+    assert_ne!(tab.value(picture), seen, "the picture does not change");
+    let key = |key: &str| {
+        format!(
+            "document.querySelector('.player canvas.scene').dispatchEvent(new KeyboardEvent('keydown', {{ key: '{key}', bubbles: true }}))"
+        )
+    };
+    tab.value(&key("Home"));
+    tab.value(&key("ArrowRight"));
+    assert_eq!(tab.value("Number(document.querySelector('.player input').value)"), json!(1), "keys step by a tick");
+    tab.value("document.getElementById('theme').click()");
+    let theme = tab.value("document.documentElement.dataset.theme");
+    assert!(["dark", "light"].contains(&theme.as_str().unwrap_or_default()), "{theme}");
+    let width = tab.value("document.documentElement.scrollWidth <= innerWidth");
+    assert_eq!(width, json!(true), "the page is wider than its window");
+    let unnamed = "[...document.querySelectorAll('button, input, select, svg[role=img], canvas[role=img]')]\
+         .filter((e) => !(e.getAttribute('aria-label') || e.textContent.trim())).length";
+    assert_eq!(tab.value(unnamed), json!(0), "something has no name for those who do not see it");
+    let talked: Vec<&Value> = tab
+        .heard
+        .iter()
+        .filter(|event| {
+            let method = event["method"].as_str().unwrap_or_default();
+            let url = event["params"]["request"]["url"].as_str().unwrap_or_default();
+            ["Runtime.consoleAPICalled", "Runtime.exceptionThrown", "Log.entryAdded"].contains(&method)
+                || (method == "Network.requestWillBeSent" && !url.ends_with("/report.html"))
+        })
+        .collect();
+    assert!(talked.is_empty(), "{talked:#?}");
+}
+
+/// A tab of a browser that is driven through its pipe; it ends with the value.
+struct Tab {
+    child: Child,
+    to: ChildStdin,
+    from: BufReader<ChildStdout>,
+    session: Option<String>,
+    asked: u64,
+    heard: Vec<Value>,
+}
+
+impl Tab {
+    fn open(browser: &Path, profile: &Path) -> Self {
+        // The browser reads from its third and writes to its fourth file; the shell puts our pipes there.
+        let mut child = Command::new("sh")
+            .args(["-c", "exec \"$0\" \"$@\" 3<&0 4>&1 </dev/null >/dev/null 2>&1"])
+            .arg(browser)
+            .args(["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"])
+            .arg("--remote-debugging-pipe")
+            .arg(format!("--user-data-dir={}", profile.display()))
+            .arg("about:blank")
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let (to, from) = (child.stdin.take().unwrap(), BufReader::new(child.stdout.take().unwrap()));
+        let mut tab = Self { child, to, from, session: None, asked: 0, heard: Vec::new() };
+        let target = tab.ask("Target.createTarget", json!({ "url": "about:blank" }))["targetId"].clone();
+        let attached = tab.ask("Target.attachToTarget", json!({ "targetId": target, "flatten": true }));
+        tab.session = Some(attached["sessionId"].as_str().unwrap().to_string());
+        tab
+    }
+
+    fn read(&mut self) -> Value {
+        let mut message = Vec::new();
+        self.from.read_until(0, &mut message).unwrap();
+        assert_eq!(message.pop(), Some(0), "the browser has ended");
+        serde_json::from_slice(&message).unwrap()
+    }
+
+    fn ask(&mut self, method: &str, params: Value) -> Value {
+        self.asked += 1;
+        let mut message = json!({ "id": self.asked, "method": method, "params": params });
+        if let Some(session) = &self.session {
+            message["sessionId"] = json!(session);
+        }
+        self.to.write_all(message.to_string().as_bytes()).unwrap();
+        self.to.write_all(&[0]).unwrap();
+        loop {
+            let answer = self.read();
+            if answer["id"] == json!(self.asked) {
+                assert!(answer["error"].is_null(), "{method}: {answer}");
+                return answer["result"].clone();
+            }
+            self.heard.push(answer);
+        }
+    }
+
+    fn wait(&mut self, method: &str) {
+        while !self.heard.iter().any(|event| event["method"] == json!(method)) {
+            let event = self.read();
+            self.heard.push(event);
+        }
+    }
+
+    /// The value of an expression of the page.
+    fn value(&mut self, expression: &str) -> Value {
+        let params = json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
+        let answer = self.ask("Runtime.evaluate", params);
+        assert!(answer["exceptionDetails"].is_null(), "{expression}: {answer}");
+        answer["result"]["value"].clone()
+    }
+}
+
+impl Drop for Tab {
+    fn drop(&mut self) {
+        let _ = self.to.write_all(b"{\"id\":0,\"method\":\"Browser.close\"}\0");
+        let _ = self.child.wait();
+    }
+}

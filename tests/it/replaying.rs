@@ -1,0 +1,214 @@
+//! What a report holds can be repeated to the bit, and a run can pass or fail.
+
+use std::path::Path;
+use std::process::Output;
+
+use crate::program::falsify;
+
+const SCENARIO: &str = r#"
+edition 1
+import "LIB/paper.scn"
+import "LIB/drivers.scn"
+import "LIB/towns.scn"
+param headway: time = 1.5 s
+policy near = idm(time_headway: headway)
+training short = ppo(steps: 256, steps_per_update: 128)
+falsifier home = homing()
+campaign again {
+  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: short
+  train { towns: [harbour] policies: [near] rewards: [r1] runs: 1 }
+  evaluate { towns: [harbour] policies: [near, behavior] pedestrians: [trained, sampled, intercept] episodes: 6 }
+  search { towns: [harbour] policies: [near] falsifiers: [home] budget: 3_000 runs: 1 episodes: 0 }
+}
+"#;
+
+fn scenario(folder: &Path) {
+    let lib = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/lib");
+    std::fs::write(folder.join("again.scn"), SCENARIO.replace("LIB", &lib.display().to_string())).unwrap();
+}
+
+fn said(output: &Output) -> String {
+    [output.stdout.as_slice(), &output.stderr].concat().iter().map(|byte| char::from(*byte)).collect()
+}
+
+/// The rows of a table, each as the values of these columns.
+fn rows(report: &Path, table: &str, columns: &[&str]) -> Vec<Vec<String>> {
+    let text = std::fs::read_to_string(report.join(format!("{table}.csv"))).unwrap();
+    let mut lines = text.lines();
+    let head: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let places: Vec<usize> =
+        columns.iter().map(|column| head.iter().position(|name| name == column).expect("it is a column")).collect();
+    let row = |line: &str| {
+        let values: Vec<&str> = line.split(',').collect();
+        places.iter().map(|place| values[*place].to_string()).collect()
+    };
+    lines.map(row).collect()
+}
+
+#[test]
+fn a_report_can_be_replayed_drawn_and_verified() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    scenario(here);
+    let run = falsify(&["run", "--ticks", "failures", "--set", "headway=1 s", "again.scn"], here);
+    assert_eq!(run.status.code(), Some(0), "{run:?}");
+    let report = here.join("reports/again");
+
+    let all = rows(&report, "episodes", &["run_id", "episode", "outcome", "digest", "trail", "ticks", "pedestrian"]);
+    assert_eq!(all.len(), 36);
+    let hit = all.iter().find(|row| row[2] == "collision" && row[6] == "intercept").expect("it hits somebody");
+    let name = format!("{}:{}", hit[0], hit[1]);
+    assert!(!hit[4].is_empty() && all.iter().all(|row| row[4].is_empty() != (row[2] == "collision")));
+
+    // From elsewhere, the files are found where they were.
+    let elsewhere = tempfile::tempdir().unwrap();
+    let replay = falsify(&["replay", &name, "--report", &report.display().to_string()], elsewhere.path());
+    assert_eq!(replay.status.code(), Some(0), "{replay:?}");
+    assert!(said(&replay).contains(&format!("digest {}: as in the report", hit[3])), "{}", said(&replay));
+    let told = falsify(&["replay", &name, "--json", "--ticks", "way.csv"], here);
+    let told: serde_json::Value = serde_json::from_slice(&told.stdout).unwrap();
+    assert_eq!((told["equal"].as_bool(), told["digest"].as_str()), (Some(true), Some(hit[3].as_str())));
+    let way = std::fs::read_to_string(here.join("way.csv")).unwrap();
+    let dictionary = include_str!("../../reports/README.md");
+    let (_, part) = dictionary.split_once("\nTicks, one row each").unwrap();
+    let (part, _) = part.split_once("\n## ").unwrap();
+    let cells = part.lines().filter_map(|line| line.strip_prefix("| `")?.split("` |").next());
+    let explained: Vec<&str> = cells.flat_map(|cell| cell.split("`, `")).collect();
+    assert_eq!(
+        explained,
+        way.lines().next().unwrap().split(',').collect::<Vec<_>>(),
+        "reports/README.md, in its order"
+    );
+    let ticks = rows(here, "way", &["tick", "gap_m"]);
+    assert_eq!(ticks.len().to_string(), (hit[5].parse::<usize>().unwrap() + 1).to_string());
+
+    let found = rows(&report, "search_failures", &["run_id", "failure"]);
+    assert!(!found.is_empty(), "the search finds something");
+    let failure = falsify(&["replay", &format!("{}:{}", found[0][0], found[0][1])], here);
+    assert_eq!(failure.status.code(), Some(0), "{failure:?}");
+
+    for (arguments, moves) in
+        [(vec!["render", &name, "-o", "a.svg"], false), (vec!["render", &name, "--animate"], true)]
+    {
+        let drawn = falsify(&arguments, here);
+        assert_eq!(drawn.status.code(), Some(0), "{drawn:?}");
+        let path = here.join(String::from_utf8(drawn.stdout).unwrap().trim());
+        let page = std::fs::read_to_string(path).unwrap();
+        roxmltree::Document::parse(&page).unwrap();
+        assert_eq!(page.contains("<animateTransform"), moves);
+        assert!(page.contains("class=\"lane\"") && page.contains(&name) && !page.contains("<script"));
+    }
+
+    let verify = falsify(&["verify", "--all", "--trainings", "reports/again"], here);
+    assert_eq!(verify.status.code(), Some(0), "{verify:?}");
+    let count = 36 + found.len();
+    assert!(said(&verify).contains(&format!("{count} repeated, {count} equal")), "{}", said(&verify));
+    assert!(said(&verify).contains("trainings: 1 repeated, 1 equal"), "{}", said(&verify));
+
+    differences_are_found(here, &report, &name);
+}
+
+/// Another scenario file, another pedestrian, another row: each is noticed.
+fn differences_are_found(here: &Path, report: &Path, name: &str) {
+    let manifest = std::fs::read_to_string(report.join("manifest.toml")).unwrap();
+    std::fs::write(report.join("manifest.toml"), manifest.replace("\nseed = 1\n", "\nseed = 2\n")).unwrap();
+    let other = falsify(&["replay", name], here);
+    assert_eq!(other.status.code(), Some(8), "{other:?}");
+    assert!(said(&other).contains("it parts at tick 0 (0.00 s): "), "{}", said(&other));
+    std::fs::remove_file(report.join("ticks.parquet")).unwrap();
+    let other = falsify(&["replay", name], here);
+    assert!(said(&other).contains("it parts between tick 1 and tick 20 "), "{}", said(&other));
+    assert_eq!(falsify(&["verify", "reports/again"], here).status.code(), Some(8));
+    std::fs::write(report.join("manifest.toml"), &manifest).unwrap();
+    assert_eq!(falsify(&["replay", name], here).status.code(), Some(0));
+
+    let pedestrian = report.join("pedestrians/r1-harbour-near-0.safetensors");
+    let mut bytes = std::fs::read(&pedestrian).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    std::fs::write(&pedestrian, bytes).unwrap();
+    let verify = falsify(&["verify", "--sample", "0", "--trainings", "reports/again"], here);
+    assert_eq!(verify.status.code(), Some(8), "{verify:?}");
+
+    let file = here.join("again.scn");
+    let text = std::fs::read_to_string(&file).unwrap();
+    std::fs::write(&file, text.replace("episodes: 6", "episodes: 7")).unwrap();
+    let changed = falsify(&["replay", name], here);
+    assert_eq!(changed.status.code(), Some(8), "{changed:?}");
+    assert!(said(&changed).contains("again.scn` has changed since then"), "{}", said(&changed));
+    let anyway = falsify(&["replay", name, "--anyway"], here);
+    assert_eq!(anyway.status.code(), Some(0), "the episode itself is the same: {anyway:?}");
+
+    for (wrong, wanted) in [("deadbeef:0", "has a run `deadbeef`"), ("deadbeef", "write RUN:EPISODE")] {
+        let output = falsify(&["replay", wrong], here);
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
+        assert!(said(&output).contains(wanted), "{}", said(&output));
+    }
+}
+
+/// The elements of `junit-10.xsd` of Jenkins' xUnit plug-in that are written: element, parent, attributes that it must have, others.
+const SCHEMA: [(&str, &str, &[&str], &[&str]); 7] = [
+    ("testsuites", "", &[], &["name", "time", "tests", "failures", "errors"]),
+    ("testsuite", "testsuites", &["name", "tests", "failures", "errors"], &["time", "skipped"]),
+    ("properties", "testsuite", &[], &[]),
+    ("property", "properties", &["name", "value"], &[]),
+    ("testcase", "testsuite", &["name"], &["classname"]),
+    ("failure", "testcase", &[], &["type", "message"]),
+    ("skipped", "testcase", &[], &["type", "message"]),
+];
+
+fn follows_the_schema(node: roxmltree::Node<'_, '_>) {
+    let name = node.tag_name().name();
+    let parent = node.parent_element().map_or("", |parent| parent.tag_name().name());
+    let known = SCHEMA.iter().find(|(element, ..)| *element == name);
+    let (_, above, must, may) = known.unwrap_or_else(|| panic!("the schema has no `{name}`"));
+    assert_eq!(*above, parent, "{name}");
+    assert!(must.iter().all(|attribute| node.has_attribute(*attribute)), "{node:?}");
+    let mut attributes = node.attributes();
+    assert!(
+        attributes.all(|attribute| must.contains(&attribute.name()) || may.contains(&attribute.name())),
+        "{node:?}"
+    );
+}
+
+#[test]
+fn a_broken_gate_is_said_in_the_exit_code_and_in_junit() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    scenario(here);
+    let typo = falsify(&["run", "--fail-if", "colision_rate > 0.5", "again.scn"], here);
+    assert_eq!(typo.status.code(), Some(2));
+    assert!(said(&typo).contains("did you mean `collision_rate") && !here.join("reports").exists(), "{typo:?}");
+
+    let gates = ["--fail-if", "collision_rate >= 0.5 and pedestrian == intercept", "--fail-if", "front_rate < 0"];
+    let run = [&["run", "--junit", "out/results.xml"], &gates[..], &["again.scn"]].concat();
+    let run = falsify(&run, here);
+    assert_eq!(run.status.code(), Some(7), "{run:?}");
+    let page = std::fs::read_to_string(here.join("out/results.xml")).unwrap();
+    let page = roxmltree::Document::parse(&page).unwrap();
+    let suites = page.root_element();
+    let suite = suites.first_element_child().unwrap();
+    assert_eq!((suites.tag_name().name(), suite.tag_name().name()), ("testsuites", "testsuite"));
+    let cells = rows(&here.join("reports/again"), "cells", &["collision_rate_mean", "pedestrian", "collisions"]);
+    let wanted: Vec<&str> = cells
+        .iter()
+        .map(|cell| match cell[0].parse::<f64>().unwrap() {
+            rate if rate >= 0.5 && cell[1] == "intercept" => "failure",
+            _ if cell[2] == "0" => "skipped",
+            _ => "",
+        })
+        .collect();
+    let cases: Vec<_> = suite.children().filter(|node| node.has_tag_name("testcase")).collect();
+    let got: Vec<&str> =
+        cases.iter().map(|case| case.first_element_child().map_or("", |child| child.tag_name().name())).collect();
+    assert_eq!(got, wanted);
+    assert!(wanted.contains(&"failure"), "{cells:?}");
+    let count = |name: &str| wanted.iter().filter(|kind| **kind == name).count().to_string();
+    assert_eq!(suite.attribute("tests"), Some(cells.len().to_string().as_str()));
+    assert_eq!(suite.attribute("failures"), Some(count("failure").as_str()));
+    assert_eq!(suite.attribute("skipped"), Some(count("skipped").as_str()));
+    page.descendants().filter(roxmltree::Node::is_element).for_each(follows_the_schema);
+
+    let passing = falsify(&["run", "--fail-if", "collision_rate > 1", "again.scn"], here);
+    assert_eq!(passing.status.code(), Some(0), "{passing:?}");
+}

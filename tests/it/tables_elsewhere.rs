@@ -1,0 +1,57 @@
+//! The tables of a report can be read as `reports/README.md` shows.
+//!
+//! Needs a Python with polars, pandas and duckdb, which `FALSIFY_PYTHON` names (default `python3`); what is missing is skipped, loudly.
+
+use std::path::Path;
+use std::process::Command;
+
+const SCENARIO: &str = r#"
+edition 1
+import "lib/paper.scn"
+import "lib/drivers.scn"
+import "lib/towns.scn"
+training short = ppo(steps: 600)
+campaign tables {
+  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: short
+  train { towns: [harbour] policies: [blind] rewards: [r1, r2] runs: 2 }
+  evaluate { towns: [harbour, village] policies: [blind] pedestrians: [trained, random] episodes: 8 }
+}
+"#;
+
+#[test]
+fn the_snippets_of_the_report_s_page_run() {
+    let page = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/README.md")).unwrap();
+    let snippets: Vec<(&str, &str)> = page
+        .split("<!-- run: ")
+        .skip(1)
+        .map(|rest| {
+            let (module, rest) = rest.split_once(" -->\n```python\n").expect("a snippet follows its mark");
+            (module, rest.split("```").next().unwrap())
+        })
+        .collect();
+    assert_eq!(snippets.iter().map(|(module, _)| *module).collect::<Vec<_>>(), ["polars", "pandas", "duckdb"]);
+    let folder = tempfile::tempdir().unwrap();
+    let scenarios = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");
+    let file = folder.path().join("tables.scn");
+    std::fs::write(&file, SCENARIO.replace("lib/", &format!("{}/lib/", scenarios.display()))).unwrap();
+    let run = Command::new(env!("CARGO_BIN_EXE_falsify"))
+        .args(["run", "--out"])
+        .arg(folder.path())
+        .arg(&file)
+        .output()
+        .unwrap();
+    assert!(run.status.success(), "{run:?}");
+    let python = std::env::var("FALSIFY_PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    for (module, snippet) in snippets {
+        let has = Command::new(&python).args(["-c", &format!("import {module}")]).output();
+        if !has.is_ok_and(|output| output.status.success()) {
+            loud!("SKIPPED: `{python}` has no {module}; set FALSIFY_PYTHON");
+            continue;
+        }
+        let output =
+            Command::new(&python).args(["-c", snippet]).current_dir(folder.path().join("tables")).output().unwrap();
+        let text = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success(), "{module}: {}", String::from_utf8_lossy(&output.stderr));
+        assert!(text.contains("village") && text.contains("r2"), "{module}: {text}");
+    }
+}
