@@ -20,7 +20,8 @@ const IDLE: [&str; 7] = ["list", "fresh", "shard", "only", "checkpoint", "cell_t
 
 /// Leaves what means nothing here out of the help.
 pub fn without_idle(command: Command) -> Command {
-    command.mut_subcommand("merge", |merge| IDLE.iter().fold(merge, |merge, id| merge.mut_arg(id, |arg| arg.hide(true))))
+    command
+        .mut_subcommand("merge", |merge| IDLE.iter().fold(merge, |merge, id| merge.mut_arg(id, |arg| arg.hide(true))))
 }
 
 /// `falsify merge`
