@@ -143,7 +143,7 @@ pub struct RunOptions {
     #[arg(long)]
     pub fresh: bool,
     /// Do one of several parts, as 3/16, and write no report; `auto/16` takes the number from SLURM_ARRAY_TASK_ID or JOB_COMPLETION_INDEX.
-    #[arg(long, value_name = "I/N", conflicts_with_all = ["fresh", "list"])]
+    #[arg(long, value_name = "I/N", conflicts_with_all = ["fresh", "list", "ticks", "fail_if", "junit"])]
     pub shard: Option<Shard>,
     /// Of a shard, do only these; other shards then find them.
     #[arg(long, value_enum, value_name = "CELLS", requires = "shard")]

@@ -2,9 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use clap::Command;
 use rayon::prelude::*;
 
-use super::args::MergeOptions;
+use super::args::{MergeOptions, Output};
+use super::progress::Event;
 use super::{ExitCode, front, interrupt, run};
 use crate::campaign::{self, Cell, cells};
 use crate::compile::Campaign;
@@ -13,8 +15,25 @@ use crate::store::{Ids, Store, StoreError, Taken, cell_name};
 /// Most cells that are named one by one.
 const SHOWN: usize = 10;
 
+/// Options of `falsify run` that say how to work, which a merge does not.
+const IDLE: [&str; 7] = ["list", "fresh", "shard", "only", "checkpoint", "cell_time", "max_ticks"];
+
+/// Leaves what means nothing here out of the help.
+pub fn without_idle(command: Command) -> Command {
+    command
+        .mut_subcommand("merge", |merge| IDLE.iter().fold(merge, |merge, id| merge.mut_arg(id, |arg| arg.hide(true))))
+}
+
 /// `falsify merge`
 pub fn merge(options: &MergeOptions) -> ExitCode {
+    let code = put_together(options);
+    if options.run.format == Output::Json {
+        Event::RunEnded { exit_code: code as u8 }.tell();
+    }
+    code
+}
+
+fn put_together(options: &MergeOptions) -> ExitCode {
     let work = &options.run;
     if work.shard.is_some() || work.list || work.fresh {
         front::fail("a merge does nothing but put together; leave --shard, --list and --fresh to `falsify run`");

@@ -98,7 +98,7 @@ fn run_command() -> ExitCode {
 
 /// All commands with their options.
 fn command() -> Command {
-    config::with_options(Arguments::command())
+    merge::without_idle(config::with_options(Arguments::command()))
 }
 
 /// Reads the arguments of the process; the error is the exit code, after the reason has been printed.
