@@ -33,6 +33,8 @@ fn the_main_campaigns_survive_a_smoke_run() {
         .unwrap();
     assert!(output.status.success(), "{output:?}");
     let reports: Vec<PathBuf> = std::fs::read_dir(out.path()).unwrap().map(|entry| entry.unwrap().path()).collect();
+    let is_report = |path: &PathBuf| !path.file_name().unwrap().to_string_lossy().starts_with('.');
+    let reports: Vec<PathBuf> = reports.into_iter().filter(is_report).collect();
     assert!(!reports.is_empty());
     for report in reports {
         for file in [
