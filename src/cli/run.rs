@@ -63,7 +63,7 @@ fn run_or_report(options: &RunOptions, work: Work) -> ExitCode {
     if options.smoke {
         plan.campaigns.iter_mut().for_each(campaign::smoke);
     }
-    let note: Note = Box::new(|text| front::warn(text));
+    let note: Note = Box::new(front::warn);
     if options.list {
         let store = Store::look(&options.out, note);
         for campaign in &plan.campaigns {

@@ -45,7 +45,7 @@ struct Kind {
 
 /// `falsify status`
 pub fn status(options: &StatusOptions) -> ExitCode {
-    let store = Store::look(&options.out, Box::new(|text| front::warn(text)));
+    let store = Store::look(&options.out, Box::new(front::warn));
     let campaigns = store.campaigns();
     if campaigns.is_empty() {
         front::fail(&format!("no campaign was run in `{}`", options.out.display()));

@@ -1,6 +1,6 @@
 use std::fs::File;
 use std::io::{self, BufWriter};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use polars::prelude::{DataFrame, PolarsError, PolarsResult, Schema};
 use polars_io::SerWriter;
@@ -98,12 +98,12 @@ impl TableStream {
     }
 }
 
-fn failed<T>(path: &PathBuf, result: PolarsResult<T>) -> Result<T, WriteError> {
+fn failed<T>(path: &Path, result: PolarsResult<T>) -> Result<T, WriteError> {
     result.map_err(|error| {
         let source = match error {
             PolarsError::IO { error, .. } => io::Error::new(error.kind(), error.to_string()),
             other => io::Error::other(other.to_string()),
         };
-        WriteError::File { path: path.clone(), source }
+        WriteError::File { path: path.to_path_buf(), source }
     })
 }
