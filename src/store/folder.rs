@@ -1,7 +1,8 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use super::cell_file::{self, Found, Header};
 use super::work_folder::{LOCK, WorkFolder};
@@ -30,6 +31,8 @@ pub struct Store {
     root: PathBuf,
     work: Option<WorkFolder>,
     note: Note,
+    /// The cells that were said to be damaged.
+    said: Mutex<BTreeSet<Id>>,
 }
 
 /// A cell in hand: nobody else takes it until this is dropped.
@@ -60,12 +63,12 @@ impl Store {
             fs::write(readme, README).map_err(failed)?;
         }
         let work = WorkFolder::begin(&root).map_err(failed)?;
-        Ok(Self { root, work: Some(work), note })
+        Ok(Self { root, work: Some(work), note, said: Mutex::default() })
     }
 
     /// Looks into the store of a folder for reports without changing anything.
     pub fn look(out: &Path, note: Note) -> Self {
-        Self { root: out.join(NAME), work: None, note }
+        Self { root: out.join(NAME), work: None, note, said: Mutex::default() }
     }
 
     /// Where a cell is, if it is there.
@@ -101,9 +104,11 @@ impl Store {
         }
     }
 
-    /// Says that a cell is damaged.
+    /// Says once that a cell is damaged.
     pub fn damaged(&self, id: Id) {
-        (self.note)(&format!("`{}` is damaged; its cell is done again", self.path(id).display()));
+        if self.said.lock().unwrap_or_else(PoisonError::into_inner).insert(id) {
+            (self.note)(&format!("`{}` is damaged; its cell is done again", self.path(id).display()));
+        }
     }
 
     /// Reads how a cell begins, without looking at its bytes; the error is that it is damaged.

@@ -62,10 +62,10 @@ pub fn data(manifest: &Manifest, files: &[String]) -> String {
     let _ = write!(html, "<pre><code>{}</code></pre>", escape(&command(manifest)));
     let _ = write!(
         html,
-        "<p>falsify {}, vector instructions {}. The same files, seed and version give the same numbers; times are in the manifest.</p>\
+        "<p>falsify {}, vector instructions {}; the manifest tells how long it took. The same files, seed and version give the same numbers.</p>\
          <details><summary>Files read</summary><table><thead><tr><th>file</th><th>BLAKE3</th></tr></thead><tbody>",
         escape(&manifest.version),
-        escape(&manifest.vector_instructions)
+        escape(&manifest.vector_instructions),
     );
     for file in &manifest.files {
         let short: String = file.blake3.chars().take(16).collect();
