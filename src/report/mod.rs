@@ -2,7 +2,7 @@
 //!
 //! Metrics are aggregated in two steps, as in the paper: episodes → run → cell. A "±" is the standard deviation over
 //! runs, that is over trainings; an interval is Wilson's over the episodes of all runs together and says nothing about
-//! further trainings; [`evidence`] has those that do.
+//! further trainings; `evidence` has those that do.
 
 mod tables;
 mod episodes;
