@@ -24,8 +24,9 @@ fn run(threads: &str, seed: &str) -> Vec<(String, Vec<u8>)> {
     let out = folder.path().join("out");
     let output = Command::new(env!("CARGO_BIN_EXE_falsify"))
         .args(["run", "--threads", threads, "--seed", seed, "--out"])
-        .arg(&out)
-        .arg(&file)
+        .arg("out")
+        .arg("twice.scn")
+        .current_dir(folder.path())
         .output()
         .unwrap();
     assert!(output.status.success(), "{output:?}");

@@ -138,8 +138,10 @@ fn a_campaign_that_is_killed_at_any_moment_ends_in_the_same_bytes() {
             std::thread::sleep(time.mul_f64(0.9 * share()));
             let done = child.try_wait().unwrap().is_some();
             let _ = child.kill();
-            assert!(child.wait().unwrap().success() == done);
-            if done {
+            // It may have come to its end just before the kill.
+            let ended = child.wait().unwrap().success();
+            assert!(ended || !done);
+            if ended {
                 break;
             }
             kills += 1;

@@ -1,9 +1,12 @@
+use polars::prelude::PolarsResult;
+
 use super::examples::repeat_examples;
 use super::identity::{Named, named};
-use super::{Contents, ModeCard, page};
+use super::{Contents, Extra, ModeCard, page};
 use crate::analysis::{FailureMode, Impact};
 use crate::campaign::Finished;
 use crate::compile::{Campaign, Evaluation};
+use crate::report::evidence::{self, Evidence};
 use crate::report::{Cell, Gathered, Kinds, Manifest, ReportFolder, WriteError, beside, search_cells};
 use crate::seed::Seed;
 
@@ -34,7 +37,7 @@ pub fn write_page(
         modes: &cards,
         searches: &search_cells(&finished.searches),
         published: &beside(&campaign.published, cells),
-        extras: &[],
+        extras: &extras(&gathered.evidence).map_err(failed)?,
         files: &folder.names()?,
     })
     .map_err(failed)?;
@@ -42,6 +45,58 @@ pub fn write_page(
         folder.file(&format!("{}.svg", figure.name), figure.to_svg().as_bytes())?;
     }
     folder.file("report.html", page.html.as_bytes())
+}
+
+/// Tables of what is compared.
+fn extras(found: &Evidence) -> PolarsResult<Vec<Extra>> {
+    let comparisons = evidence::comparison_table(&found.comparisons).select([
+        "reward",
+        "train_town",
+        "train_policy",
+        "pedestrian",
+        "other_pedestrian",
+        "other_reward",
+        "town",
+        "policy",
+        "figure",
+        "value",
+        "other_value",
+        "difference",
+        "difference_student_low",
+        "difference_student_high",
+        "p_holm",
+    ])?;
+    let transfers = evidence::transfer_table(&found.transfers).select([
+        "reward",
+        "pedestrian",
+        "changed",
+        "home_town",
+        "home_policy",
+        "away_town",
+        "away_policy",
+        "figure",
+        "home_value",
+        "away_value",
+        "gap",
+        "gap_student_low",
+        "gap_student_high",
+    ])?;
+    Ok(vec![
+        Extra {
+            id: "comparisons",
+            title: "Compared on the same beginnings",
+            lead: "Each trained pedestrian against one that is not trained, or was trained for another reward, on the same beginnings. \
+                   The interval is Student’s 95 % over trainings; p is corrected for all comparisons of the campaign (Holm).",
+            table: comparisons,
+        },
+        Extra {
+            id: "transfer",
+            title: "Elsewhere",
+            lead: "What a trained pedestrian does where it was trained, less what it does in another town or against another driver, with \
+                   Student’s 95 % interval over trainings.",
+            table: transfers,
+        },
+    ])
 }
 
 /// What the page says of a mode; none for cells that stand in no row of it.
