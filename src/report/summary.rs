@@ -12,8 +12,14 @@ only where the scenario puts them. The car is a kinematic bicycle whose pedals a
 CARLA, and its driver knows without error and at once whatever it looks at, unless the scenario gives it sensors. The pedestrian is a disc. Maps from OpenDRIVE hold \
 no buildings unless the scenario adds them.";
 
-/// The page to read first: one table of cells, how it was made, and what it does not say.
-pub fn summary(campaign: &Campaign, cells: &[Cell], evidence: &Evidence, manifest: &Manifest) -> String {
+/// The page to read first: tables of cells and of what they show, further sections, how it was made, and what it does not say.
+pub fn summary(
+    campaign: &Campaign,
+    cells: &[Cell],
+    evidence: &Evidence,
+    manifest: &Manifest,
+    sections: &str,
+) -> String {
     let mut page = format!("# {}\n\n", campaign.name);
     for line in &campaign.docs {
         let _ = writeln!(page, "{line}");
@@ -31,6 +37,7 @@ pub fn summary(campaign: &Campaign, cells: &[Cell], evidence: &Evidence, manifes
         episodes(&mut page, cells);
         page.push_str(&evidence::page(cells, evidence));
     }
+    page.push_str(sections);
     page.push_str(&drivers(&campaign.drivers));
     let _ = write!(
         page,

@@ -66,21 +66,22 @@ pub fn write(
         folder.file(&pedestrian_file(key, "onnx"), &trained.actor_critic.to_onnx(&bounds, &metadata))?;
     }
     let cells = metrics.cells().map_err(failed("cells"))?;
-    let mut page = summary(campaign, &cells, evidence, manifest);
-    page.push_str(&trainings_summary(&finished.trainings));
+    let mut sections = String::new();
     if !campaign.published.is_empty() {
         let all = beside(&campaign.published, &cells);
         folder.table("published", &published(&all))?;
-        page.push_str(&published_summary(&all));
+        sections.push_str(&published_summary(&all));
     }
-    page.push_str(&kinds_words);
+    sections.push_str(&kinds_words);
     if !finished.searches.is_empty() {
         let searched = search_cells(&finished.searches);
         folder.table("searches", &searches(&finished.searches))?;
         folder.table("search_cells", &search_cell_table(&searched))?;
         folder.table("search_failures", &search_failures(&finished.searches))?;
-        page.push_str(&search_summary(&searched));
+        sections.push_str(&search_summary(&searched));
     }
+    sections.push_str(&trainings_summary(&finished.trainings));
+    let page = summary(campaign, &cells, evidence, manifest, &sections);
     folder.file("summary.md", page.as_bytes())?;
     folder.file("manifest.toml", manifest.to_toml().as_bytes())?;
     write_page(folder, campaign, finished, gathered, manifest, &cells, &kinds)
