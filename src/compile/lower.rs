@@ -158,8 +158,8 @@ pub(super) struct BuiltTown {
 struct Shared {
     /// Towns that have been built, by their declaration and what it says.
     towns: BTreeMap<DeclarationId, Vec<(Block, Option<BuiltTown>)>>,
-    /// Policies that have been made ready, likewise.
-    policies: BTreeMap<DeclarationId, Vec<(Block, Option<PolicyMaker>)>>,
+    /// The policies that were made, beside their own contents and those of all that they refer to.
+    policies: BTreeMap<DeclarationId, Vec<(Vec<Block>, Option<PolicyMaker>)>>,
     /// Declarations that campaigns use.
     used: BTreeSet<DeclarationId>,
 }
@@ -240,12 +240,15 @@ impl Lowering<'_> {
 
     pub fn policy(&mut self, id: DeclarationId) -> Option<PolicyMaker> {
         let declaration = self.program.get(id);
+        // A variant may change what is behind a name, and leave the policy as it is.
+        let contents: Vec<Block> =
+            self.reached(id).into_iter().map(|each| self.program.get(each).block.clone()).collect();
         let known = self.shared.policies.get(&id).into_iter().flatten();
-        if let Some((_, made)) = known.clone().find(|(block, _)| *block == declaration.block) {
+        if let Some((_, made)) = known.clone().find(|(blocks, _)| *blocks == contents) {
             return made.clone();
         }
         let made = policy::lower(declaration, self);
-        self.shared.policies.entry(id).or_default().push((declaration.block.clone(), made.clone()));
+        self.shared.policies.entry(id).or_default().push((contents, made.clone()));
         made
     }
 
@@ -255,15 +258,21 @@ impl Lowering<'_> {
         file.parent().map(|folder| folder.join(path)).unwrap_or_else(|| path.into())
     }
 
-    /// Notes what a campaign uses; gives what is documented of it.
-    fn note_used(&mut self, campaign: DeclarationId) -> Vec<Documented> {
-        let mut open = vec![campaign];
+    /// A declaration and all that it refers to, directly or not.
+    fn reached(&self, from: DeclarationId) -> BTreeSet<DeclarationId> {
+        let mut open = vec![from];
         let mut seen = BTreeSet::new();
         while let Some(id) = open.pop() {
             if seen.insert(id) {
                 references(&self.program.get(id).block, &mut open);
             }
         }
+        seen
+    }
+
+    /// Notes what a campaign uses; gives what is documented of it.
+    fn note_used(&mut self, campaign: DeclarationId) -> Vec<Documented> {
+        let seen = self.reached(campaign);
         let used = self.program.declarations.iter().filter(|each| each.id != campaign && seen.contains(&each.id));
         let documented = used.filter(|each| !each.docs.is_empty()).map(|each| Documented {
             form: each.form,

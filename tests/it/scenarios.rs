@@ -73,3 +73,42 @@ fn the_examples_in_the_documents_check() {
     }
     assert!(blocks >= 2);
 }
+
+#[test]
+fn a_matrix_over_the_eyes_of_a_driver_changes_how_it_drives() {
+    use falsify::campaign::watch;
+    use falsify::compile::{Catalog, compile};
+    use falsify::diagnostic::Sources;
+    use falsify::seed::Seed;
+    const SCENARIO: &str = r#"
+edition 1
+import "lib/paper.scn"
+import "lib/drivers.scn"
+import "lib/towns.scn"
+param missed: number = 0.5
+sensors eyes { miss_near: missed  miss_far: missed  far: 100 m  miss_correlation: 3 s }
+policy watched = aeb(sensors: eyes)
+campaign looks {
+  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
+  matrix { missed: [0, 1] }
+  train { towns: [harbour]  policies: [watched]  rewards: [r1]  runs: 1 }
+  evaluate { towns: [harbour]  policies: [watched]  pedestrians: [intercept]  episodes: 60 }
+}
+"#;
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/looks.scn");
+    let read = |path: &Path| if path == root { Ok(SCENARIO.to_string()) } else { std::fs::read_to_string(path) };
+    let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
+    let campaigns = compiled.plan.unwrap().campaigns;
+    let moving = |campaign: usize| {
+        let note = &mut |outcome: &falsify::env::Outcome, _: &falsify::env::Recording| {
+            outcome.impact_speed().is_some_and(|speed| speed > 0.1)
+        };
+        let go_on = &mut |_| std::ops::ControlFlow::Continue(());
+        let evaluation = &campaigns[campaign].evaluations[0];
+        let hits = watch(evaluation, None, 0..60, &Seed::root(1), note, go_on);
+        hits.into_iter().filter(|hit| *hit).count()
+    };
+    assert_eq!(campaigns.len(), 2);
+    assert_ne!(campaigns[0].evaluations[0].recipe, campaigns[1].evaluations[0].recipe);
+    assert!(moving(0) + 10 < moving(1), "{} with good eyes, {} without", moving(0), moving(1));
+}

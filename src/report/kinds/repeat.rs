@@ -10,9 +10,7 @@ use crate::rl::ActorCritic;
 use crate::seed::Seed;
 
 /// Most collisions of a kind that are repeated.
-pub(super) const MOST: usize = 150;
-/// Episodes between two that are wanted, up to which they are repeated as well: to begin anew costs more.
-const GAP: u32 = 4;
+pub(super) const MOST: usize = 60;
 
 /// Repeats collisions to see how they came about, and notes it beside them: the first of each kind, evenly over the runs. One
 /// that does not go as before, since its driver is not deterministic, stays without.
@@ -61,7 +59,7 @@ fn ranges(episodes: &BTreeSet<u32>) -> Vec<Range<u32>> {
     let mut ranges: Vec<Range<u32>> = Vec::new();
     for episode in episodes {
         match ranges.last_mut() {
-            Some(last) if *episode <= last.end + GAP => last.end = episode + 1,
+            Some(last) if *episode == last.end => last.end = episode + 1,
             _ => ranges.push(*episode..episode + 1),
         }
     }
@@ -73,8 +71,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn episodes_near_each_other_are_repeated_together() {
-        assert_eq!(ranges(&BTreeSet::from([3, 4, 9, 20])), [3..10, 20..21]);
+    fn episodes_in_a_row_are_repeated_together() {
+        assert_eq!(ranges(&BTreeSet::from([3, 4, 9, 20])), [3..5, 9..10, 20..21]);
         assert_eq!(ranges(&BTreeSet::new()), []);
     }
 }
