@@ -159,10 +159,13 @@ struct Shared {
     /// Towns that have been built, by their declaration and what it says.
     towns: BTreeMap<DeclarationId, Vec<(Block, Option<BuiltTown>)>>,
     /// The policies that were made, beside their own contents and those of all that they refer to.
-    policies: BTreeMap<DeclarationId, Vec<(Vec<Block>, Option<PolicyMaker>)>>,
+    policies: BTreeMap<DeclarationId, Vec<MadePolicy>>,
     /// Declarations that campaigns use.
     used: BTreeSet<DeclarationId>,
 }
+
+/// What a policy and all that it refers to hold, and what was made of it.
+type MadePolicy = (Vec<Block>, Option<PolicyMaker>);
 
 /// What every step of the way from HIR to plan needs.
 pub(super) struct Lowering<'a> {
