@@ -1,14 +1,12 @@
 use std::fmt::Write;
 
 use super::account::BRAKING;
-use super::stage::{STYLE, Stage};
-use super::svg::escape;
+use super::stage::{EDGE, Stage, opening};
 use crate::env::{Moment, Recording, Scenario};
 use crate::judge::Verdict;
 
-/// Width of the scene and the space around it (px).
+/// Width of the scene (px).
 const WIDE: f64 = 760.0;
-const EDGE: f64 = 24.0;
 /// Height of the titles and of the speeds below (px).
 const HEAD: f64 = 62.0;
 const CHART: f64 = 90.0;
@@ -31,13 +29,10 @@ pub fn animation(
     let (width, chart) = (WIDE + 2.0 * EDGE, HEAD + tall + 40.0);
     let height = chart + CHART + 40.0;
     let clock = Clock::new(&stage);
-    let mut page = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height:.0}\" width=\"{width}\" height=\"{height:.0}\">\n\
-         <title>{0}</title>\n<style>{STYLE}</style>\n<rect class=\"paper\" width=\"{width}\" height=\"{height:.0}\"/>\n\
-         <text class=\"title\" x=\"{EDGE}\" y=\"30\">{0}</text>\n<text class=\"small faint\" x=\"{EDGE}\" y=\"49\">{1}</text>\n\
-         <svg x=\"{EDGE}\" y=\"{HEAD}\" width=\"{WIDE}\" height=\"{tall:.1}\" viewBox=\"{2}\">\n",
-        escape(title),
-        escape(subtitle),
+    let mut page = opening(width, height, (title, subtitle));
+    let _ = write!(
+        page,
+        "<svg x=\"{EDGE}\" y=\"{HEAD}\" width=\"{WIDE}\" height=\"{tall:.1}\" viewBox=\"{}\">\n",
         stage.view_box()
     );
     stage.ground(&mut page);

@@ -5,6 +5,7 @@ use std::ops::RangeInclusive;
 
 use super::account::BRAKING;
 use super::scenery::Scenery;
+use super::svg::escape;
 use super::town_map::polygon;
 use crate::env::{Moment, Recording, Scenario};
 use crate::geometry::{Point, Vector};
@@ -279,4 +280,18 @@ impl<'a> Stage<'a> {
 /// Points of a line, y down.
 pub fn points(places: impl Iterator<Item = Point>) -> String {
     places.map(|place| format!("{:.2},{:.2}", place.x, -place.y)).collect::<Vec<_>>().join(" ")
+}
+
+/// Space at the edges of a picture (px).
+pub const EDGE: f64 = 24.0;
+
+/// How a picture of an episode begins: its size (px), its style, its title and subtitle.
+pub fn opening(width: f64, height: f64, (title, subtitle): (&str, &str)) -> String {
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height:.0}\" width=\"{width}\" height=\"{height:.0}\">\n\
+         <title>{0}</title>\n<style>{STYLE}</style>\n<rect class=\"paper\" width=\"{width}\" height=\"{height:.0}\"/>\n\
+         <text class=\"title\" x=\"{EDGE}\" y=\"30\">{0}</text>\n<text class=\"small faint\" x=\"{EDGE}\" y=\"49\">{1}</text>\n",
+        escape(title),
+        escape(subtitle),
+    )
 }

@@ -1,7 +1,6 @@
 use std::fmt::Write;
 
-use super::stage::{STYLE, Stage};
-use super::svg::escape;
+use super::stage::{EDGE, Stage, opening};
 use crate::env::{Recording, Scenario};
 use crate::judge::Verdict;
 
@@ -9,9 +8,8 @@ use crate::judge::Verdict;
 const COLUMNS: usize = 3;
 const FRAMES: usize = 6;
 const WIDE: f64 = 300.0;
-/// Between frames and at the edges (px), and for the line below a frame.
+/// Between frames (px), and for the line below a frame.
 const GAP: f64 = 14.0;
-const EDGE: f64 = 24.0;
 const CAPTION: f64 = 26.0;
 /// Height of the titles and of the speeds below (px).
 const HEAD: f64 = 62.0;
@@ -34,14 +32,8 @@ pub fn strip(
     let rows = FRAMES.div_ceil(COLUMNS);
     let chart = HEAD + rows as f64 * (tall + CAPTION + GAP) + 28.0;
     let height = chart + CHART + 44.0;
-    let mut page = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height:.0}\" width=\"{width}\" height=\"{height:.0}\">\n\
-         <title>{0}</title>\n<style>{STYLE}</style>\n<rect class=\"paper\" width=\"{width}\" height=\"{height:.0}\"/>\n\
-         <text class=\"title\" x=\"{EDGE}\" y=\"30\">{0}</text>\n<text class=\"small faint\" x=\"{EDGE}\" y=\"49\">{1}</text>\n\
-         <defs><g id=\"ground\">\n",
-        escape(title),
-        escape(subtitle),
-    );
+    let mut page = opening(width, height, (title, subtitle));
+    page.push_str("<defs><g id=\"ground\">\n");
     stage.ground(&mut page);
     page.push_str("</g></defs>\n");
     let (left, wide) = (EDGE + 26.0, width - 2.0 * EDGE - 26.0);
