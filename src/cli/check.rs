@@ -25,12 +25,13 @@ pub fn check(options: &CheckOptions) -> ExitCode {
         Format::Json => json(&gathered),
         Format::Sarif => log(&gathered),
     };
-    let Some(count) = options.sample else { return checked };
-    let compiled = &gathered.compiled;
-    let sampled = match compiled.plan.as_ref().or(compiled.unplaced.as_ref()) {
-        Some(plan) => beginnings::sample(plan, count, options),
+    let plan = gathered.compiled.plan.as_ref().or(gathered.compiled.unplaced.as_ref());
+    let sampled = match options.sample.zip(plan) {
+        Some((count, plan)) => beginnings::sample(plan, count, options),
         None => ExitCode::Done,
     };
+    // The program ends here; to take a plan to pieces first is lost time.
+    std::mem::forget(gathered);
     if checked == ExitCode::Done { sampled } else { checked }
 }
 

@@ -5,7 +5,7 @@ use super::{ExitCode, front};
 use crate::compile::{Catalog, Plan};
 use crate::diagnostic::{Severity, Sources};
 use crate::env::Scenario;
-use crate::lang::{self, Defaults, outline};
+use crate::lang::{self, Checked, outline};
 
 /// `falsify debug`
 pub fn debug(options: &DebugOptions) -> ExitCode {
@@ -43,7 +43,7 @@ fn show_tree(tree: Tree, file: &Path, settings: &[String]) -> ExitCode {
         let catalog = Catalog::builtin();
         // A matrix belongs to the files, not to the program that one of its combinations makes.
         said.extend(lang::matrices(&mut loaded, &catalog.forms, &settings).1);
-        let (program, more) = lang::check(&loaded, &sources, &catalog.forms, &mut Defaults::new(&catalog.vocabulary));
+        let (program, more) = lang::check(&loaded, &sources, &catalog.forms, &mut Checked::new(&catalog.vocabulary));
         said.extend(more);
         front::say(outline(&program).trim_end());
     }

@@ -11,7 +11,7 @@ use crate::diagnostic::{Diagnostic, Severity, Sources};
 use crate::env::{PolicyMaker, SpawnRule};
 use crate::geometry::Obstacles;
 use crate::lang::hir::{Block, Declaration, Program};
-use crate::lang::{self, Defaults, Matrix, Reader, codes};
+use crate::lang::{self, Checked, Matrix, Reader, codes};
 use crate::road::Town;
 use crate::signature::{Arguments, DeclarationId, Value};
 
@@ -121,9 +121,9 @@ fn variants(
     sources: &Sources,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Vec<Variant> {
-    let mut defaults = Defaults::new(&catalog.vocabulary);
+    let mut checked = Checked::new(&catalog.vocabulary);
     let mut check = |loaded: &lang::Loaded| {
-        let (program, said) = lang::check(loaded, sources, &catalog.forms, &mut defaults);
+        let (program, said) = lang::check(loaded, sources, &catalog.forms, &mut checked);
         diagnostics.extend(said);
         program
     };
@@ -214,7 +214,7 @@ impl Lowering<'_> {
     /// Adds the towns that files import. One that cannot be built is left out: nothing wants it.
     fn imported_towns(&mut self, plan: &mut Plan) {
         let program = self.program;
-        let imported = |each: &&Declaration| each.form == "town" && !program.roots.contains(&each.source);
+        let imported = |each: &&Arc<Declaration>| each.form == "town" && !program.roots.contains(&each.source);
         let mut unsaid = Vec::new();
         for declaration in program.declarations.iter().filter(imported) {
             let map = self.maps.get(&declaration.name).map(PathBuf::as_path);

@@ -85,20 +85,20 @@ impl Lowering<'_> {
             return *known;
         }
         let declaration = self.program.get(id);
-        let mut out = blake3::Hasher::new();
+        let mut out = Vec::new();
         for word in [declaration.form, declaration.kind, &declaration.name] {
             text(&mut out, word);
         }
         if let Some(map) = self.maps.get(&declaration.name).filter(|_| declaration.form == "town") {
-            out.update(&self.read.seen(map).unwrap_or_default());
+            out.extend_from_slice(&self.read.seen(map).unwrap_or_default());
         }
         self.block(&mut out, declaration, &declaration.block);
-        let digest = *out.finalize().as_bytes();
+        let digest = *blake3::hash(&out).as_bytes();
         self.digests.insert(id, digest);
         digest
     }
 
-    fn block(&mut self, out: &mut blake3::Hasher, declaration: &Declaration, block: &Block) {
+    fn block(&mut self, out: &mut Vec<u8>, declaration: &Declaration, block: &Block) {
         text(out, block.word);
         text(out, block.name.as_deref().unwrap_or_default());
         for (key, value) in block.arguments.iter() {
@@ -111,13 +111,13 @@ impl Lowering<'_> {
             formula(out, &clause.formula);
         }
         for child in &block.children {
-            out.update(b"{");
+            out.push(b'{');
             self.block(out, declaration, child);
-            out.update(b"}");
+            out.push(b'}');
         }
     }
 
-    fn value(&mut self, out: &mut blake3::Hasher, declaration: &Declaration, value: &Value) {
+    fn value(&mut self, out: &mut Vec<u8>, declaration: &Declaration, value: &Value) {
         match value {
             Value::Absent => tag(out, 0),
             Value::Number(number) => numbers(out, 1, &[*number]),
@@ -128,7 +128,7 @@ impl Lowering<'_> {
             }
             Value::Integer(number) => {
                 tag(out, 4);
-                out.update(&number.to_le_bytes());
+                out.extend_from_slice(&number.to_le_bytes());
             }
             Value::Boolean(truth) => tag(out, 5 + u8::from(*truth)),
             Value::Choice(word) => {
@@ -139,17 +139,17 @@ impl Lowering<'_> {
                 tag(out, 8);
                 text(out, words);
                 // If it names a file, what stands in it.
-                out.update(&self.read.seen(&self.beside(declaration, words)).unwrap_or_default());
+                out.extend_from_slice(&self.read.seen(&self.beside(declaration, words)).unwrap_or_default());
             }
             Value::Point(x, y) => numbers(out, 9, &[*x, *y]),
             Value::Pose(x, y, yaw) => numbers(out, 10, &[*x, *y, *yaw]),
             Value::Reference(id) => {
                 tag(out, 11);
-                out.update(&self.digest(*id));
+                out.extend_from_slice(&self.digest(*id));
             }
             Value::List(members) => {
                 tag(out, 12);
-                out.update(&(members.len() as u64).to_le_bytes());
+                out.extend_from_slice(&(members.len() as u64).to_le_bytes());
                 members.iter().for_each(|member| self.value(out, declaration, member));
             }
             Value::Formula(condition) => {
@@ -160,23 +160,23 @@ impl Lowering<'_> {
     }
 }
 
-fn tag(out: &mut blake3::Hasher, kind: u8) {
-    out.update(&[kind]);
+fn tag(out: &mut Vec<u8>, kind: u8) {
+    out.push(kind);
 }
 
-fn text(out: &mut blake3::Hasher, text: &str) {
-    out.update(&(text.len() as u64).to_le_bytes());
-    out.update(text.as_bytes());
+fn text(out: &mut Vec<u8>, text: &str) {
+    out.extend_from_slice(&(text.len() as u64).to_le_bytes());
+    out.extend_from_slice(text.as_bytes());
 }
 
-fn numbers(out: &mut blake3::Hasher, kind: u8, numbers: &[f64]) {
+fn numbers(out: &mut Vec<u8>, kind: u8, numbers: &[f64]) {
     tag(out, kind);
     for number in numbers {
-        out.update(&number.to_bits().to_le_bytes());
+        out.extend_from_slice(&number.to_bits().to_le_bytes());
     }
 }
 
-fn drawn(out: &mut blake3::Hasher, distribution: &Distribution) {
+fn drawn(out: &mut Vec<u8>, distribution: &Distribution) {
     match distribution {
         Distribution::Constant(value) => numbers(out, 0, &[*value]),
         Distribution::Uniform(low, high) => numbers(out, 1, &[*low, *high]),
@@ -191,7 +191,7 @@ fn drawn(out: &mut blake3::Hasher, distribution: &Distribution) {
     }
 }
 
-fn formula(out: &mut blake3::Hasher, whole: &Formula) {
+fn formula(out: &mut Vec<u8>, whole: &Formula) {
     match whole {
         Formula::Constant(value) => numbers(out, 0, &[*value]),
         Formula::Variable(id) => numbers(out, 1, &[id.0 as f64]),
@@ -204,12 +204,12 @@ fn formula(out: &mut blake3::Hasher, whole: &Formula) {
             formula(out, inner);
         }
         Formula::Binary(operator, left, right) => {
-            out.update(&[4, *operator as u8]);
+            out.extend_from_slice(&[4, *operator as u8]);
             formula(out, left);
             formula(out, right);
         }
         Formula::Call(function, arguments) => {
-            out.update(&[5, *function as u8, arguments.len() as u8]);
+            out.extend_from_slice(&[5, *function as u8, arguments.len() as u8]);
             arguments.iter().for_each(|argument| formula(out, argument));
         }
     }

@@ -13,14 +13,9 @@ pub struct RunId(u32);
 
 impl RunId {
     /// Names something; `again` counts up where others have had the same name by chance.
-    fn new(names: &[&str], again: u32) -> Self {
-        let mut hasher = blake3::Hasher::new();
-        for name in names {
-            hasher.update(name.as_bytes());
-            hasher.update(&[0]);
-        }
-        hasher.update(&again.to_le_bytes()[..usize::from(again > 0) * 4]);
-        let [a, b, c, d, ..] = *hasher.finalize().as_bytes();
+    fn new(names: &str, again: u32) -> Self {
+        let counted = &again.to_le_bytes()[..usize::from(again > 0) * 4];
+        let [a, b, c, d, ..] = *blake3::hash(&[names.as_bytes(), counted].concat()).as_bytes();
         Self(u32::from_be_bytes([a, b, c, d]))
     }
 }
@@ -43,17 +38,27 @@ impl FromStr for RunId {
 /// Names that are given out, each to one owner.
 #[derive(Default)]
 struct Register {
-    owners: BTreeMap<RunId, Vec<String>>,
+    owners: BTreeMap<RunId, String>,
 }
 
 impl Register {
     fn name(&mut self, names: &[&str]) -> RunId {
-        let owned: Vec<String> = names.iter().map(ToString::to_string).collect();
-        let free = |id: &RunId| self.owners.get(id).is_none_or(|owner| *owner == owned);
-        let id = (0..).map(|again| RunId::new(names, again)).find(free).expect("there are billions of names");
-        self.owners.insert(id, owned);
+        let names = joined(names);
+        let free = |id: &RunId| self.owners.get(id).is_none_or(|owner| *owner == names);
+        let id = (0..).map(|again| RunId::new(&names, again)).find(free).expect("there are billions of names");
+        self.owners.insert(id, names);
         id
     }
+}
+
+/// Names in one text, each with its end.
+fn joined(names: &[&str]) -> String {
+    let mut text = String::with_capacity(names.iter().map(|name| name.len() + 1).sum());
+    for name in names {
+        text.push_str(name);
+        text.push('\0');
+    }
+    text
 }
 
 impl Campaign {
@@ -84,9 +89,9 @@ mod tests {
 
     #[test]
     fn a_name_is_that_of_blake3_and_returns_from_its_text() {
-        let id = RunId::new(&["a", "b"], 0);
+        let id = RunId::new(&joined(&["a", "b"]), 0);
         assert_eq!(id.to_string().parse(), Ok(id));
-        assert_ne!(id, RunId::new(&["ab", ""], 0));
+        assert_ne!(id, RunId::new(&joined(&["ab", ""]), 0));
         for text in ["", "1234567", "123456789", "1234567g", "+1234567", "é23456"] {
             assert_eq!(text.parse::<RunId>(), Err(()), "{text}");
         }
@@ -96,8 +101,8 @@ mod tests {
     fn two_owners_never_share_a_name() {
         let mut register = Register::default();
         let first = register.name(&["a"]);
-        register.owners.insert(first, vec!["somebody else".into()]);
+        register.owners.insert(first, "somebody else".into());
         let second = register.name(&["a"]);
-        assert!(first != second && second == RunId::new(&["a"], 1) && second == register.name(&["a"]));
+        assert!(first != second && second == RunId::new(&joined(&["a"]), 1) && second == register.name(&["a"]));
     }
 }

@@ -192,7 +192,7 @@ mod tests {
         let loaded = lang::load(&["t.scn".into()], &read, &mut sources).unwrap();
         let catalog = Catalog::builtin();
         let (program, said) =
-            lang::check(&loaded, &sources, &catalog.forms, &mut lang::Defaults::new(&catalog.vocabulary));
+            lang::check(&loaded, &sources, &catalog.forms, &mut lang::Checked::new(&catalog.vocabulary));
         assert_eq!(said, []);
         lower(&program.declarations[0].block.arguments)
     }

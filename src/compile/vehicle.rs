@@ -57,6 +57,11 @@ fn params() -> Vec<Param> {
             "How long it stands after it has appeared at rest: 1.5 s (1 to 2 s, B); generic 0 s.",
         ),
         Param::optional(
+            "throttle_response",
+            positive(Dimension::RATIO),
+            "By how much faster than the model it drives off at the same pedal: 1 (C; the model 3 does 4.7 m/s^2 with the pedal down).",
+        ),
+        Param::optional(
             "steering_response",
             Type::Quantity { dimension: Dimension::RATIO, min: 0.01, max: 1.1 },
             "Share of the wheel angle that the tyres follow: 0.7 (C); generic 1.",
@@ -81,5 +86,7 @@ pub fn lower(kind: &str, arguments: &Arguments) -> VehicleBlueprint {
     set(&mut blueprint.low_speed_braking, given("low_speed_braking"));
     set(&mut blueprint.start_up_pause, given("start_up_pause"));
     set(&mut blueprint.steering_response, given("steering_response"));
+    let response = given("throttle_response").unwrap_or(1.0);
+    blueprint.throttle.iter_mut().for_each(|line| line.at_rest *= response);
     blueprint
 }

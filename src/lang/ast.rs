@@ -1,5 +1,7 @@
 //! The untyped tree: what was written, with a span on every node. No name is resolved at this stage.
 
+use std::sync::Arc;
+
 use crate::diagnostic::{SourceId, Span};
 use crate::signature::DeclarationId;
 use crate::units::Dimension;
@@ -24,8 +26,8 @@ pub struct File {
     pub imports: Vec<Import>,
     /// Its parameters, in order.
     pub params: Vec<Param>,
-    /// Its declarations, in order.
-    pub declarations: Vec<Declaration>,
+    /// Its declarations, in order; variants of a file share what they have in common.
+    pub declarations: Vec<Arc<Declaration>>,
 }
 
 /// `import "path"`, `import a, b from "path"`

@@ -1,6 +1,7 @@
 //! AST → HIR: forms, kinds, keys, references, defaults.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use super::ast::{self, Entry, Name};
 use super::defaults::Defaults;
@@ -11,7 +12,28 @@ use super::params::Params;
 use super::value::{Context, plain_number, value};
 use super::{Loaded, codes};
 use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
-use crate::signature::{Arguments, DeclarationId, Form, Signature, Type, Value};
+use crate::signature::{Arguments, DeclarationId, Form, Signature, Type, Value, Vocabulary};
+
+/// What has been checked, for further variants of the same files: the same files with other settings.
+#[derive(Debug)]
+pub struct Checked<'f> {
+    defaults: Defaults<'f>,
+    /// Declarations with nothing wrong: what was written, parameters replaced, and what came of it.
+    faultless: BTreeMap<DeclarationId, (Arc<ast::Declaration>, Arc<Declaration>)>,
+}
+
+impl<'f> Checked<'f> {
+    /// Begins with none.
+    pub fn new(vocabulary: &'f Vocabulary) -> Self {
+        Self { defaults: Defaults::new(vocabulary), faultless: BTreeMap::new() }
+    }
+
+    /// What came of the same declaration before.
+    fn find(&self, id: DeclarationId, written: &Arc<ast::Declaration>) -> Option<Arc<Declaration>> {
+        let (before, checked) = self.faultless.get(&id)?;
+        (Arc::ptr_eq(before, written) || before == written).then(|| Arc::clone(checked))
+    }
+}
 
 /// Checks all files against what the language offers.
 ///
@@ -21,9 +43,9 @@ pub fn check<'f>(
     loaded: &Loaded,
     sources: &Sources,
     forms: &'f [Form],
-    defaults: &mut Defaults<'f>,
+    checked: &mut Checked<'f>,
 ) -> (Program, Vec<Diagnostic>) {
-    let vocabulary = defaults.vocabulary();
+    let vocabulary = checked.defaults.vocabulary();
     let mut diagnostics = Vec::new();
     let ids = number_declarations(&loaded.files);
     let mut declarations = Vec::new();
@@ -33,11 +55,20 @@ pub fn check<'f>(
     for (place, file) in loaded.files.iter().enumerate() {
         let context = Context { vocabulary, names: &names[place], sources };
         for (declaration, id) in file.declarations.iter().zip(&ids[&file.source]) {
-            let declaration = params.replace(declaration, place);
+            let written = params.replace(declaration, place);
+            if let Some(known) = checked.find(*id, &written) {
+                declarations.push(known);
+                continue;
+            }
             let before = diagnostics.len();
+            let defaults = &mut checked.defaults;
             let mut checker = Checker { context: &context, defaults, diagnostics: &mut diagnostics };
-            declarations.push(checker.declaration(&declaration, *id, file.source, forms, &form_names));
+            let declaration = Arc::new(checker.declaration(&written, *id, file.source, forms, &form_names));
             params.explain(&mut diagnostics[before..]);
+            if diagnostics.len() == before {
+                checked.faultless.entry(*id).or_insert_with(|| (written, Arc::clone(&declaration)));
+            }
+            declarations.push(declaration);
         }
     }
     let program = Program { declarations, roots: loaded.roots.clone(), params: params.finish() };

@@ -1,13 +1,15 @@
 //! The checked program: every name resolved, every value in SI, every default filled in, every node with its place.
 
+use std::sync::Arc;
+
 use crate::diagnostic::{SourceId, Span};
 use crate::signature::{Arguments, DeclarationId, Formula};
 
 /// All declarations of all files.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Program {
-    /// The declarations; a [`DeclarationId`] is an index into them.
-    pub declarations: Vec<Declaration>,
+    /// The declarations; a [`DeclarationId`] is an index into them. Variants of a program share what they have in common.
+    pub declarations: Vec<Arc<Declaration>>,
     /// The files the user named.
     pub roots: Vec<SourceId>,
     /// The parameters of all files.
@@ -49,7 +51,7 @@ impl Program {
     /// The declarations of a form in the files the user named, in order.
     pub fn of_form<'a>(&'a self, form: &'a str) -> impl Iterator<Item = &'a Declaration> {
         let in_roots = |source| self.roots.contains(&source);
-        self.declarations.iter().filter(move |d| d.form == form && in_roots(d.source))
+        self.declarations.iter().map(Arc::as_ref).filter(move |d| d.form == form && in_roots(d.source))
     }
 }
 

@@ -31,8 +31,7 @@ pub mod words;
 mod format;
 mod outline;
 
-pub use check::{check, once};
-pub use defaults::Defaults;
+pub use check::{Checked, check, once};
 pub use format::format;
 pub use formula::functions;
 pub use load::{Loaded, Reader, load, reason};

@@ -2,8 +2,8 @@
 //!
 //! A parameter is checked against its type once, where it is declared; what takes its place elsewhere is a known value.
 
-use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use super::ast::{Clause, Declaration, Entry, Expression, ExpressionKind, Known, Param, Property};
 use super::names::{Names, ParamId};
@@ -65,14 +65,14 @@ impl<'a> Params<'a> {
     }
 
     /// The declaration with known values in place of parameters; `place` is its file's in the order of the files.
-    pub fn replace<'d>(&mut self, declaration: &'d Declaration, place: usize) -> Cow<'d, Declaration> {
+    pub fn replace(&mut self, declaration: &Arc<Declaration>, place: usize) -> Arc<Declaration> {
         let names = &self.names[place];
         if !names.has_params() || !declaration.entries.iter().any(|entry| entry_mentions(entry, names)) {
-            return Cow::Borrowed(declaration);
+            return Arc::clone(declaration);
         }
-        let mut copy = declaration.clone();
+        let mut copy = Declaration::clone(declaration);
         self.entries(&mut copy.entries, place);
-        Cow::Owned(copy)
+        copy.into()
     }
 
     /// Shows where a value comes from, in messages about places where a parameter stands.

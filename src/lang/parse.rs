@@ -111,7 +111,7 @@ impl Reader {
             }
             Rule::declaration => {
                 let declaration = self.declaration(pair);
-                file.declarations.push(declaration);
+                file.declarations.push(declaration.into());
             }
             Rule::junk_item => self.junk(&pair, Rule::whole_item),
             Rule::doc | Rule::EOI => {}
@@ -249,7 +249,7 @@ impl Reader {
             match part.as_rule() {
                 Rule::prefix => prefixes.push((part.as_str() == "-", self.span(&part))),
                 Rule::conversion => {
-                    let unit = self.name(part.into_inner().nth(1).expect("a conversion has a unit"));
+                    let unit = self.name(part.into_inner().next().expect("a conversion has a unit"));
                     let inner: Expression = result.take().expect("a conversion follows a value");
                     let span = inner.span.to(unit.span);
                     result = Some(Expression { kind: ExpressionKind::Conversion(inner.into(), unit), span });
@@ -423,11 +423,12 @@ fn describe(rule: Rule) -> Option<&'static str> {
         Rule::call => "a call",
         Rule::argument => "an argument",
         Rule::infix => "an operator",
-        Rule::conversion | Rule::in_word => "`in`",
+        Rule::conversion => "`in`",
         Rule::EOI | Rule::whole_item | Rule::whole_entry | Rule::whole_value => "the end of the statement",
-        Rule::WHITESPACE
+        Rule::b
         | Rule::COMMENT
         | Rule::doc
+        | Rule::docs
         | Rule::name_char
         | Rule::keyword
         | Rule::digits
@@ -440,7 +441,6 @@ fn describe(rule: Rule) -> Option<&'static str> {
         | Rule::balanced
         | Rule::piece
         | Rule::dark
-        | Rule::gap
         | Rule::plain
         | Rule::line
         | Rule::remark

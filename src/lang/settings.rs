@@ -3,6 +3,7 @@
 //! A setting is carried out on the tree, before anything is checked. So it is checked like what stands in a file.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use super::ast::{Declaration, Entry, Expression, ExpressionKind, Name, Property};
 use super::parse::parse_value;
@@ -135,7 +136,7 @@ fn set(first: &Name, path: &[Name], setting: &Setting, loaded: &mut Loaded) -> R
     };
     let all = loaded.files.iter_mut().flat_map(|file| &mut file.declarations);
     for declaration in all.filter(|each| each.form.text == form && named(each, name)) {
-        enter(declaration, rest, &setting.value)?;
+        enter(Arc::make_mut(declaration), rest, &setting.value)?;
     }
     Ok(())
 }
@@ -202,14 +203,15 @@ pub fn matrices(loaded: &mut Loaded, forms: &[Form], settings: &[Setting]) -> (V
                 continue;
             }
             let is_matrix = |entry: &Entry| matches!(entry, Entry::Child(child) if child.form.text == MATRIX);
-            let taken: Vec<Entry> = declaration.entries.extract_if(.., |entry| is_matrix(entry)).collect();
+            if !declaration.entries.iter().any(is_matrix) {
+                continue;
+            }
+            let entries = &mut Arc::make_mut(declaration).entries;
+            let taken: Vec<Entry> = entries.extract_if(.., |entry| is_matrix(entry)).collect();
             let (mut axes, mut seen) = (Vec::new(), BTreeMap::new());
             for block in &taken {
                 let Entry::Child(block) = block else { continue };
                 axes_of(block, &mut axes, &mut seen, &mut diagnostics);
-            }
-            if taken.is_empty() {
-                continue;
             }
             axes.retain(|axis| !settings.iter().any(|set| matches!(&*set.path, [name] if name.text == axis.key.text)));
             let found = axes.iter().map(|axis| members(axis).len()).fold(1_usize, usize::saturating_mul);

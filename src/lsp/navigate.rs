@@ -1,5 +1,7 @@
 //! From a name to its declaration, and what a file declares.
 
+use std::sync::Arc;
+
 use lsp_types::{DocumentSymbol, Location, SymbolKind};
 
 use super::cursor::{Cursor, Place};
@@ -41,7 +43,7 @@ pub fn definition(
 #[expect(deprecated, reason = "the protocol's type has a field that is not to be used and cannot be left out")]
 pub fn symbols(file: &ast::File, text: &str) -> Vec<DocumentSymbol> {
     let lines = Lines::new(text);
-    let symbol = |declaration: &ast::Declaration| {
+    let symbol = |declaration: &Arc<ast::Declaration>| {
         let place = range(&lines, declaration.head);
         let name = declaration.name.as_ref().unwrap_or(&declaration.form);
         DocumentSymbol {

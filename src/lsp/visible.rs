@@ -1,5 +1,7 @@
 //! What a file can name: declarations and parameters, its own and imported ones.
 
+use std::sync::Arc;
+
 use crate::diagnostic::Sources;
 use crate::lang::{DIMENSIONS, Loaded, ast};
 use crate::signature::Type;
@@ -17,7 +19,7 @@ pub struct Visible<'a> {
 impl<'a> Visible<'a> {
     /// All declarations.
     pub fn declarations(self) -> impl Iterator<Item = &'a ast::Declaration> {
-        self.loaded.files.iter().flat_map(|file| &file.declarations)
+        self.loaded.files.iter().flat_map(|file| file.declarations.iter().map(Arc::as_ref))
     }
 
     /// The declarations of a form.

@@ -1,6 +1,6 @@
 //! The centres of lanes as chords: straight pieces, among which the nearest is looked for.
 
-use super::Road;
+use super::{LaneFilter, Road};
 use super::lane_network::{LaneNetwork, LaneSlot, NetworkLane};
 use crate::geometry::{Point, Vector};
 
@@ -53,13 +53,13 @@ impl Chord {
     }
 }
 
-/// The chords of all lanes.
+/// The chords of the lanes that a filter admits.
 ///
 /// # Source
 /// CARLA `road/Map.cpp`, `CreateRtree`.
-pub(super) fn chords(roads: &[Road], network: &LaneNetwork) -> Vec<Chord> {
+pub(super) fn chords(roads: &[Road], network: &LaneNetwork, filter: LaneFilter) -> Vec<Chord> {
     let mut chords = Vec::new();
-    for (lane, slot) in network.lanes().iter().zip(0..) {
+    for (lane, slot) in network.lanes().iter().zip(0..).filter(|(lane, _)| filter.admits(lane.kind)) {
         chords_of(roads, network, lane, |begin, end| {
             let whole = end.place - begin.place;
             let (length, rise) = (whole.norm(), end.height - begin.height);

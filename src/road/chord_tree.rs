@@ -11,18 +11,17 @@ type Leaf = GeomWithData<Line<[f64; 2]>, u32>;
 /// How much farther than the nearest chord, by the tree's reckoning, another one is looked at (m).
 const SLACK: f64 = 1e-6;
 
-/// The chords of some lanes in an R-tree.
+/// Chords in an R-tree.
 pub(super) struct ChordTree(RTree<Leaf>);
 
 impl ChordTree {
-    /// Indexes some of the chords, given by their places in the list.
-    pub fn new(chords: &[Chord], admitted: impl Iterator<Item = u32>) -> Self {
-        let leaf = |index: u32| {
-            let chord = &chords[index as usize];
+    /// Indexes the chords of a list.
+    pub fn new(chords: &[Chord]) -> Self {
+        let leaf = |(chord, index): (&Chord, u32)| {
             let to = chord.end();
             Leaf::new(Line::new([chord.from.x, chord.from.y], [to.x, to.y]), index)
         };
-        Self(RTree::bulk_load(admitted.map(leaf).collect()))
+        Self(RTree::bulk_load(chords.iter().zip(0..).map(leaf).collect()))
     }
 
     /// Opposite corners of the smallest upright rectangle around all of them; none without chords.

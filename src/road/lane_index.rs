@@ -42,7 +42,7 @@ const WORTH_A_TREE: u32 = 50;
 /// How many questions make a grid worth its price; it costs as much as some thousand answers of the tree.
 const WORTH_A_GRID: u32 = 4000;
 
-/// The chords of lane centres, with an index over those of each filter.
+/// The chords of the lane centres of each filter, indexed.
 ///
 /// All of it is made when it is asked for first: a scenario that is only checked asks little, and a driver asks in every tick.
 ///
@@ -50,19 +50,15 @@ const WORTH_A_GRID: u32 = 4000;
 /// CARLA `road/Map.cpp`, `GetClosestWaypointOnRoad`.
 #[derive(Default)]
 pub(super) struct LaneIndex {
-    chords: OnceLock<Chords>,
     filters: [Filtered; 3],
-}
-
-struct Chords {
-    all: Vec<Chord>,
-    /// Whether all of them lie at one height, so that height does not matter.
-    level: bool,
 }
 
 /// What there is to find the chords of one filter with. All ways give the same answers.
 #[derive(Default)]
 struct Filtered {
+    chords: OnceLock<Vec<Chord>>,
+    /// Whether all of them lie at one height, so that height does not matter.
+    level: OnceLock<bool>,
     tree: OnceLock<ChordTree>,
     grid: OnceLock<ChordGrid>,
     in_space: OnceLock<RTree<LeafInSpace>>,
@@ -77,23 +73,14 @@ pub(super) struct Lanes<'a> {
 }
 
 impl LaneIndex {
-    fn chords(&self, lanes: Lanes) -> &Chords {
-        self.chords.get_or_init(|| {
-            let all = chords(lanes.roads, lanes.network);
-            let height = all.first().map_or(0.0, |chord| chord.height);
-            let level = all.iter().all(|chord| chord.height == height && chord.rise == 0.0);
-            Chords { all, level }
-        })
+    fn chords(&self, lanes: Lanes, filter: LaneFilter) -> &[Chord] {
+        self.filters[filter as usize].chords.get_or_init(|| chords(lanes.roads, lanes.network, filter))
     }
 
     /// The tree of a filter with the chords.
     fn tree(&self, lanes: Lanes, filter: LaneFilter) -> (&ChordTree, &[Chord]) {
-        let chords = &self.chords(lanes).all;
-        let tree = self.filters[filter as usize].tree.get_or_init(|| {
-            let admitted = admitted(chords, lanes, filter);
-            ChordTree::new(chords, admitted.map(|(_, index)| index))
-        });
-        (tree, chords)
+        let chords = self.chords(lanes, filter);
+        (self.filters[filter as usize].tree.get_or_init(|| ChordTree::new(chords)), chords)
     }
 
     /// Makes the grid of a filter, which answers fastest and allocates nothing.
@@ -108,13 +95,11 @@ impl LaneIndex {
             return None;
         }
         let found = &self.filters[filter as usize];
-        let chords = &self.chords(lanes).all;
+        let chords = self.chords(lanes, filter);
         let index = match found.grid.get() {
             Some(grid) => grid.nearest(chords, point).or_else(|| self.tree(lanes, filter).0.nearest(chords, point))?,
             None => match found.questions.fetch_add(1, Ordering::Relaxed) {
-                ..WORTH_A_TREE => {
-                    first_nearest(chords, admitted(chords, lanes, filter).map(|(_, index)| index), point)?
-                }
+                ..WORTH_A_TREE => first_nearest(chords, 0..chords.len() as u32, point)?,
                 WORTH_A_TREE..WORTH_A_GRID => self.tree(lanes, filter).0.nearest(chords, point)?,
                 WORTH_A_GRID.. => {
                     self.prepare(lanes, filter);
@@ -127,8 +112,12 @@ impl LaneIndex {
 
     /// The place on the chord nearest in space; none without lanes of that sort, or for a place that is not finite.
     pub fn nearest_in_space(&self, lanes: Lanes, point: Point, height: f64, filter: LaneFilter) -> Option<Waypoint> {
-        let chords = self.chords(lanes);
-        if chords.level || !height.is_finite() {
+        let chords = self.chords(lanes, filter);
+        let level = self.filters[filter as usize].level.get_or_init(|| {
+            let height = chords.first().map_or(0.0, |chord| chord.height);
+            chords.iter().all(|chord| chord.height == height && chord.rise == 0.0)
+        });
+        if *level || !height.is_finite() {
             return self.nearest(lanes, point, filter).filter(|_| height.is_finite());
         }
         let tree = self.filters[filter as usize].in_space.get_or_init(|| {
@@ -137,19 +126,14 @@ impl LaneIndex {
                 let ends = [[chord.from.x, chord.from.y, chord.height], [end.x, end.y, chord.height + chord.rise]];
                 LeafInSpace::new(Line::new(ends[0], ends[1]), index)
             };
-            RTree::bulk_load(admitted(&chords.all, lanes, filter).map(leaf).collect())
+            RTree::bulk_load(chords.iter().zip(0..).map(leaf).collect())
         });
         if !point.x.is_finite() || !point.y.is_finite() {
             return None;
         }
         let index = tree.nearest_neighbor([point.x, point.y, height])?.data;
-        Some(place(&chords.all[index as usize], lanes, point))
+        Some(place(&chords[index as usize], lanes, point))
     }
-}
-
-/// The chords of a filter, by their places in the list.
-fn admitted<'a>(chords: &'a [Chord], lanes: Lanes<'a>, filter: LaneFilter) -> impl Iterator<Item = (&'a Chord, u32)> {
-    chords.iter().zip(0..).filter(move |(chord, _)| filter.admits(lanes.network.lane(chord.slot).kind))
 }
 
 /// The place on a chord that was found to be the nearest: as in CARLA the nearest one as seen from above, even where the
@@ -160,6 +144,7 @@ fn place(chord: &Chord, lanes: Lanes, point: Point) -> Waypoint {
 
 impl std::fmt::Debug for LaneIndex {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "LaneIndex({} chords)", self.chords.get().map_or(0, |chords| chords.all.len()))
+        let made = self.filters.iter().filter_map(|filtered| filtered.chords.get());
+        write!(f, "LaneIndex({} chords)", made.map(Vec::len).sum::<usize>())
     }
 }
