@@ -6,7 +6,7 @@ use indicatif::FormattedDuration;
 use serde::Serialize;
 
 use super::args::{Output, StatusOptions};
-use super::{ExitCode, front};
+use super::{ExitCode, front, run};
 use crate::store::{CampaignStatus, CellStatus, Store};
 
 /// Kinds of cells: the first word of what they are, and what to call several of them.
@@ -45,10 +45,18 @@ struct Kind {
 
 /// `falsify status`
 pub fn status(options: &StatusOptions) -> ExitCode {
-    let store = Store::look(&options.out, Box::new(front::warn));
+    let store = match Store::look(&options.out, options.cache.as_deref(), Box::new(front::warn)) {
+        Ok(store) => store,
+        Err(error) => return run::no_store(&error),
+    };
     let campaigns = store.campaigns();
     if campaigns.is_empty() {
-        front::fail(&format!("no campaign was run in `{}`", options.out.display()));
+        let out = options.out.display();
+        let cache = options.cache.as_ref().map(|cache| cache.display());
+        front::fail(&match cache {
+            Some(cache) => format!("no campaign was run for `{out}` with the cache `{cache}`"),
+            None => format!("no campaign was run in `{out}`; if it was run with --cache, name that folder here, too"),
+        });
         return ExitCode::Usage;
     }
     let processes = store.processes();
