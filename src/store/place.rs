@@ -24,7 +24,7 @@ or `cache` in falsify.toml named it.
 /// Where the cells of a folder for reports lie, and where its reports are made.
 #[derive(Debug, PartialEq)]
 pub(super) struct Place {
-    /// The folder for reports, as it is called everywhere.
+    /// The folder for reports, as the file system has it.
     out: PathBuf,
     /// The folder beside the reports, on their file system.
     beside: PathBuf,
@@ -66,7 +66,7 @@ impl Place {
         Self { out: real(folder), beside, campaigns: root.join("campaigns"), root }
     }
 
-    /// The folder for reports, from the root of the file system.
+    /// The folder for reports, as the file system has it.
     pub fn out(&self) -> &Path {
         &self.out
     }
@@ -127,10 +127,11 @@ impl Place {
             let path = path.to_path_buf();
             move |source| StoreError::Folder { path, source }
         };
-        fs::create_dir_all(&self.out).map_err(failed(&self.out))?;
-        let root = if self.is_beside() { &self.out } else { &self.root };
+        let out = self.beside.parent().expect("it is in the folder for reports");
+        fs::create_dir_all(out).map_err(failed(out))?;
+        let root = if self.is_beside() { out } else { &self.root };
         make(&self.root, &FOLDERS, ABOUT).map_err(failed(root))?;
-        if self.is_beside() { Ok(()) } else { make(&self.beside, &[], ABOUT_DRAFTS).map_err(failed(&self.out)) }
+        if self.is_beside() { Ok(()) } else { make(&self.beside, &[], ABOUT_DRAFTS).map_err(failed(out)) }
     }
 
     /// Holds that reports can be moved from the folder in which they are made to the place where they are to stand.
