@@ -118,6 +118,9 @@ pub struct RunOptions {
     /// Folder for the reports, one folder in it for each campaign.
     #[arg(long, short, default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
     pub out: PathBuf,
+    /// Folder for finished and half-finished work, which several folders for reports may share. Without it, OUT/.cells.
+    #[arg(long, env = "FALSIFY_CACHE", value_name = "DIR")]
+    pub cache: Option<PathBuf>,
     /// Number from which everything random follows.
     #[arg(long, default_value_t = 1, env = "FALSIFY_SEED", value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub seed: u64,
@@ -151,8 +154,9 @@ pub struct RunOptions {
     /// Seconds after which what is under way is saved, so that no more is lost when the program is killed.
     #[arg(long, default_value_t = 5.0, value_name = "SECONDS", value_parser = seconds)]
     pub checkpoint: f64,
-    /// Give a training, 10,000 episodes or a search up after so many seconds; it is an error then, and goes on in the next run.
-    #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..))]
+    /// Give a training, 10,000 episodes or a search up after so many seconds; it is an error then, and goes on in the next run. With 0 it
+    /// gets no further than one update or episode.
+    #[arg(long, value_name = "SECONDS")]
     pub cell_time: Option<u64>,
     /// Give them up after so many simulator ticks.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
@@ -168,7 +172,9 @@ pub struct RunOptions {
 const CELLS_EXAMPLES: &str = "\
 Examples:
   falsify cells                              what is kept in reports/.cells, by campaign
-  falsify cells --prune                      remove what belongs to no campaign as it was run last";
+  falsify cells --prune                      remove what belongs to no campaign as it was run last
+  falsify cells --cache /scratch/cells --prune --gone
+                                             of a shared folder, also what was for reports that are deleted now";
 
 /// Options of `falsify cells`.
 #[derive(Debug, Args)]
@@ -176,9 +182,15 @@ pub struct CellsOptions {
     /// The folder for reports.
     #[arg(default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
     pub out: PathBuf,
-    /// Remove cells that no campaign wanted when it was run last.
+    /// The folder that `run` was given as --cache.
+    #[arg(long, env = "FALSIFY_CACHE", value_name = "DIR")]
+    pub cache: Option<PathBuf>,
+    /// Remove cells that no campaign wanted when it was run last, whichever folder for reports it was run for.
     #[arg(long)]
     pub prune: bool,
+    /// Also give up what was run for folders that are not there, or not to be seen from here.
+    #[arg(long, requires = "prune")]
+    pub gone: bool,
 }
 
 /// What of a shard is done.
@@ -194,7 +206,7 @@ pub struct MergeOptions {
     /// What was run.
     #[command(flatten)]
     pub run: RunOptions,
-    /// Folders with the cells of shards, beside those that are in the folder for the reports already.
+    /// Folders with the cells of shards, their --out or their --cache, beside those that are in the folder for the reports already.
     #[arg(long, num_args = 1.., value_name = "DIR")]
     pub from: Vec<PathBuf>,
     /// How many shards there were, to be told which of them to do again.
@@ -211,6 +223,9 @@ pub struct StatusOptions {
     /// The folder for the reports.
     #[arg(default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
     pub out: PathBuf,
+    /// The folder that `run` was given as --cache.
+    #[arg(long, env = "FALSIFY_CACHE", value_name = "DIR")]
+    pub cache: Option<PathBuf>,
     /// What the output is for; `json` is one object for each campaign.
     #[arg(long, value_enum, default_value_t = Output::Human, env = "FALSIFY_FORMAT", value_name = "FORMAT")]
     pub format: Output,

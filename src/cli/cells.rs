@@ -1,44 +1,50 @@
 use std::collections::BTreeSet;
 
 use super::args::CellsOptions;
-use super::{ExitCode, front};
-use crate::store::{Index, Store};
+use super::{ExitCode, front, run};
+use crate::store::{Store, StoreError, Wants};
 
 /// `falsify cells`
 pub fn cells(options: &CellsOptions) -> ExitCode {
+    if let Some(missing) = options.cache.as_ref().filter(|cache| !cache.exists()) {
+        front::fail(&format!("the cache `{}` is not there", missing.display()));
+        return ExitCode::Usage;
+    }
     let note = Box::new(|text: &str| front::warn(text));
-    let opened = if options.prune { Store::open(&options.out, note) } else { Ok(Store::look(&options.out, note)) };
-    let store = match opened {
-        Ok(store) => store,
-        Err(error) => {
-            front::fail(&error.to_string());
-            return ExitCode::WriteFailed;
-        }
-    };
+    let (out, cache) = (&options.out, options.cache.as_deref());
+    let opened = if options.prune { Store::open(out, cache, note) } else { Store::look(out, cache, note) };
+    let told = opened.and_then(|store| tell(&store, options));
+    told.map_or_else(|error| run::no_store(&error), |()| ExitCode::Done)
+}
+
+fn tell(store: &Store, options: &CellsOptions) -> Result<(), StoreError> {
+    // What a campaign says that it wants from now on it has not looked for yet.
+    let _still = options.prune.then(|| store.hold_still());
     let sizes = store.sizes();
     let mut used = BTreeSet::new();
-    for name in store.campaigns() {
-        let wanted = Index::read(&store, &name).wanted;
-        let there: Vec<u64> = wanted.iter().filter_map(|id| sizes.get(id).copied()).collect();
-        let (count, all) = (there.len(), wanted.len());
-        front::say(&format!("campaign {name}: {count} of {all} cells, {}", megabytes(there.iter().sum())));
-        used.extend(wanted);
+    let (gone, kept): (Vec<Wants>, Vec<Wants>) =
+        store.wants().into_iter().partition(|wants| options.gone && wants.is_gone());
+    for Wants { campaign, cells, elsewhere, .. } in gone.iter().chain(&kept) {
+        let there: Vec<u64> = cells.iter().filter_map(|id| sizes.get(id).copied()).collect();
+        let of = elsewhere.as_ref().map_or(String::new(), |out| format!(" of `{}`", out.display()));
+        let (count, all, size) = (there.len(), cells.len(), megabytes(there.iter().sum()));
+        front::say(&format!("campaign {campaign}{of}: {count} of {all} cells, {size}"));
     }
-    let unused: Vec<(&String, &u64)> = sizes.iter().filter(|(id, _)| !used.contains(*id)).collect();
+    kept.iter().for_each(|wants| used.extend(&wants.cells));
+    let unused: Vec<(&String, &u64)> = sizes.iter().filter(|(id, _)| !used.contains(id)).collect();
     let size = megabytes(unused.iter().map(|(_, size)| **size).sum());
     let what = format!("{} cells that no campaign wants any more, {size}", unused.len());
-    if !options.prune {
+    if options.prune {
+        gone.iter().try_for_each(|wants| store.give_up(wants))?;
+        unused.iter().try_for_each(|(id, _)| store.remove(id))?;
+        front::say(&format!("removed {what}"));
+    } else {
         front::say(&format!("{what}{}", if unused.is_empty() { "" } else { "; --prune removes them" }));
-        return ExitCode::Done;
     }
-    for (id, _) in &unused {
-        if let Err(error) = store.remove(id) {
-            front::fail(&error.to_string());
-            return ExitCode::WriteFailed;
-        }
+    if !options.gone && kept.iter().any(Wants::is_gone) {
+        front::say("some folders for reports are not there, or not to be seen from here; --prune --gone gives them up");
     }
-    front::say(&format!("removed {what}"));
-    ExitCode::Done
+    Ok(())
 }
 
 fn megabytes(bytes: u64) -> String {

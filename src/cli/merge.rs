@@ -51,14 +51,15 @@ fn put_together(options: &MergeOptions) -> ExitCode {
         return ExitCode::Usage;
     }
     // What is damaged is told below, with what to do about it.
-    let store = match Store::open(&work.out, Box::new(|_| {})) {
+    let store = match Store::open(&work.out, work.cache.as_deref(), Box::new(|_| {})) {
         Ok(store) => store,
-        Err(error) => {
-            front::fail(&error.to_string());
-            return ExitCode::WriteFailed;
-        }
+        Err(error) => return run::no_store(&error),
     };
-    let others: Vec<Store> = options.from.iter().map(|folder| Store::look(folder, Box::new(|_| {}))).collect();
+    let others: Vec<Store> = options.from.iter().map(|folder| Store::within(folder, Box::new(|_| {}))).collect();
+    for (folder, _) in options.from.iter().zip(&others).filter(|(_, store)| !store.is_there()) {
+        let folder = folder.display();
+        front::warn(&format!("there are no cells in `{folder}`; where a shard was given --cache, name that folder"));
+    }
     let pool = match run::pool(work.threads) {
         Ok(pool) => pool,
         Err(code) => return code,

@@ -65,7 +65,10 @@ fn run_or_report(options: &RunOptions, work: Work) -> ExitCode {
     }
     let note: Note = Box::new(front::warn);
     if options.list {
-        let store = Store::look(&options.out, note);
+        let store = match Store::look(&options.out, options.cache.as_deref(), note) {
+            Ok(store) => store,
+            Err(error) => return no_store(&error),
+        };
         for campaign in &plan.campaigns {
             list::list(campaign, &name(campaign, options), &store, options.seed, options.fresh);
         }
@@ -82,12 +85,9 @@ fn run_or_report(options: &RunOptions, work: Work) -> ExitCode {
         Ok(pool) => pool,
         Err(code) => return code,
     };
-    let store = match Store::open(&options.out, note) {
+    let store = match Store::open(&options.out, options.cache.as_deref(), note) {
         Ok(store) => store,
-        Err(error) => {
-            front::fail(&error.to_string());
-            return ExitCode::WriteFailed;
-        }
+        Err(error) => return no_store(&error),
     };
     if work == Work::All {
         interrupt::listen();
@@ -216,6 +216,12 @@ pub fn limits(options: &RunOptions) -> Limits {
         seconds: options.cell_time,
         ticks: options.max_ticks,
     }
+}
+
+/// Says why there is no store.
+pub fn no_store(error: &StoreError) -> ExitCode {
+    front::fail(&error.to_string());
+    if error.is_misuse() { ExitCode::Usage } else { ExitCode::WriteFailed }
 }
 
 /// What is to be said when something cannot be written.

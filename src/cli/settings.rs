@@ -19,8 +19,8 @@ use crate::lang::{nearest, reason};
 pub const FILE: &str = "falsify.toml";
 
 /// The settings. Each is the option of `falsify run` with the same name, which also says what it means and takes.
-pub const KEYS: [&str; 9] =
-    ["out", "seed", "threads", "formats", "format", "progress", "checkpoint", "cell_time", "max_ticks"];
+pub const KEYS: [&str; 10] =
+    ["out", "cache", "seed", "threads", "formats", "format", "progress", "checkpoint", "cell_time", "max_ticks"];
 
 /// What a file sets.
 #[derive(Debug)]

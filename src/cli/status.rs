@@ -6,7 +6,7 @@ use indicatif::FormattedDuration;
 use serde::Serialize;
 
 use super::args::{Output, StatusOptions};
-use super::{ExitCode, front};
+use super::{ExitCode, front, run};
 use crate::store::{CampaignStatus, CellStatus, Store};
 
 /// Kinds of cells: the first word of what they are, and what to call several of them.
@@ -25,8 +25,11 @@ struct Summary<'a> {
     processes: usize,
     cells: Vec<Kind>,
     in_hand: Vec<&'a str>,
-    /// Work that is left, as one thread would take it (s); none before there is anything to measure.
+    /// Work that is left, as one thread would take it (s); none before there is something of every kind to measure.
     left_thread_s: Option<f64>,
+    /// The same without the kinds of which there is nothing yet.
+    #[serde(skip)]
+    measured: Left,
     /// Time that is left with as many cells in hand as now (s); none when nobody is at work.
     left_s: Option<f64>,
     last_error: Option<&'a str>,
@@ -43,12 +46,29 @@ struct Kind {
     share: f64,
 }
 
+/// Work that is left as one thread would take it.
+#[derive(Debug)]
+struct Left {
+    /// That of which there is something to measure (s).
+    seconds: f64,
+    /// The kinds of which there is nothing.
+    unknown: Vec<&'static str>,
+}
+
 /// `falsify status`
 pub fn status(options: &StatusOptions) -> ExitCode {
-    let store = Store::look(&options.out, Box::new(front::warn));
+    let store = match Store::look(&options.out, options.cache.as_deref(), Box::new(front::warn)) {
+        Ok(store) => store,
+        Err(error) => return run::no_store(&error),
+    };
     let campaigns = store.campaigns();
     if campaigns.is_empty() {
-        front::fail(&format!("no campaign was run in `{}`", options.out.display()));
+        let out = options.out.display();
+        let cache = options.cache.as_ref().map(|cache| cache.display());
+        front::fail(&match cache {
+            Some(cache) => format!("no campaign was run for `{out}` with the cache `{cache}`"),
+            None => format!("no campaign was run in `{out}`; if it was run with --cache, name that folder here, too"),
+        });
         return ExitCode::Usage;
     }
     let processes = store.processes();
@@ -77,7 +97,8 @@ fn summary(campaign: &CampaignStatus, processes: usize) -> Summary<'_> {
         false if processes > 0 => "running",
         false => "stopped",
     };
-    let left = left(cells);
+    let measured = left(cells);
+    let left = measured.unknown.is_empty().then_some(measured.seconds);
     let failed = |cell: &CellStatus| {
         Some((cell.written?, cell.header.as_ref().filter(|head| !head.error.is_empty())?.error.clone()))
     };
@@ -88,6 +109,7 @@ fn summary(campaign: &CampaignStatus, processes: usize) -> Summary<'_> {
         processes,
         cells: KINDS.iter().filter_map(|(word, kind)| count(cells, word, kind)).collect(),
         left_thread_s: left,
+        measured,
         left_s: left.filter(|_| !in_hand.is_empty()).map(|left| left / in_hand.len() as f64),
         in_hand,
         last_error: last.and_then(|(_, cell)| cell.header.as_ref()).map(|header| header.error.as_str()),
@@ -107,10 +129,10 @@ fn count(cells: &[CellStatus], word: &str, kind: &'static str) -> Option<Kind> {
     (all > 0).then(|| Kind { kind, finished, all, share: done as f64 / amount.max(1) as f64 })
 }
 
-/// Work that is left as one thread would take it (s), from what the cells took that are there; none where a kind has none yet.
-fn left(cells: &[CellStatus]) -> Option<f64> {
-    let mut seconds = 0.0;
-    for (word, _) in KINDS {
+/// Work that is left as one thread would take it, from what the cells took that are there.
+fn left(cells: &[CellStatus]) -> Left {
+    let mut all = Left { seconds: 0.0, unknown: Vec::new() };
+    for (word, kind) in KINDS {
         let left: u64 = of_kind(cells, word).map(|cell| cell.amount - cell.done()).sum();
         if left == 0 {
             continue;
@@ -121,11 +143,12 @@ fn left(cells: &[CellStatus]) -> Option<f64> {
             .filter_map(|cell| Some(cell.header.as_ref()?.seconds))
             .sum();
         if done == 0 {
-            return None;
+            all.unknown.push(kind);
+        } else {
+            all.seconds += took / done as f64 * left as f64;
         }
-        seconds += took / done as f64 * left as f64;
     }
-    Some(seconds)
+    all
 }
 
 fn tell(summary: &Summary<'_>, campaign: &CampaignStatus) {
@@ -162,6 +185,10 @@ fn tell(summary: &Summary<'_>, campaign: &CampaignStatus) {
             front::say(&format!("  about {} left with {} cells in hand", clock(left), summary.in_hand.len()));
         }
         (None, Some(left)) => front::say(&format!("  about {} left for one thread", clock(left))),
+        (None, None) if summary.measured.seconds > 0.0 => {
+            let (known, unknown) = (clock(summary.measured.seconds), summary.measured.unknown.join(" and "));
+            front::say(&format!("  about {known} left for one thread, and the {unknown}, of which none is done yet"));
+        }
         (None, None) => front::say("  too little is done to say how long the rest will take"),
     }
     if summary.state == "stopped" && !summary.command.is_empty() {

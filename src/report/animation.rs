@@ -30,9 +30,9 @@ pub fn animation(
     let height = chart + CHART + 40.0;
     let clock = Clock::new(&stage);
     let mut page = opening(width, height, (title, subtitle));
-    let _ = write!(
+    let _ = writeln!(
         page,
-        "<svg x=\"{EDGE}\" y=\"{HEAD}\" width=\"{WIDE}\" height=\"{tall:.1}\" viewBox=\"{}\">\n",
+        "<svg x=\"{EDGE}\" y=\"{HEAD}\" width=\"{WIDE}\" height=\"{tall:.1}\" viewBox=\"{}\">",
         stage.view_box()
     );
     stage.ground(&mut page);

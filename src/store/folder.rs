@@ -5,31 +5,24 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use super::cell_file::{self, Found, Header};
+use super::place::Place;
 use super::work_folder::{LOCK, WorkFolder};
 use super::{Id, Ids, StoreError};
 use crate::campaign::cells;
 use crate::compile::Campaign;
 
-/// The folder for cells, beside the reports.
-const NAME: &str = ".cells";
 /// What is read of a file to see how it begins.
 const BEGINNING: usize = 4096;
-/// Cells, claims, and what campaigns wanted.
-const FOLDERS: [&str; 3] = ["cells", "claims", "campaigns"];
-/// For whoever finds it.
-const README: &str = "\
-Finished and half-finished work of falsify, which reports are made from.
-Nothing else is lost with it than the time to do it again.
-`head -2` of a file in `cells` says what it is.
-";
-
 /// Hears what is to be said about files.
 pub type Note = Box<dyn Fn(&str) + Send + Sync>;
 
 /// The cells of a folder for reports.
 pub struct Store {
-    root: PathBuf,
+    place: Place,
+    /// For cells in the making; none in a store that is only looked into.
     work: Option<WorkFolder>,
+    /// For reports in the making, where cells lie elsewhere.
+    drafts: Option<WorkFolder>,
     note: Note,
     /// The cells that were said to be damaged.
     said: Mutex<BTreeSet<Id>>,
@@ -48,27 +41,35 @@ impl Drop for Claim {
 }
 
 impl Store {
-    /// Opens the store of a folder for reports, making both if need be.
+    /// Opens the store of a folder for reports, making both if need be. Its cells lie in a cache if one is named, which several such
+    /// folders may share, else beside the reports.
     ///
     /// # Errors
-    /// The folder cannot be made or written to.
-    pub fn open(out: &Path, note: Note) -> Result<Self, StoreError> {
-        let root = out.join(NAME);
-        let failed = |source| StoreError::Folder { path: out.to_path_buf(), source };
-        for folder in FOLDERS {
-            fs::create_dir_all(root.join(folder)).map_err(failed)?;
-        }
-        let readme = root.join("README.txt");
-        if !readme.exists() {
-            fs::write(readme, README).map_err(failed)?;
-        }
-        let work = WorkFolder::begin(&root).map_err(failed)?;
-        Ok(Self { root, work: Some(work), note, said: Mutex::default() })
+    /// One of the folders cannot be made or written to, or cannot be used as such.
+    pub fn open(out: &Path, cache: Option<&Path>, note: Note) -> Result<Self, StoreError> {
+        let place = Place::of(out, cache)?;
+        place.make()?;
+        let begin =
+            |root: &Path| WorkFolder::begin(root).map_err(|source| StoreError::Folder { path: root.into(), source });
+        let work = begin(place.root())?;
+        let drafts = if place.is_beside() { None } else { Some(begin(place.beside())?) };
+        place.check_drafts(drafts.as_ref().unwrap_or(&work))?;
+        Ok(Self { place, work: Some(work), drafts, note, said: Mutex::default() })
     }
 
     /// Looks into the store of a folder for reports without changing anything.
-    pub fn look(out: &Path, note: Note) -> Self {
-        Self { root: out.join(NAME), work: None, note, said: Mutex::default() }
+    ///
+    /// # Errors
+    /// The cache is something else than one.
+    pub fn look(out: &Path, cache: Option<&Path>, note: Note) -> Result<Self, StoreError> {
+        let place = Place::of(out, cache)?;
+        place.check()?;
+        Ok(Self { place, work: None, drafts: None, note, said: Mutex::default() })
+    }
+
+    /// Looks into the store in a folder: one for reports, or a cache.
+    pub fn within(folder: &Path, note: Note) -> Self {
+        Self { place: Place::within(folder), work: None, drafts: None, note, said: Mutex::default() }
     }
 
     /// Where a cell is, if it is there.
@@ -79,12 +80,21 @@ impl Store {
     /// Where a cell with this name is.
     pub(super) fn path_of(&self, id: &str) -> PathBuf {
         // Folders with a hundred thousand files are slow on some file systems.
-        self.root.join("cells").join(id.get(..2).unwrap_or_default()).join(id)
+        self.root().join("cells").join(id.get(..2).unwrap_or_default()).join(id)
     }
 
-    /// The folder of the store itself.
-    pub(super) fn root(&self) -> &Path {
-        &self.root
+    /// Where everything lies.
+    pub(super) fn place(&self) -> &Place {
+        &self.place
+    }
+
+    /// Whether there is a folder for cells.
+    pub fn is_there(&self) -> bool {
+        self.root().join("cells").is_dir()
+    }
+
+    fn root(&self) -> &Path {
+        self.place.root()
     }
 
     /// Reads a cell; says so when it is damaged.
@@ -158,7 +168,7 @@ impl Store {
     /// # Errors
     /// The folder cannot be written to.
     pub fn claim(&self, id: Id) -> Result<Option<Box<dyn Send>>, StoreError> {
-        let folder = self.root.join("claims");
+        let folder = self.root().join("claims");
         let path = folder.join(id.to_string());
         let failed = |source| StoreError::File { path: path.clone(), source };
         let file = File::create(&path).or_else(|_| fs::create_dir_all(&folder).and_then(|()| File::create(&path)));
@@ -175,8 +185,8 @@ impl Store {
     /// # Errors
     /// It cannot be made.
     pub fn drafts(&self) -> Result<PathBuf, StoreError> {
-        let work = self.work.as_ref().expect("a store that is written to was opened");
-        work.path().map_err(|source| StoreError::Folder { path: self.root.clone(), source })
+        let work = self.drafts.as_ref().or(self.work.as_ref()).expect("a store that is written to was opened");
+        work.path().map_err(|source| StoreError::Folder { path: self.place.beside().to_path_buf(), source })
     }
 
     /// Reads a text that belongs to a campaign.
@@ -186,12 +196,13 @@ impl Store {
 
     /// Writes a text that belongs to a campaign.
     pub(super) fn put_campaign_text(&self, name: &str, text: &str) -> Result<(), StoreError> {
+        let _still = self.hold_still();
         self.put(&self.campaign_path(name), text.as_bytes(), false)
     }
 
-    /// The names of all campaigns that were run.
+    /// The names of all campaigns that were run in the folder for reports.
     pub fn campaigns(&self) -> Vec<String> {
-        let entries = fs::read_dir(self.root.join("campaigns")).into_iter().flatten().flatten();
+        let entries = fs::read_dir(self.place.campaigns()).into_iter().flatten().flatten();
         let name = |entry: fs::DirEntry| Some(entry.file_name().to_str()?.strip_suffix(".json")?.to_string());
         let mut names: Vec<String> = entries.filter_map(name).collect();
         names.sort();
@@ -200,7 +211,7 @@ impl Store {
 
     /// The names of all cells that are there, with their sizes in bytes.
     pub fn sizes(&self) -> BTreeMap<String, u64> {
-        let folders = fs::read_dir(self.root.join("cells")).into_iter().flatten().flatten();
+        let folders = fs::read_dir(self.root().join("cells")).into_iter().flatten().flatten();
         let files = folders.flat_map(|folder| fs::read_dir(folder.path()).into_iter().flatten().flatten());
         let size = |file: fs::DirEntry| Some((file.file_name().into_string().ok()?, file.metadata().ok()?.len()));
         files.filter_map(size).filter(|(name, _)| is_id(name)).collect()
@@ -224,9 +235,12 @@ impl Store {
 
     /// Waits until no other process moves a report of this folder into its place; none may do so while this is held.
     pub fn door(&self) -> Option<File> {
-        let door = File::create(self.root.join(LOCK)).ok()?;
-        let _ = door.lock();
-        Some(door)
+        locked(self.place.beside())
+    }
+
+    /// Waits until nobody says what campaigns want; nobody may do so while this is held.
+    pub fn hold_still(&self) -> Option<File> {
+        locked(self.root())
     }
 
     /// Removes a cell by its name.
@@ -234,13 +248,19 @@ impl Store {
     /// # Errors
     /// It cannot be removed.
     pub fn remove(&self, name: &str) -> Result<(), StoreError> {
-        let path = self.root.join("cells").join(&name[..2]).join(name);
+        let path = self.root().join("cells").join(&name[..2]).join(name);
         fs::remove_file(&path).map_err(|source| StoreError::File { path, source })
     }
 
     fn campaign_path(&self, name: &str) -> PathBuf {
-        self.root.join("campaigns").join(format!("{name}.json"))
+        self.place.campaigns().join(format!("{name}.json"))
     }
+}
+
+fn locked(folder: &Path) -> Option<File> {
+    let door = File::create(folder.join(LOCK)).ok()?;
+    let _ = door.lock();
+    Some(door)
 }
 
 /// What is made as temporary is for its owner alone; cells are for everyone who may read their folder.

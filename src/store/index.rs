@@ -18,6 +18,9 @@ pub struct Index {
     /// The command that it was last run with.
     #[serde(default)]
     pub command: String,
+    /// The folder for reports that it was last run for, for people.
+    #[serde(default)]
+    pub out: String,
     /// The cells that were finished, by what they are.
     done: BTreeMap<String, Made>,
 }
@@ -65,6 +68,7 @@ impl Index {
                 self.done.insert(cell_name(campaign, cell), made);
             }
         }
+        self.out = store.place().out().to_string_lossy().into_owned();
         let text = serde_json::to_string(self).expect("strings and numbers have a form in JSON");
         store.put_campaign_text(name, &text)
     }

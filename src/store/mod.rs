@@ -1,15 +1,17 @@
 //! Cells on disk: what campaigns have finished or begun, so that nothing is done twice and nothing is lost.
 //!
-//! `OUT/.cells` is shared by all campaigns of a folder. A cell's name is a digest of all that its bytes depend on: the code, the
+//! `OUT/.cells` is shared by all campaigns of a folder, a cache by those of several. A cell's name is a digest of all that its bytes depend on: the code, the
 //! seed, the scenario, and for a trained pedestrian its training. So a cell is either there as it should be or not there, whoever made it,
 //! and a file that says otherwise is damaged. Files appear whole; several processes may work on one folder.
 
 mod id;
 mod cell_file;
 mod store_error;
-mod folder;
 mod work_folder;
+mod place;
+mod folder;
 mod index;
+mod wants;
 mod kept;
 mod import;
 mod status;
@@ -22,3 +24,4 @@ pub use index::{Index, Known, cell_name};
 pub use kept::{Kept, Limits};
 pub use status::{CampaignStatus, CellStatus};
 pub use store_error::StoreError;
+pub use wants::Wants;

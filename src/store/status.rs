@@ -63,13 +63,13 @@ impl Store {
         CampaignStatus { name: name.to_string(), command: index.command, cells }
     }
 
-    /// How many processes are at work on the folder.
+    /// How many processes are at work on the folder for reports.
     pub fn processes(&self) -> usize {
-        processes(self.root())
+        processes(self.place().beside())
     }
 
     fn is_in_hand(&self, id: &str) -> bool {
-        let claim = File::open(self.root().join("claims").join(id));
+        let claim = File::open(self.place().root().join("claims").join(id));
         claim.is_ok_and(|claim| matches!(claim.try_lock(), Err(TryLockError::WouldBlock)))
     }
 }

@@ -20,4 +20,47 @@ pub enum StoreError {
         /// Why.
         source: io::Error,
     },
+    /// The cache lies among the reports.
+    #[error(
+        "the cache `{cache}` is in the folder for reports, `{out}`, where every folder is a report; name one elsewhere, or none to have it \
+         in `{out}/.cells`",
+        cache = cache.display(), out = out.display()
+    )]
+    Inside {
+        /// The cache.
+        cache: PathBuf,
+        /// The folder for reports.
+        out: PathBuf,
+    },
+    /// The cache is no folder.
+    #[error("the cache `{path}` is a file; name a folder", path = path.display())]
+    NoFolder {
+        /// What was named.
+        path: PathBuf,
+    },
+    /// The cache is a folder of somebody else's.
+    #[error("the cache `{path}` holds other things, such as `{entry}`; name a new or an empty folder", path = path.display())]
+    Foreign {
+        /// The folder.
+        path: PathBuf,
+        /// Something in it.
+        entry: String,
+    },
+    /// Reports cannot be moved to their place.
+    #[error(
+        "`{beside}` is on another file system than the reports, so they could not appear in one step; take it away and name the place of \
+         the cells with --cache",
+        beside = beside.display()
+    )]
+    Apart {
+        /// The folder beside the reports.
+        beside: PathBuf,
+    },
+}
+
+impl StoreError {
+    /// Whether another folder should have been named.
+    pub fn is_misuse(&self) -> bool {
+        !matches!(self, Self::Folder { .. } | Self::File { .. })
+    }
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 /// What the folder of a process begins with.
-const PREFIX: &str = "work-";
+pub(super) const PREFIX: &str = "work-";
 /// The file in it that the process holds locked; one in the store itself is held while folders come and go.
 pub(super) const LOCK: &str = "lock";
 

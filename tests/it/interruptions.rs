@@ -44,7 +44,8 @@ impl Place {
     fn command(&self, more: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_falsify"));
         command.args(["run", "cut.scn", "--out", "out"]).args(more);
-        command.current_dir(self.folder.path()).env_remove("FALSIFY_OUT").env("FALSIFY_THREADS", "2");
+        command.current_dir(self.folder.path()).env("FALSIFY_THREADS", "2");
+        command.env_remove("FALSIFY_OUT").env_remove("FALSIFY_CACHE");
         command
     }
 
@@ -280,6 +281,28 @@ fn a_cell_beyond_its_limit_is_an_error_and_goes_on_another_time() {
     assert!(partial("manifest.toml").contains("error = \"not finished within the 1500 ticks"));
     assert!(place.run(&[]).status.success());
     same(&place.report(), &wanted, "after a limit");
+}
+
+#[test]
+fn a_cell_that_gets_an_instant_at_a_time_gets_on_and_says_why_it_is_not_there() {
+    let (wanted, _) = undisturbed();
+    let place = Place::new();
+    for turn in 1..=3 {
+        let limited = place.run(&["--cell-time", "0"]);
+        assert_eq!(limited.status.code(), Some(5), "{limited:?}");
+        assert!(error(&limited).contains("not finished within the 0 s that a cell may take"), "{}", error(&limited));
+        let list = place.list();
+        assert_eq!(list.matches(&format!("[run: unfinished, {turn} of 6 updates]")).count(), 4, "{list}");
+        assert_eq!(list.matches(&format!("[run: unfinished, {turn} of 12 episodes]")).count(), 4, "{list}");
+    }
+    let partial = place.out().join("cut-partial");
+    let episodes = std::fs::read_to_string(partial.join("episodes.csv")).unwrap();
+    assert_eq!(episodes.lines().count(), 1 + 8 * 12, "every episode has a row");
+    let in_error = |why: &str| episodes.lines().filter(|line| line.contains(&format!(",error,{why}"))).count();
+    assert_eq!(in_error("its training failed: not finished within the 0 s that a cell may take"), 4 * 12, "{episodes}");
+    assert_eq!(in_error("not finished within the 0 s that a cell may take"), 4 * (12 - 3), "{episodes}");
+    assert!(place.run(&[]).status.success());
+    same(&place.report(), &wanted, "after three instants");
 }
 
 /// Runs on a file system that is too small, then on the same one when it has grown.

@@ -13,6 +13,7 @@ macro_rules! loud {
 
 mod allocation;
 mod behavior_agent_reference;
+mod caches;
 mod command_line;
 mod determinism;
 mod external;

@@ -12,7 +12,7 @@ pub fn falsify(arguments: &[&str], folder: &Path) -> Output {
 pub fn falsify_with(arguments: &[&str], folder: &Path, variables: &[(&str, &str)]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_falsify"));
     command.args(arguments).current_dir(folder);
-    for name in ["OUT", "THREADS", "SEED", "FORMATS", "FORMAT", "PROGRESS"] {
+    for name in ["OUT", "CACHE", "THREADS", "SEED", "FORMATS", "FORMAT", "PROGRESS"] {
         command.env_remove(format!("FALSIFY_{name}"));
     }
     command.envs(variables.iter().copied()).output().unwrap()

@@ -122,6 +122,8 @@ fn shards_of_one_folder_need_nothing_but_the_folder() {
     assert_eq!(status.status.code(), Some(9), "{text}");
     assert!(text.contains("parts: stopped") && text.contains("trainings   3 of 4 cells, 75 %"), "{text}");
     assert!(text.contains("go on with: falsify run parts.scn --shard 0/2 --only trainings"), "{text}");
+    let left = "left for one thread, and the evaluations and searches, of which none is done yet";
+    assert!(text.contains(left), "{text}");
     for shard in ["0/2", "1/2"] {
         assert!(falsify(&["run", "parts.scn", "--shard", shard], here).status.success());
     }

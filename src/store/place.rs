@@ -1,0 +1,176 @@
+use std::fs;
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+
+use super::StoreError;
+use super::work_folder::{LOCK, PREFIX, WorkFolder};
+
+/// The folder beside the reports: for cells, and for reports in the making.
+const NAME: &str = ".cells";
+/// Cells, claims, and what campaigns wanted.
+const FOLDERS: [&str; 3] = ["cells", "claims", "campaigns"];
+/// For whoever finds it.
+const README: &str = "README.txt";
+const ABOUT: &str = "\
+Finished and half-finished work of falsify, which reports are made from.
+Nothing else is lost with it than the time to do it again.
+`head -2` of a file in `cells` says what it is.
+";
+const ABOUT_DRAFTS: &str = "\
+Reports of falsify in the making. Finished and half-finished work lies in another folder: --cache, FALSIFY_CACHE
+or `cache` in falsify.toml named it.
+";
+
+/// Where the cells of a folder for reports lie, and where its reports are made.
+#[derive(Debug, PartialEq)]
+pub(super) struct Place {
+    /// The folder for reports, as the file system has it.
+    out: PathBuf,
+    /// The folder beside the reports, on their file system.
+    beside: PathBuf,
+    /// The folder with the cells.
+    root: PathBuf,
+    /// The folder with what the campaigns of this folder for reports wanted.
+    campaigns: PathBuf,
+}
+
+impl Place {
+    /// Finds the place of a folder for reports whose cells lie in a cache, if one is named.
+    ///
+    /// # Errors
+    /// The cache lies among the reports.
+    pub fn of(out: &Path, cache: Option<&Path>) -> Result<Self, StoreError> {
+        let (beside, real_out) = (out.join(NAME), real(out));
+        let cache = cache.filter(|cache| real(cache) != real(&beside));
+        let Some(cache) = cache else {
+            let (root, campaigns) = (beside.clone(), beside.join("campaigns"));
+            return Ok(Self { out: real_out, beside, root, campaigns });
+        };
+        if real(cache).starts_with(&real_out) {
+            return Err(StoreError::Inside { cache: cache.to_path_buf(), out: out.to_path_buf() });
+        }
+        // Campaigns of the same name may be run for several folders.
+        let name = blake3::hash(real_out.as_os_str().as_encoded_bytes()).to_hex();
+        let campaigns = cache.join("campaigns").join(&name[..16]);
+        Ok(Self { out: real_out, beside, root: cache.to_path_buf(), campaigns })
+    }
+
+    /// The place in a folder that is one for reports or a cache.
+    pub fn within(folder: &Path) -> Self {
+        let beside = folder.join(NAME);
+        let root = if !beside.join(FOLDERS[0]).is_dir() && folder.join(FOLDERS[0]).is_dir() {
+            folder.to_path_buf()
+        } else {
+            beside.clone()
+        };
+        Self { out: real(folder), beside, campaigns: root.join("campaigns"), root }
+    }
+
+    /// The folder for reports, as the file system has it.
+    pub fn out(&self) -> &Path {
+        &self.out
+    }
+
+    /// The folder beside the reports.
+    pub fn beside(&self) -> &Path {
+        &self.beside
+    }
+
+    /// The folder with the cells.
+    pub fn root(&self) -> &Path {
+        &self.root
+    }
+
+    /// The folder with what its campaigns wanted.
+    pub fn campaigns(&self) -> &Path {
+        &self.campaigns
+    }
+
+    /// Whether cells lie beside the reports.
+    pub fn is_beside(&self) -> bool {
+        self.root == self.beside
+    }
+
+    /// Holds that a cache is a folder of cells, or empty, or not there yet.
+    ///
+    /// # Errors
+    /// It is something else.
+    pub fn check(&self) -> Result<(), StoreError> {
+        let path = || self.root.clone();
+        if self.is_beside() || !self.root.exists() {
+            return Ok(());
+        }
+        if !self.root.is_dir() {
+            return Err(StoreError::NoFolder { path: path() });
+        }
+        let about = fs::read_to_string(self.root.join(README)).unwrap_or_default();
+        if about.lines().next() == ABOUT.lines().next() {
+            return Ok(());
+        }
+        let entries = fs::read_dir(&self.root).map_err(|source| StoreError::Folder { path: path(), source })?;
+        let mut names: Vec<String> =
+            entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        match names.into_iter().find(|name| !is_ours(name)) {
+            Some(entry) => Err(StoreError::Foreign { path: path(), entry }),
+            None => Ok(()),
+        }
+    }
+
+    /// Makes all folders that are missing.
+    ///
+    /// # Errors
+    /// One cannot be made, or the cache is something else.
+    pub fn make(&self) -> Result<(), StoreError> {
+        self.check()?;
+        let failed = |path: &Path| {
+            let path = path.to_path_buf();
+            move |source| StoreError::Folder { path, source }
+        };
+        let out = self.beside.parent().expect("it is in the folder for reports");
+        fs::create_dir_all(out).map_err(failed(out))?;
+        let root = if self.is_beside() { out } else { &self.root };
+        make(&self.root, &FOLDERS, ABOUT).map_err(failed(root))?;
+        if self.is_beside() { Ok(()) } else { make(&self.beside, &[], ABOUT_DRAFTS).map_err(failed(out)) }
+    }
+
+    /// Holds that reports can be moved from the folder in which they are made to the place where they are to stand.
+    ///
+    /// # Errors
+    /// They cannot: there is another file system between.
+    pub fn check_drafts(&self, drafts: &WorkFolder) -> Result<(), StoreError> {
+        let failed = |source| StoreError::Folder { path: self.beside.clone(), source };
+        let probe = tempfile::tempdir_in(drafts.path().map_err(failed)?).map_err(failed)?;
+        // The folder beside the reports is never empty, so nothing can take its place; but between file systems that is not even looked at.
+        match fs::rename(probe.path(), &self.beside) {
+            Err(error) if error.kind() == ErrorKind::CrossesDevices => {
+                Err(StoreError::Apart { beside: self.beside.clone() })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+fn make(root: &Path, folders: &[&str], about: &str) -> io::Result<()> {
+    fs::create_dir_all(root)?;
+    let readme = root.join(README);
+    if !readme.exists() {
+        fs::write(readme, about)?;
+    }
+    folders.iter().try_for_each(|folder| fs::create_dir_all(root.join(folder)))
+}
+
+fn is_ours(name: &str) -> bool {
+    FOLDERS.contains(&name) || [README, LOCK].contains(&name) || name.starts_with(PREFIX)
+}
+
+/// A path as the file system has it; what of it is not there yet is taken as it is written.
+fn real(path: &Path) -> PathBuf {
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    for ancestor in path.ancestors() {
+        if let (Ok(real), Ok(rest)) = (ancestor.canonicalize(), path.strip_prefix(ancestor)) {
+            return real.components().chain(rest.components()).collect();
+        }
+    }
+    path
+}

@@ -1,0 +1,70 @@
+//! What the campaigns of all folders for reports want that share the cells.
+
+use std::collections::BTreeSet;
+use std::ffi::OsStr;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::{Index, Store, StoreError};
+
+/// What a campaign wants.
+#[derive(Debug)]
+pub struct Wants {
+    /// Its name.
+    pub campaign: String,
+    /// The folder for its reports; none for the one at hand.
+    pub elsewhere: Option<PathBuf>,
+    /// The names of its cells.
+    pub cells: BTreeSet<String>,
+    file: PathBuf,
+}
+
+impl Wants {
+    /// Whether the folder for its reports is not there any more, or not to be seen from here.
+    pub fn is_gone(&self) -> bool {
+        self.elsewhere.as_ref().is_some_and(|out| !out.is_dir())
+    }
+}
+
+impl Store {
+    /// What all campaigns want, of this folder for reports first.
+    pub fn wants(&self) -> Vec<Wants> {
+        let campaigns = self.place().root().join("campaigns");
+        let mut found: Vec<Wants> = self.wanted_in(&campaigns);
+        for folder in entries(&campaigns).filter(|path| path.is_dir()) {
+            found.extend(self.wanted_in(&folder));
+        }
+        found.sort_by(|one, other| (&one.elsewhere, &one.campaign).cmp(&(&other.elsewhere, &other.campaign)));
+        found
+    }
+
+    /// Takes what a campaign wants as wanted no longer.
+    ///
+    /// # Errors
+    /// Its file cannot be removed.
+    pub fn give_up(&self, wants: &Wants) -> Result<(), StoreError> {
+        fs::remove_file(&wants.file).map_err(|source| StoreError::File { path: wants.file.clone(), source })
+    }
+
+    fn wanted_in(&self, folder: &Path) -> Vec<Wants> {
+        let place = self.place();
+        let read = |file: PathBuf| {
+            let campaign = file.file_name()?.to_str()?.strip_suffix(".json")?.to_string();
+            let index: Index = serde_json::from_str(&fs::read_to_string(&file).ok()?).ok()?;
+            let elsewhere = if folder == place.campaigns() {
+                None
+            } else if folder.parent() == Some(place.root()) && place.root().file_name() == Some(OsStr::new(".cells")) {
+                // It lies beside its reports, wherever they have gone together.
+                place.root().parent().map(Path::to_path_buf)
+            } else {
+                Some(PathBuf::from(index.out))
+            };
+            Some(Wants { campaign, elsewhere, cells: index.wanted, file })
+        };
+        entries(folder).filter(|path| path.is_file()).filter_map(read).collect()
+    }
+}
+
+fn entries(folder: &Path) -> impl Iterator<Item = PathBuf> {
+    fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path())
+}

@@ -1,0 +1,268 @@
+//! Cells that lie in a cache: several folders for reports share it, on whatever file system it is, and none takes another's away.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::time::Instant;
+
+use crate::program::{falsify, falsify_with};
+
+fn error(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+/// Writes a campaign of two trainings, whose pedestrians and random ones are tried in one town: six cells.
+fn write_campaign(folder: &Path) {
+    let lib = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/lib");
+    let text = format!(
+        "edition 1\nimport \"{0}/paper.scn\"\nimport \"{0}/drivers.scn\"\nimport \"{0}/towns.scn\"\n\
+         training quick = ppo(steps: 120, steps_per_update: 10, epochs: 1, environments: 2, hidden: [8])\n\
+         campaign shared {{ vehicle: model3 adversary: suicidal spawn: ahead episode: thirty_seconds training: quick\n\
+         train {{ towns: [harbour] policies: [behavior] rewards: [r1, r2] runs: 1 }}\n\
+         evaluate {{ towns: [village] policies: [blind] pedestrians: [trained, random] episodes: 12 }} }}\n",
+        lib.display()
+    );
+    std::fs::write(folder.join("shared.scn"), text).unwrap();
+}
+
+/// Runs the campaign, which must end well.
+fn run(folder: &Path, more: &[&str]) -> Output {
+    let output = falsify(&[&["run", "shared.scn"], more].concat(), folder);
+    assert!(output.status.success(), "{more:?}: {output:?}");
+    output
+}
+
+/// The files below a folder; of a manifest only what does not vary from run to run.
+fn report(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let (mut open, mut files) = (vec![folder.to_path_buf()], BTreeMap::new());
+    while let Some(next) = open.pop() {
+        for entry in std::fs::read_dir(&next).unwrap_or_else(|error| panic!("{}: {error}", next.display())) {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                open.push(path);
+                continue;
+            }
+            let mut bytes = std::fs::read(&path).unwrap();
+            if path.ends_with("manifest.toml") {
+                let text = String::from_utf8(bytes).unwrap();
+                let timeless = |line: &&str| !line.contains("wall_time_s") && !line.starts_with("threads");
+                bytes = text.lines().filter(timeless).collect::<Vec<_>>().join("\n").into_bytes();
+            }
+            files.insert(path.strip_prefix(folder).unwrap().to_path_buf(), bytes);
+        }
+    }
+    files
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).unwrap();
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+/// How many cells a cache holds.
+fn cells(cache: &Path) -> usize {
+    report(&cache.join("cells")).len()
+}
+
+#[test]
+fn folders_for_reports_share_a_cache_and_none_takes_away_what_another_wants() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    write_campaign(here);
+    run(here, &["--out", "alone"]);
+    run(here, &["--out", "one", "--cache", "cache"]);
+    let second = run(here, &["--out", "two", "--cache", "cache"]);
+    assert!(error(&second).contains("6 of 6 cells were there already"), "{}", error(&second));
+    let wanted = report(&here.join("alone/shared"));
+    for out in ["one", "two"] {
+        assert!(report(&here.join(out).join("shared")) == wanted, "{out} has other bytes");
+        assert_eq!(names(&here.join(out)), [".cells", "shared"]);
+        assert_eq!(names(&here.join(out).join(".cells")), ["README.txt", "lock"], "no cells, and no drafts any more");
+    }
+    assert_eq!(names(&here.join("cache")), ["README.txt", "campaigns", "cells", "claims", "lock"]);
+
+    // Each folder has its own campaigns.
+    let status = |arguments: &[&str]| falsify(&[&["status"], arguments].concat(), here);
+    assert!(said(&status(&["one", "--cache", "cache"])).contains("shared: finished"));
+    let without = status(&["one"]);
+    assert!(without.status.code() == Some(2) && error(&without).contains("--cache"), "{without:?}");
+    assert_eq!(status(&["three", "--cache", "cache"]).status.code(), Some(2));
+    let list = said(&falsify(&["run", "--list", "shared.scn", "--out", "three", "--cache", "cache"], here));
+    assert!(list.contains("0 of 6 cells to run, 6 to reuse"), "{list}");
+
+    // What one does not want any more the other does.
+    let other = ["--out", "two", "--cache", "cache", "--seed", "7"];
+    run(here, &other);
+    assert_eq!(cells(&here.join("cache")), 12);
+    let prune = |more: &[&str]| {
+        let output = falsify(&[&["cells", "two", "--cache", "cache", "--prune"], more].concat(), here);
+        assert!(output.status.success(), "{output:?}");
+        said(&output)
+    };
+    let told = prune(&[]);
+    assert!(told.contains("removed 0 cells") && told.contains("campaign shared of `"), "{told}");
+    assert_eq!(cells(&here.join("cache")), 12);
+    std::fs::remove_dir_all(here.join("one")).unwrap();
+    let told = prune(&[]);
+    assert!(told.contains("removed 0 cells") && told.contains("--prune --gone gives them up"), "{told}");
+    let told = prune(&["--gone"]);
+    assert!(told.contains("removed 6 cells"), "{told}");
+    assert_eq!(cells(&here.join("cache")), 6);
+    let again = run(here, &other);
+    assert!(error(&again).contains("6 of 6 cells were there already"), "{}", error(&again));
+    let told = prune(&["--gone"]);
+    assert!(told.contains("removed 0 cells") && !told.contains("of `"), "{told}");
+}
+
+#[test]
+fn a_cache_may_be_the_cells_of_another_folder_and_is_left_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    write_campaign(here);
+    run(here, &["--out", "old"]);
+    let output = run(here, &["--out", "new", "--cache", "old/.cells"]);
+    assert!(error(&output).contains("6 of 6 cells were there already"), "{}", error(&output));
+    run(here, &["--out", "new", "--cache", "old/.cells", "--seed", "2"]);
+    let pruned = said(&falsify(&["cells", "new", "--cache", "old/.cells", "--prune"], here));
+    assert!(pruned.contains("removed 0 cells"), "{pruned}");
+    run(here, &["--out", "old", "--seed", "3"]);
+    // Named in whatever way, cells beside the reports are those that are there without a cache.
+    let named = run(here, &["--out", "old", "--seed", "3", "--cache", "new/../old/.cells"]);
+    assert!(error(&named).contains("6 of 6 cells were there already"), "{}", error(&named));
+    let pruned = said(&falsify(&["cells", "old", "--prune"], here));
+    assert!(pruned.contains("removed 6 cells") && pruned.contains("campaign shared of `"), "{pruned}");
+    assert_eq!(cells(&here.join("old/.cells")), 12);
+}
+
+#[test]
+fn shards_may_leave_their_cells_in_caches() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    write_campaign(here);
+    run(here, &["--out", "whole"]);
+    run(here, &["--out", "a", "--cache", "scratch", "--shard", "0/2"]);
+    run(here, &["--out", "b", "--shard", "1/2"]);
+    let merge = |from: [&str; 2]| {
+        falsify(&["merge", "shared.scn", "--out", "merged", "--cache", "merging", "--from", from[0], from[1]], here)
+    };
+    let wrong = merge(["a", "b"]);
+    assert_eq!(wrong.status.code(), Some(9), "{wrong:?}");
+    assert!(error(&wrong).contains("there are no cells in `a`"), "{}", error(&wrong));
+    let merged = merge(["scratch", "b"]);
+    assert!(merged.status.success(), "{merged:?}");
+    assert!(report(&here.join("merged/shared")) == report(&here.join("whole/shared")), "it has other bytes");
+}
+
+#[test]
+fn a_folder_that_is_no_cache_is_refused_and_left_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    write_campaign(here);
+    std::fs::write(here.join("file"), "mine").unwrap();
+    std::fs::create_dir(here.join("thesis")).unwrap();
+    std::fs::write(here.join("thesis/lock"), "mine").unwrap();
+    std::fs::write(here.join("thesis/chapter.tex"), "mine").unwrap();
+    for (cache, code, why) in [
+        ("file", 2, "the cache `file` is a file"),
+        ("file/below", 6, "cannot write to the folder `file/below`"),
+        ("thesis", 2, "holds other things, such as `chapter.tex`"),
+        ("out/cache", 2, "is in the folder for reports, `out`"),
+        ("out", 2, "is in the folder for reports, `out`"),
+        ("/proc/falsify", 6, "cannot write to the folder `/proc/falsify`"),
+    ] {
+        let output = falsify(&["run", "shared.scn", "--out", "out", "--cache", cache], here);
+        assert_eq!(output.status.code(), Some(code), "{cache}: {output:?}");
+        assert!(error(&output).contains(why), "{cache}: {}", error(&output));
+        assert!(!here.join("out/shared").exists() && !here.join("out/shared-partial").exists());
+    }
+    assert_eq!(names(&here.join("thesis")), ["chapter.tex", "lock"]);
+    assert_eq!(std::fs::read_to_string(here.join("thesis/lock")).unwrap(), "mine");
+    let nowhere = falsify(&["cells", "out", "--cache", "nowhere"], here);
+    assert!(nowhere.status.code() == Some(2) && error(&nowhere).contains("is not there"), "{nowhere:?}");
+    // What was begun and not finished is nobody else's.
+    std::fs::create_dir_all(here.join("begun/cells")).unwrap();
+    run(here, &["--out", "out", "--cache", "begun"]);
+}
+
+#[test]
+fn a_setting_or_a_variable_names_the_cache() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    write_campaign(here);
+    std::fs::write(here.join("falsify.toml"), "cache = \"from the file\"\n").unwrap();
+    run(here, &[]);
+    assert_eq!(cells(&here.join("from the file")), 6);
+    assert!(said(&falsify(&["status"], here)).contains("shared: finished"));
+    assert!(said(&falsify(&["cells"], here)).contains("campaign shared: 6 of 6 cells"));
+    let variables = [("FALSIFY_CACHE", "of the variable")];
+    let list = said(&falsify_with(&["run", "--list", "shared.scn"], here, &variables));
+    assert!(list.contains("6 of 6 cells to run, 0 to reuse"), "{list}");
+    let config = said(&falsify_with(&["config"], here, &variables));
+    assert!(config.contains("cache = \"of the variable\"") && config.contains("# FALSIFY_CACHE"), "{config}");
+}
+
+/// A folder on another file system than this one, if there is one.
+#[cfg(unix)]
+fn elsewhere(here: &Path) -> Option<tempfile::TempDir> {
+    use std::os::unix::fs::MetadataExt;
+    let device = |path: &Path| std::fs::metadata(path).map(|data| data.dev()).ok();
+    let candidates = ["/dev/shm", "/run/user/0", "/tmp", "/var/tmp", env!("CARGO_TARGET_TMPDIR")].map(Path::new);
+    let mut others = candidates.into_iter().filter(|path| device(path).is_some() && device(path) != device(here));
+    others.find_map(|path| tempfile::tempdir_in(path).ok())
+}
+
+#[test]
+#[cfg(unix)]
+fn cells_and_reports_may_be_on_two_file_systems_and_a_kill_leaves_whole_reports() {
+    const KILLS: usize = 8;
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let other = elsewhere(here).unwrap_or_else(|| {
+        loud!("only one file system can be written to here, so the test of two is one of two folders");
+        tempfile::tempdir().unwrap()
+    });
+    write_campaign(here);
+    let begun = Instant::now();
+    run(here, &["--out", "alone"]);
+    let time = begun.elapsed();
+    let wanted = report(&here.join("alone/shared"));
+    let there = other.path().to_str().unwrap();
+    for (out, cache) in [("near", format!("{there}/cells")), (&*format!("{there}/far"), "cells".into())] {
+        let mut kills = 0;
+        loop {
+            let mut command = Command::new(env!("CARGO_BIN_EXE_falsify"));
+            command.args(["run", "shared.scn", "--checkpoint", "0.001", "--progress", "none", "--out", out, "--cache"]);
+            let mut child = command.arg(&cache).current_dir(here).spawn().unwrap();
+            if kills < KILLS {
+                // The moment is what is tried here: anything that was waited for would be a moment of the program's own.
+                std::thread::sleep(time.mul_f64((kills + 1) as f64 / (KILLS + 1) as f64));
+                let _ = child.kill();
+                kills += 1;
+            }
+            let ended = child.wait().unwrap().success();
+            let place = here.join(out).join("shared");
+            assert!(!place.exists() || report(&place) == wanted, "not all of it stands");
+            if ended && kills == KILLS {
+                break;
+            }
+        }
+        assert!(report(&here.join(out).join("shared")) == wanted, "{out} has other bytes");
+        assert_eq!(names(&here.join(out)), [".cells", "shared"]);
+    }
+    if std::os::unix::fs::symlink(format!("{there}/cells"), here.join("alone/link")).is_ok() {
+        std::fs::remove_dir_all(here.join("alone/.cells")).unwrap();
+        std::fs::rename(here.join("alone/link"), here.join("alone/.cells")).unwrap();
+        let linked = falsify(&["run", "shared.scn", "--out", "alone"], here);
+        let apart = elsewhere(here).is_some();
+        assert_eq!(linked.status.code(), Some(if apart { 2 } else { 0 }), "{linked:?}");
+        assert!(!apart || error(&linked).contains("is on another file system than the reports"), "{}", error(&linked));
+        assert!(report(&here.join("alone/shared")) == wanted, "what stood there stands");
+    }
+}
