@@ -5,7 +5,7 @@ use super::cell::CellEvidence;
 use super::comparison::{Comparison, adjust, compare, pairs};
 use super::place::Place;
 use super::transfer::{Transfer, transfers};
-use super::tried::Tried;
+use super::tried::{KEPT, Tried};
 use crate::seed::Seed;
 
 /// Everything that a campaign shows beside means.
@@ -24,6 +24,7 @@ pub struct Evidence {
 #[derive(Debug, Clone)]
 pub struct Gathering {
     seed: Seed,
+    kept: usize,
     here: Vec<Tried>,
     found: Evidence,
 }
@@ -31,7 +32,12 @@ pub struct Gathering {
 impl Gathering {
     /// Begins without any run.
     pub fn new(seed: Seed) -> Self {
-        Self { seed, here: Vec::new(), found: Evidence::default() }
+        Self::keeping(KEPT, seed)
+    }
+
+    /// Begins with another number of episodes that are looked at one by one.
+    pub(super) fn keeping(kept: usize, seed: Seed) -> Self {
+        Self { seed, kept, here: Vec::new(), found: Evidence::default() }
     }
 
     /// Adds all episodes of a run.
@@ -42,7 +48,7 @@ impl Gathering {
         if run.height() == 0 {
             return Ok(());
         }
-        let tried = Tried::new(run)?;
+        let tried = Tried::new(run, self.kept)?;
         if self.here.first().is_some_and(|first| !first.key.is_beside(&tried.key)) {
             self.found.add(std::mem::take(&mut self.here), &self.seed);
         }

@@ -55,7 +55,8 @@ impl Place {
         let mut covariance = vec![0.0; n * n];
         for (i, a) in pulls.iter().enumerate() {
             for (j, b) in pulls.iter().enumerate().skip(i) {
-                let common = a.iter().zip(*b).map(|(a, b)| a * b).sum();
+                let kept: f64 = a.iter().zip(*b).map(|(a, b)| a * b).sum();
+                let common = kept * self.tried[members[i]].stretch(&self.tried[members[j]]);
                 (covariance[i * n + j], covariance[j * n + i]) = (common, common);
             }
         }
@@ -74,6 +75,6 @@ impl Place {
 pub struct Measured {
     /// Which.
     pub figure: Figure,
-    /// Of each run, if it has one: the value, and by how much each episode moves it.
+    /// Of each run, if it has one: the value, and by how much each episode that is kept moves it.
     pub runs: Vec<Option<(f64, Vec<f64>)>>,
 }

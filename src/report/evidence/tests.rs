@@ -146,3 +146,29 @@ fn other_cells_change_no_interval() {
     let more = some().into_iter().chain([run("random", "r1", 0, "a", "x.....")]).collect();
     assert_eq!(gather(some()).cells[0], gather(more).cells[0]);
 }
+
+#[test]
+fn what_is_not_kept_counts_in_sums_and_hardly_changes_an_interval() {
+    // Both runs collide in half of the episodes, by turns of 2 and of 3, so a third of what moves one moves the other.
+    let word = |turn: usize, size: usize| -> String {
+        (0..size).map(|k| if (k / turn) % 2 == 0 || k % 60 == 7 { 'x' } else { '.' }).collect()
+    };
+    let runs = || vec![run("trained", "r1", 0, "a", &word(2, 6000)), run("trained", "r1", 1, "a", &word(3, 4800))];
+    let some = |kept: usize| {
+        let mut gathering = Gathering::keeping(kept, Seed::root(1));
+        runs().iter().for_each(|run| gathering.add(run).unwrap());
+        gathering.finish().cells.remove(0)
+    };
+    let (whole, part) = (some(6000), some(600));
+    assert_eq!((whole.episodes, whole.collisions), (part.episodes, part.collisions));
+    let of_those_kept = runs().iter().map(|run| run.head(Some(600))).collect();
+    assert_eq!((whole.impact_speed.n, part.impact_speed), (5500, gather(of_those_kept).cells[0].impact_speed));
+    for figure in Figure::ALL {
+        assert_eq!(whole.between(figure).by_run, part.between(figure).by_run, "{figure:?}");
+    }
+    let (_, exact) = whole.samples[0].as_ref().unwrap();
+    let (_, near) = part.samples[0].as_ref().unwrap();
+    for (exact, near) in exact.covariance.iter().zip(&near.covariance) {
+        assert!((near / exact - 1.0).abs() < 0.02 || (near - exact).abs() < 1e-6, "{near} for {exact}");
+    }
+}
