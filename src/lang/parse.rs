@@ -202,20 +202,6 @@ impl Reader {
     }
 
     fn value(&mut self, pair: Pair<Rule>) -> Expression {
-        let mut inner = pair.into_inner();
-        let low = self.expression(inner.next().expect("a value has an expression"));
-        match inner.next() {
-            None => low,
-            Some(high) => {
-                let high = self.expression(high);
-                // The rule's own span may end with blanks.
-                let span = low.span.to(high.span);
-                Expression { kind: ExpressionKind::Range(low.into(), high.into()), span }
-            }
-        }
-    }
-
-    fn expression(&mut self, pair: Pair<Rule>) -> Expression {
         let span = self.span(&pair);
         let pairs = pair.into_inner();
         if pairs.len() > MAX_TERMS {
@@ -223,15 +209,26 @@ impl Reader {
             return Expression { kind: ExpressionKind::Number { value: 0.0, unit: None }, span };
         }
         let mut pairs = pairs.peekable();
+        let low = self.expression(&mut pairs);
+        if pairs.peek().is_none() {
+            return low;
+        }
+        // A term without an operator before it begins the other end of a range.
+        let high = self.expression(&mut pairs);
+        let span = low.span.to(high.span);
+        Expression { kind: ExpressionKind::Range(low.into(), high.into()), span }
+    }
+
+    fn expression(&mut self, pairs: &mut Peekable<Pairs<Rule>>) -> Expression {
         let first = self.term(pairs.next().expect("an expression has a term"));
-        self.operations(first, &mut pairs, 0)
+        self.operations(first, pairs, 0)
     }
 
     /// What follows a term, as far as its operators bind at least so tightly.
     fn operations(&mut self, first: Expression, pairs: &mut Peekable<Pairs<Rule>>, least: u8) -> Expression {
         let mut left = first;
-        while let Some((operator, tightness)) = pairs.peek().map(operator).filter(|(_, tightness)| *tightness >= least)
-        {
+        let binds = |pair: &Pair<Rule>| operator(pair).filter(|(_, tightness)| *tightness >= least);
+        while let Some((operator, tightness)) = pairs.peek().and_then(binds) {
             pairs.next();
             let right = self.term(pairs.next().expect("a term follows an operator"));
             let right = self.operations(right, pairs, tightness + 1);
@@ -382,9 +379,12 @@ fn inner_text(pair: &Pair<Rule>) -> String {
     pair.clone().into_inner().next().map_or_else(String::new, |inner| inner.as_str().to_string())
 }
 
-/// An operator, and how tightly it binds.
-fn operator(pair: &Pair<Rule>) -> (Operator, u8) {
-    match pair.as_str() {
+/// An operator, and how tightly it binds; none for another pair.
+fn operator(pair: &Pair<Rule>) -> Option<(Operator, u8)> {
+    if pair.as_rule() != Rule::infix {
+        return None;
+    }
+    Some(match pair.as_str() {
         "or" => (Operator::Or, 0),
         "and" => (Operator::And, 1),
         "<" => (Operator::Less, 2),
@@ -396,7 +396,7 @@ fn operator(pair: &Pair<Rule>) -> (Operator, u8) {
         "*" => (Operator::Multiply, 4),
         "/" => (Operator::Divide, 4),
         other => unreachable!("`{other}` is no operator"),
-    }
+    })
 }
 
 /// What a user calls a rule; `None` for rules that say nothing to a user. Exhaustive, so that a new rule gets a name.

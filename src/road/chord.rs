@@ -1,7 +1,7 @@
 //! The centres of lanes as chords: straight pieces, among which the nearest is looked for.
 
-use super::{LaneFilter, Road};
 use super::lane_network::{LaneNetwork, LaneSlot, NetworkLane};
+use super::{LaneFilter, Road};
 use crate::geometry::{Point, Vector};
 
 /// How far the heading turns before the next chord begins (rad).

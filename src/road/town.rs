@@ -9,6 +9,9 @@ use super::{
 };
 use crate::geometry::{OrientedBox, Point, Pose};
 
+/// How far apart the places of a lane are that are looked at for the bounds, at most (m).
+const BOUND_STEP: f64 = 10.0;
+
 /// What a town is made of, before it is indexed.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TownParts {
@@ -54,7 +57,6 @@ pub struct Town {
     pub(super) network: LaneNetwork,
     index: LaneIndex,
     driving_lanes: Vec<LaneStretch>,
-    bounds: (Point, Point),
     route_planners: Mutex<Vec<Arc<RoutePlanner>>>,
 }
 
@@ -68,7 +70,6 @@ impl Town {
             length: (lane.end - lane.start).max(0.0),
         };
         let driving_lanes = driving.map(stretch).collect();
-        let bounds = bounds(&parts, &network);
         let TownParts { name, roads, junctions, speed_signs, traffic_lights, crosswalks, obstacles, warnings } = parts;
         Self {
             name,
@@ -82,7 +83,6 @@ impl Town {
             network,
             index: LaneIndex::default(),
             driving_lanes,
-            bounds,
             route_planners: Mutex::default(),
         }
     }
@@ -215,25 +215,18 @@ impl Town {
     /// Opposite corners of the smallest upright rectangle around all lanes and obstacles: the south-west one and the
     /// north-east one. Both are the origin in an empty town.
     pub fn bounds(&self) -> (Point, Point) {
-        self.bounds
+        let edges = self.network.lanes().iter().flat_map(|lane| {
+            let count = ((lane.end - lane.start) / BOUND_STEP).ceil().clamp(1.0, 4096.0);
+            (0..=count as u32).flat_map(move |i| {
+                let s = lane.start + (lane.end - lane.start) * f64::from(i) / count;
+                self.network.edges(&self.roads, lane, s)
+            })
+        });
+        let corners = self.obstacles.iter().flat_map(OrientedBox::corners);
+        let places = edges.chain(corners).filter(|place| place.x.is_finite() && place.y.is_finite());
+        let around = places.fold(None, |box_so_far: Option<(Point, Point)>, place| {
+            Some(box_so_far.map_or((place, place), |(low, high)| (low.inf(&place), high.sup(&place))))
+        });
+        around.unwrap_or((Point::origin(), Point::origin()))
     }
-}
-
-/// How many places of a lane are looked at for the bounds, at least every ten metres.
-const BOUND_STEP: f64 = 10.0;
-
-fn bounds(parts: &TownParts, network: &LaneNetwork) -> (Point, Point) {
-    let edges = network.lanes().iter().flat_map(|lane| {
-        let count = ((lane.end - lane.start) / BOUND_STEP).ceil().clamp(1.0, 4096.0);
-        (0..=count as u32).flat_map(move |i| {
-            let s = lane.start + (lane.end - lane.start) * f64::from(i) / count;
-            network.edges(&parts.roads, lane, s)
-        })
-    });
-    let corners = parts.obstacles.iter().flat_map(OrientedBox::corners);
-    let places = edges.chain(corners).filter(|place| place.x.is_finite() && place.y.is_finite());
-    let around = places.fold(None, |box_so_far: Option<(Point, Point)>, place| {
-        Some(box_so_far.map_or((place, place), |(low, high)| (low.inf(&place), high.sup(&place))))
-    });
-    around.unwrap_or((Point::origin(), Point::origin()))
 }
