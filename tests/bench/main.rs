@@ -7,10 +7,12 @@ use std::sync::Arc;
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
+use falsify::campaign::watch;
 use falsify::compile::{Catalog, Plan, compile};
 use falsify::diagnostic::Sources;
-use falsify::env::{PedestrianEnv, Scenario};
+use falsify::env::{Outcome, PedestrianEnv, Recording, Scenario};
 use falsify::falsifier::{Random, train, try_walker};
+use falsify::judge::{NearMiss, judge};
 use falsify::rl::{ActorCritic, PpoConfig, RecordedRollout, Trainer, update_on_recorded};
 use falsify::road::LaneFilter;
 use falsify::seed::Seed;
@@ -91,6 +93,26 @@ fn ticks(bencher: Bencher<'_, '_>, policy: &str) {
         })
     };
     let ticks: u32 = run().iter().map(|outcome| outcome.ticks).sum();
+    bencher.counter(ItemsCount::new(ticks)).bench_local(run);
+}
+
+/// An evaluation against CARLA's agent, with nothing noted of its episodes, with their verdicts, and with near misses as in a
+/// campaign; counted in simulator ticks.
+#[divan::bench(args = ["nothing", "verdicts", "near_misses", "both"], sample_count = 20)]
+fn judging(bencher: Bencher<'_, '_>, noted: &str) {
+    let plan = plan();
+    let evaluation = &plan.campaigns[0].evaluations[0];
+    let (judged, measured) = (noted == "verdicts" || noted == "both", noted == "near_misses" || noted == "both");
+    let run = || {
+        let mut note = |outcome: &Outcome, recording: &Recording| {
+            let verdict = judged.then(|| judge(&evaluation.scenario, recording));
+            let near = measured.then(|| NearMiss::new(&evaluation.scenario, recording));
+            divan::black_box((verdict, near));
+            outcome.ticks
+        };
+        watch(evaluation, None, 0..20, &Seed::root(1), &mut note, &mut |_| ControlFlow::Continue(()))
+    };
+    let ticks: u32 = run().iter().sum();
     bencher.counter(ItemsCount::new(ticks)).bench_local(run);
 }
 
