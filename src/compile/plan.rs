@@ -69,6 +69,8 @@ pub struct Campaign {
 pub struct Published {
     /// Where it is from.
     pub source: String,
+    /// What its `///` lines say: why ours differ, perhaps.
+    pub docs: String,
     /// How many trainings its figures are averaged over.
     pub runs: u32,
     /// Its cells.

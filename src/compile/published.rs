@@ -53,6 +53,7 @@ pub fn lower(declaration: &Declaration, program: &Program, said: &mut Vec<Diagno
     let arguments = &declaration.block.arguments;
     Published {
         source: arguments.text("source").to_string(),
+        docs: declaration.docs.join(" "),
         runs: arguments.integer("runs") as u32,
         cells: declaration.block.nested("cell").map(|block| cell(block, program, said)).collect(),
     }

@@ -15,6 +15,8 @@ const ROUNDED_AWAY: f64 = 0.004;
 pub struct Beside<'a> {
     /// Where the published one is from.
     pub source: &'a str,
+    /// What is said of it.
+    pub docs: &'a str,
     /// Our cell.
     pub cell: &'a Cell,
     /// The published figure; its column says which of the cell's it stands beside.
@@ -59,6 +61,11 @@ impl Agreement {
 }
 
 impl Beside<'_> {
+    /// The published mean and spread.
+    pub fn theirs(&self) -> Spread {
+        Spread { mean: Some(self.published.mean), sd: self.published.sd }
+    }
+
     /// How near ours is.
     pub fn agreement(&self) -> Agreement {
         let (Some(difference), Some((low, high))) = (self.difference, self.interval) else { return Agreement::Unknown };
@@ -108,7 +115,8 @@ fn compare<'a>(table: &'a Published, published: PublishedFigure, cell: &'a Cell)
         let half = welch((sd, cell.runs), (theirs.max(ROUNDED_AWAY), table.runs))?;
         Some((difference - half, difference + half))
     });
-    Beside { source: &table.source, cell, published, published_runs: table.runs, ours, difference, interval }
+    let (source, docs) = (&table.source, &table.docs);
+    Beside { source, docs, cell, published, published_runs: table.runs, ours, difference, interval }
 }
 
 /// Half the width of Welch's 95 % interval of a difference of two means, from their standard deviations and numbers.
@@ -163,30 +171,30 @@ pub fn published_summary(all: &[Beside<'_>]) -> String {
     let mut page = String::new();
     let Some(first) = all.first() else { return page };
     page.push_str("\n## Beside published figures\n");
-    let mut source = "";
-    for row in all {
-        if row.source != source {
-            source = row.source;
-            let _ = writeln!(page, "\n{source} ({} trainings):\n", row.published_runs);
-            page.push_str("| pedestrian | reward | town | policy | figure | published | here | difference, 95 % | |\n");
-            page.push_str("|---|---|---|---|---|---|---|---|---|\n");
+    for table in all.chunk_by(|a, b| a.source == b.source) {
+        let _ = writeln!(page, "\n{} ({} trainings):\n", table[0].source, table[0].published_runs);
+        page.push_str("| pedestrian | reward | town | policy | figure | published | here | difference, 95 % | |\n");
+        page.push_str("|---|---|---|---|---|---|---|---|---|\n");
+        for row in table {
+            let cell = row.cell;
+            let interval = row.interval.map_or(String::new(), |(low, high)| format!(" ({low:+.2} to {high:+.2})"));
+            let difference = row.difference.map_or("–".into(), |difference| format!("{difference:+.2}"));
+            let _ = writeln!(
+                page,
+                "| {} | {} | {} | {} | {} | {} | {} | {difference}{interval} | {} |",
+                cell.pedestrian,
+                cell.reward,
+                cell.town,
+                cell.policy,
+                row.published.column,
+                spread(row.theirs()),
+                spread(row.ours),
+                row.agreement().name(),
+            );
         }
-        let cell = row.cell;
-        let theirs = Spread { mean: Some(row.published.mean), sd: row.published.sd };
-        let interval = row.interval.map_or(String::new(), |(low, high)| format!(" ({low:+.2} to {high:+.2})"));
-        let difference = row.difference.map_or("–".into(), |difference| format!("{difference:+.2}"));
-        let _ = writeln!(
-            page,
-            "| {} | {} | {} | {} | {} | {} | {} | {difference}{interval} | {} |",
-            cell.pedestrian,
-            cell.reward,
-            cell.town,
-            cell.policy,
-            row.published.column,
-            spread(theirs),
-            spread(row.ours),
-            row.agreement().name(),
-        );
+        if !table[0].docs.is_empty() {
+            let _ = writeln!(page, "\n{}", table[0].docs);
+        }
     }
     let within = all.iter().filter(|row| row.agreement() == Agreement::Within).count();
     let indistinct = all.iter().filter(|row| row.agreement() == Agreement::Indistinct).count();

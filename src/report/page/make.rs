@@ -9,6 +9,7 @@ use super::learning::learning;
 use super::markup::{count, escape, percent};
 use super::modes::modes;
 use super::palette::{FIGURE_CSS, properties};
+use super::published::published;
 use super::results::results;
 use super::searches::searches;
 use super::severity::{near_misses, severity};
@@ -37,6 +38,7 @@ pub fn page(contents: &Contents<'_>) -> PolarsResult<Page> {
     if !cells.is_empty() {
         body.push_str(&results(contents, &cells, &rates));
     }
+    body.push_str(&published(contents, &cells));
     if let Some(figure) = verdicts(&cells) {
         section(
             &mut body,
@@ -145,6 +147,7 @@ fn contents_list(body: &str, extras: &[Extra]) -> String {
     };
     for (id, text) in [
         ("results", "Results"),
+        ("published", "Published"),
         ("verdicts", "Avoidable?"),
         ("modes", "Kinds"),
         ("speed", "Speed"),

@@ -11,6 +11,7 @@ mod chart;
 mod identity;
 mod tally;
 mod results;
+mod published;
 mod verdicts;
 mod severity;
 mod spawns;
