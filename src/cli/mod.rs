@@ -48,25 +48,28 @@ pub fn main() -> ExitCode {
 }
 
 fn run_command() -> ExitCode {
-    let (mut arguments, mut matches) = match parse(command()) {
+    let mut known = command();
+    let (mut arguments, mut matches) = match parse(&mut known) {
         Ok(parsed) => parsed,
         Err(code) => return code,
     };
     arguments.color.apply();
     let mut settings = None;
-    if matches.subcommand_name().is_some_and(|name| settings::concern(&command(), name)) {
-        let found = std::env::current_dir().map_or(Ok(None), |folder| settings::find(&folder, &command()));
+    if matches.subcommand_name().is_some_and(|name| settings::concern(&known, name)) {
+        let found = std::env::current_dir().map_or(Ok(None), |folder| settings::find(&folder, &known));
         settings = match found {
             Ok(settings) => settings,
             Err(code) => return code,
         };
         if let Some(settings) = &settings {
-            (arguments, matches) = match parse(settings::apply(command(), settings)) {
+            (arguments, matches) = match parse(&mut settings::apply(command(), settings)) {
                 Ok(parsed) => parsed,
                 Err(code) => return code,
             };
         }
     }
+    // Its place is soon needed for other things.
+    drop(known);
     match arguments.command {
         args::Command::Config => {
             let (_, options) = matches.subcommand().expect("it is the command `config`");
@@ -102,8 +105,8 @@ fn command() -> Command {
 }
 
 /// Reads the arguments of the process; the error is the exit code, after the reason has been printed.
-fn parse(command: Command) -> Result<(Arguments, ArgMatches), ExitCode> {
-    let parsed = command.try_get_matches_from(std::env::args_os());
+fn parse(command: &mut Command) -> Result<(Arguments, ArgMatches), ExitCode> {
+    let parsed = command.try_get_matches_from_mut(std::env::args_os());
     let parsed = parsed.and_then(|matches| Ok((Arguments::from_arg_matches(&matches)?, matches)));
     parsed.map_err(|error| {
         // Help and version are no mistakes.
