@@ -78,21 +78,34 @@ impl Pair {
         let (car_bounds, walker_bounds) = (bounds(&cars), bounds(&walkers));
         let mut least = usize::MAX;
         for (here, bounds) in cars.chunks(BLOCK).zip(&car_bounds) {
-            for (there, others) in walkers.chunks(BLOCK).zip(&walker_bounds) {
-                if bounds.lag(others) >= least || !bounds.is_within(others, reach) {
-                    continue;
+            // From the same time on, and back from there, as long as a smaller lag may be found.
+            let same = walker_bounds.partition_point(|others| others.ticks.1 < bounds.ticks.0);
+            let mut look = |index: usize| {
+                let others = &walker_bounds[index];
+                let hopeful = bounds.lag(others) < least;
+                if hopeful && bounds.is_within(others, reach) {
+                    let there = &walkers[index * BLOCK..walkers.len().min((index + 1) * BLOCK)];
+                    least = self.least_of(here, there, reach, least);
                 }
-                for car in here {
-                    for walker in there {
-                        let lag = lag(car.ticks, walker.ticks);
-                        if lag < least && self.touch(car, walker, reach) {
-                            least = lag;
-                        }
-                    }
+                hopeful
+            };
+            let _ = (same..walker_bounds.len()).all(&mut look);
+            let _ = (0..same).rev().all(&mut look);
+        }
+        (least < usize::MAX).then_some(least)
+    }
+
+    /// The least lag of some footprints that touch, if it is less than the least known one.
+    fn least_of(&self, cars: &[Footprint], walkers: &[Footprint], reach: f64, mut least: usize) -> usize {
+        for car in cars {
+            for walker in walkers {
+                let lag = lag(car.ticks, walker.ticks);
+                if lag < least && self.touch(car, walker, reach) {
+                    least = lag;
                 }
             }
         }
-        (least < usize::MAX).then_some(least)
+        least
     }
 
     fn touch(&self, car: &Footprint, walker: &Footprint, reach: f64) -> bool {
