@@ -151,7 +151,7 @@ fn other_cells_change_no_interval() {
 fn what_is_not_kept_counts_in_sums_and_hardly_changes_an_interval() {
     // Both runs collide in half of the episodes, by turns of 2 and of 3, so a third of what moves one moves the other.
     let word = |turn: usize, size: usize| -> String {
-        (0..size).map(|k| if (k / turn) % 2 == 0 || k % 60 == 7 { 'x' } else { '.' }).collect()
+        (0..size).map(|k| if (k / turn).is_multiple_of(2) || k % 60 == 7 { 'x' } else { '.' }).collect()
     };
     let runs = || vec![run("trained", "r1", 0, "a", &word(2, 6000)), run("trained", "r1", 1, "a", &word(3, 4800))];
     let some = |kept: usize| {
