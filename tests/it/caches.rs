@@ -1,19 +1,10 @@
 //! Cells that lie in a cache: several folders for reports share it, on whatever file system it is, and none takes another's away.
 
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 use std::time::Instant;
 
-use crate::program::{falsify, falsify_with};
-
-fn error(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
-}
-
-fn said(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).unwrap()
-}
+use crate::program::{error, falsify, falsify_with, report, said};
 
 /// Writes a campaign of two trainings, whose pedestrians and random ones are tried in one town: six cells.
 fn write_campaign(folder: &Path) {
@@ -34,28 +25,6 @@ fn run(folder: &Path, more: &[&str]) -> Output {
     let output = falsify(&[&["run", "shared.scn"], more].concat(), folder);
     assert!(output.status.success(), "{more:?}: {output:?}");
     output
-}
-
-/// The files below a folder; of a manifest only what does not vary from run to run.
-fn report(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let (mut open, mut files) = (vec![folder.to_path_buf()], BTreeMap::new());
-    while let Some(next) = open.pop() {
-        for entry in std::fs::read_dir(&next).unwrap_or_else(|error| panic!("{}: {error}", next.display())) {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                open.push(path);
-                continue;
-            }
-            let mut bytes = std::fs::read(&path).unwrap();
-            if path.ends_with("manifest.toml") {
-                let text = String::from_utf8(bytes).unwrap();
-                let timeless = |line: &&str| !line.contains("wall_time_s") && !line.starts_with("threads");
-                bytes = text.lines().filter(timeless).collect::<Vec<_>>().join("\n").into_bytes();
-            }
-            files.insert(path.strip_prefix(folder).unwrap().to_path_buf(), bytes);
-        }
-    }
-    files
 }
 
 fn names(folder: &Path) -> Vec<String> {

@@ -1,13 +1,9 @@
 //! Exit codes and messages: bad input gets one clear answer and loses nothing.
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Command;
 
-use crate::program::falsify;
-
-fn error(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
-}
+use crate::program::{error, falsify};
 
 /// A campaign that runs in a moment.
 fn campaign() -> String {

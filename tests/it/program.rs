@@ -1,6 +1,7 @@
 //! The program as a user starts it.
 
-use std::path::Path;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 /// Runs `falsify` in a folder, whatever the settings of whoever runs the tests.
@@ -16,4 +17,36 @@ pub fn falsify_with(arguments: &[&str], folder: &Path, variables: &[(&str, &str)
         command.env_remove(format!("FALSIFY_{name}"));
     }
     command.envs(variables.iter().copied()).output().unwrap()
+}
+
+/// What it said on the error stream.
+pub fn error(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+/// What it printed.
+pub fn said(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+/// The files below a folder; of a manifest only what does not vary from run to run.
+pub fn report(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let (mut open, mut files) = (vec![folder.to_path_buf()], BTreeMap::new());
+    while let Some(next) = open.pop() {
+        for entry in std::fs::read_dir(&next).unwrap_or_else(|error| panic!("{}: {error}", next.display())) {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                open.push(path);
+                continue;
+            }
+            let mut bytes = std::fs::read(&path).unwrap();
+            if path.ends_with("manifest.toml") {
+                let text = String::from_utf8(bytes).unwrap();
+                let timeless = |line: &&str| !line.contains("wall_time_s") && !line.starts_with("threads");
+                bytes = text.lines().filter(timeless).collect::<Vec<_>>().join("\n").into_bytes();
+            }
+            files.insert(path.strip_prefix(folder).unwrap().to_path_buf(), bytes);
+        }
+    }
+    files
 }

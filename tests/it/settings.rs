@@ -1,18 +1,13 @@
 //! `falsify.toml`: what it sets, what comes before it, and what is said about mistakes in it.
 
 use std::path::Path;
-use std::process::Output;
 
-use crate::program::{falsify, falsify_with};
+use crate::program::{falsify, falsify_with, said};
 
 fn folder_with(text: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("falsify.toml"), text).unwrap();
     folder
-}
-
-fn said(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).unwrap()
 }
 
 /// The line of a setting in what `falsify config` prints.

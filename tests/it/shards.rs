@@ -2,20 +2,11 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::process::Output;
 
 use falsify::campaign::{self, Cell, Shard, cells};
 use falsify::compile::{Campaign, Catalog, compile};
 
-use crate::program::falsify;
-
-fn error(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
-}
-
-fn said(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).unwrap()
-}
+use crate::program::{error, falsify, report, said};
 
 /// A campaign that runs in a moment, with trainings, evaluations of all sorts and a search.
 fn write_campaign(folder: &Path) {
@@ -30,29 +21,6 @@ fn write_campaign(folder: &Path) {
         lib.display()
     );
     std::fs::write(folder.join("parts.scn"), text).unwrap();
-}
-
-/// All files of a report but the times in its manifest.
-fn report(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let mut files = BTreeMap::new();
-    let mut open = vec![folder.to_path_buf()];
-    while let Some(next) = open.pop() {
-        for entry in std::fs::read_dir(&next).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                open.push(path);
-                continue;
-            }
-            let mut bytes = std::fs::read(&path).unwrap();
-            if path.ends_with("manifest.toml") {
-                let text = String::from_utf8(bytes).unwrap();
-                let timeless = |line: &&str| !line.contains("wall_time_s") && !line.starts_with("threads");
-                bytes = text.lines().filter(timeless).collect::<Vec<_>>().join("\n").into_bytes();
-            }
-            files.insert(path.strip_prefix(folder).unwrap().to_path_buf(), bytes);
-        }
-    }
-    files
 }
 
 /// The one file among the cells of a folder whose cell is told so.
