@@ -7,7 +7,7 @@ use super::{
     adversary, campaign, episode, falsifier, policy, published, reward, sensors, spawn, town, training, vehicle,
 };
 use crate::av::external::Opener;
-use crate::signature::{Form, Vocabulary};
+use crate::signature::{Form, Signature, Type, Vocabulary};
 
 /// Everything the language offers: forms, their kinds, and what formulas may speak about.
 pub struct Catalog {
@@ -40,6 +40,18 @@ impl Catalog {
             campaign::form(),
         ];
         Self { forms, vocabulary: crate::env::vocabulary(), policies, outside, opener: None, falsifiers }
+    }
+
+    /// The declarations that keys refer to when they are not given: names of the standard library's.
+    pub(super) fn default_names(&self) -> Vec<&'static str> {
+        fn note(signature: &Signature, found: &mut Vec<&'static str>) {
+            let references = signature.params.iter().filter(|param| matches!(param.ty, Type::Reference(_)));
+            found.extend(references.filter_map(|param| param.default));
+            signature.children.iter().for_each(|child| note(child, found));
+        }
+        let mut found = Vec::new();
+        self.forms.iter().flat_map(|form| form.plain.iter().chain(&form.kinds)).for_each(|each| note(each, &mut found));
+        found
     }
 
     /// The same, and scenarios may start programs in this way.

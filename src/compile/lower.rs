@@ -62,14 +62,17 @@ pub fn compile_with(
     read: &dyn Reader,
     sources: &mut Sources,
 ) -> Result<Compiled, (PathBuf, std::io::Error)> {
-    let mut loaded = lang::load(paths, read, sources)?;
-    let mut diagnostics = std::mem::take(&mut loaded.diagnostics);
-    let (settings, said) = lang::settings(&overrides.settings, sources);
-    diagnostics.extend(said);
-    diagnostics.extend(lang::apply(&settings, &mut loaded));
-    let (matrices, said) = lang::matrices(&mut loaded, &catalog.forms, &settings);
-    diagnostics.extend(said);
-    let variants = variants(&loaded, &matrices, catalog, sources, &mut diagnostics);
+    let mut words = catalog.default_names();
+    words.extend(overrides.settings.iter().map(String::as_str));
+    let mut loaded = lang::load_named(paths, &words, read, sources)?;
+    let (settings, unreadable) = lang::settings(&overrides.settings, sources);
+    let (mut variants, mut diagnostics) = understand(loaded.clone(), &settings, catalog, sources);
+    if overrides.imported_towns || !diagnostics.is_empty() {
+        // What a user means who made a mistake may be anywhere in the library.
+        loaded.complete(sources);
+        (variants, diagnostics) = understand(loaded, &settings, catalog, sources);
+    }
+    diagnostics.extend(unreadable);
     let is_error = |each: &Diagnostic| each.severity == Severity::Error;
     if diagnostics.iter().any(is_error) {
         lang::once(&mut diagnostics);
@@ -111,6 +114,21 @@ struct Variant {
     /// Campaigns that belong to other variants.
     left_out: BTreeSet<DeclarationId>,
     settings: Vec<String>,
+}
+
+/// Carries settings out and checks the files, as they are and with each combination of each matrix.
+fn understand(
+    mut loaded: lang::Loaded,
+    settings: &[lang::Setting],
+    catalog: &Catalog,
+    sources: &Sources,
+) -> (Vec<Variant>, Vec<Diagnostic>) {
+    let mut diagnostics = std::mem::take(&mut loaded.diagnostics);
+    diagnostics.extend(lang::apply(settings, &mut loaded));
+    let (matrices, said) = lang::matrices(&mut loaded, &catalog.forms, settings);
+    diagnostics.extend(said);
+    let variants = variants(&loaded, &matrices, catalog, sources, &mut diagnostics);
+    (variants, diagnostics)
 }
 
 /// The files as they are, and once for each combination of each matrix.

@@ -4,6 +4,7 @@ use pest::Parser;
 use pest::error::{ErrorVariant, InputLocation};
 use pest::iterators::{Pair, Pairs};
 use std::iter::Peekable;
+use std::ops::Range;
 
 use super::ast::{
     Clause, Declaration, Entry, Expression, ExpressionKind, File, Import, Name, Operator, Param, Property,
@@ -52,6 +53,17 @@ pub fn parse(source: SourceId, text: &str) -> (File, Vec<Diagnostic>) {
         Err(error) => reader.diagnostics.push(reader.syntax_error(&error, 0, 0)),
     }
     (file, reader.diagnostics)
+}
+
+/// Reads statements of a text that hold no mistake: those of the standard library.
+pub(super) fn parse_part(source: SourceId, text: &str, part: Range<usize>) -> File {
+    let mut reader = Reader { source, offset: part.start, diagnostics: Vec::new() };
+    let mut file = File { source, edition: None, imports: Vec::new(), params: Vec::new(), declarations: Vec::new() };
+    let mut pairs = ScenarioParser::parse(Rule::file, &text[part]).expect("the library can be read");
+    for pair in pairs.next().expect("a parse gives its rule").into_inner() {
+        reader.item(pair, &mut file);
+    }
+    file
 }
 
 /// Reads a value that stands alone, such as a default in a signature.
