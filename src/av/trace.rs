@@ -91,7 +91,7 @@ pub fn reach_of(actor: &Actor, ahead: &Vector) -> Vector {
     if half.x == half.y {
         return half;
     }
-    let (forward, left) = (actor.pose.forward(), actor.pose.left());
+    let [forward, left] = actor.pose.axes();
     let on = |axis: &Vector| half.x * forward.dot(axis).abs() + half.y * left.dot(axis).abs();
     Vector::new(on(ahead), on(&Vector::new(-ahead.y, ahead.x)))
 }

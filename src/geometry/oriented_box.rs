@@ -31,7 +31,7 @@ impl OrientedBox {
     /// Whether two boxes overlap or touch; by separating axes.
     pub fn overlaps(&self, other: &Self) -> bool {
         let offset = other.pose.position() - self.pose.position();
-        let (ours, theirs) = ([self.pose.forward(), self.pose.left()], [other.pose.forward(), other.pose.left()]);
+        let (ours, theirs) = (self.pose.axes(), other.pose.axes());
         let reach = |axis: &Vector, sides: &[Vector; 2], half: &Vector| {
             half.x * axis.dot(&sides[0]).abs() + half.y * axis.dot(&sides[1]).abs()
         };

@@ -34,6 +34,12 @@ impl Pose {
         Vector::new(-libm::sin(self.yaw), libm::cos(self.yaw))
     }
 
+    /// The unit vectors along the heading and to the left of it.
+    pub fn axes(&self) -> [Vector; 2] {
+        let (cos, sin) = (libm::cos(self.yaw), libm::sin(self.yaw));
+        [Vector::new(cos, sin), Vector::new(-sin, cos)]
+    }
+
     /// A point of this pose's own frame (`x` ahead, `y` to the left) in the world.
     pub fn to_world(&self, local: Vector) -> Point {
         let (sin, cos) = libm::sincos(self.yaw);

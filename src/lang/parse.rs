@@ -11,6 +11,7 @@ use super::ast::{
 };
 use super::{brackets, codes, repair};
 use crate::diagnostic::{Diagnostic, SourceId, Span};
+use crate::units::parse_unit;
 
 #[allow(missing_docs, reason = "the derive writes the enum; the grammar documents the rules")]
 pub(super) mod rules {
@@ -68,6 +69,13 @@ pub(super) fn parse_part(source: SourceId, text: &str, part: Range<usize>) -> Fi
 
 /// Reads a value that stands alone, such as a default in a signature.
 pub(super) fn parse_value(source: SourceId, text: &str) -> Result<Expression, Box<Diagnostic>> {
+    match plain_quantity(source, text) {
+        Some(kind) => Ok(Expression { kind, span: Span { source, start: 0, end: text.len() } }),
+        None => parse_any_value(source, text),
+    }
+}
+
+fn parse_any_value(source: SourceId, text: &str) -> Result<Expression, Box<Diagnostic>> {
     let mut reader = Reader { source, offset: 0, diagnostics: Vec::new() };
     brackets::scan(source, text)?;
     match ScenarioParser::parse(Rule::whole_value, text) {
@@ -77,6 +85,20 @@ pub(super) fn parse_value(source: SourceId, text: &str) -> Result<Expression, Bo
         }
         Err(error) => Err(Box::new(reader.syntax_error(&error, 0, 0))),
     }
+}
+
+/// What most defaults are, for which the grammar is a long way: a number, perhaps with a unit after one blank.
+fn plain_quantity(source: SourceId, text: &str) -> Option<ExpressionKind> {
+    let (number, unit) = text.split_once(' ').map_or((text, None), |(number, unit)| (number, Some(unit)));
+    let (whole, part) = number.split_once('.').unwrap_or((number, "0"));
+    let digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let known = |unit: &str| unit.bytes().all(|byte| byte.is_ascii_alphabetic()) && parse_unit(unit).is_ok();
+    if !digits(whole) || !digits(part) || !unit.is_none_or(known) {
+        return None;
+    }
+    let place = Span { source, start: number.len() + 1, end: text.len() };
+    let unit = unit.map(|unit| Name { text: unit.to_string(), span: place });
+    Some(ExpressionKind::Number { value: read_number(number), unit })
 }
 
 struct Reader {
@@ -444,7 +466,9 @@ fn describe(rule: Rule) -> Option<&'static str> {
         | Rule::name_char
         | Rule::keyword
         | Rule::digits
+        | Rule::free
         | Rule::unit_part
+        | Rule::power
         | Rule::blank
         | Rule::text_inner
         | Rule::file
@@ -458,4 +482,29 @@ fn describe(rule: Rule) -> Option<&'static str> {
         | Rule::remark
         | Rule::prefix => return None,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnostic::Sources;
+
+    #[test]
+    fn plain_quantities_are_what_the_grammar_makes_of_them() {
+        let read = |text: &str| {
+            let source = Sources::default().add("", text);
+            let plain = plain_quantity(source, text).is_some();
+            (plain, parse_value(source, text).ok(), parse_any_value(source, text).ok())
+        };
+        for text in ["5", "0.98", "3 m", "0.25 deg", "600", "12.5 kg"] {
+            let (plain, value, any) = read(text);
+            assert!(plain && value.is_some() && value == any, "{text}: {value:?}, {any:?}");
+        }
+        for text in
+            ["", "-5 m", "5.", ".5", "5 and", "5  m", "5 m ", "2 m/s^2", "1_000", "1e3", "5 parsecs", "5 m^+2", "true"]
+        {
+            let (plain, value, any) = read(text);
+            assert!(!plain && value == any, "{text}: {value:?}, {any:?}");
+        }
+    }
 }

@@ -3,7 +3,7 @@
 //! The library grows, and a scenario wants little of it. Its files are laid out so that their statements can be told apart without
 //! being read: of the lines of a statement only the first begins with a letter, and `///` lines belong to the next one.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::ast::File;
@@ -21,7 +21,7 @@ pub(super) fn heading(text: &str) -> &str {
 ///
 /// A word anywhere in a text counts: a statement that is read for nothing does no harm.
 pub(super) fn read_named(files: &mut [File], words: &[&str], sources: &Sources) {
-    let mut shelved: HashMap<&[u8], Vec<(usize, Statement)>> = HashMap::new();
+    let mut shelved: BTreeMap<&[u8], Vec<(usize, Statement)>> = BTreeMap::new();
     let mut texts = words.to_vec();
     for (place, file) in files.iter().enumerate() {
         let source = sources.get(file.source);
@@ -36,7 +36,7 @@ pub(super) fn read_named(files: &mut [File], words: &[&str], sources: &Sources) 
     }
     let mut wanted: Vec<(usize, Range<usize>)> = Vec::new();
     while let Some(text) = texts.pop() {
-        for word in text.as_bytes().split(|byte| !is_part_of_name(*byte)) {
+        for word in words_of(text) {
             for (place, statement) in shelved.remove(word).into_iter().flatten() {
                 let text = &sources.get(files[place].source).text;
                 texts.push(&text[statement.name.end..statement.whole.end]);
@@ -51,6 +51,12 @@ pub(super) fn read_named(files: &mut [File], words: &[&str], sources: &Sources) 
         file.params.extend(read.params);
         file.declarations.extend(read.declarations);
     }
+}
+
+/// The words of a text without lines that are comments. In such a line, `*/` may end one that began before.
+fn words_of(text: &str) -> impl Iterator<Item = &[u8]> {
+    let lines = text.lines().filter(|line| !line.trim_start().starts_with("//") || line.contains("*/"));
+    lines.flat_map(|line| line.as_bytes().split(|byte| !is_part_of_name(*byte))).filter(|word| !word.is_empty())
 }
 
 /// A statement with a name.

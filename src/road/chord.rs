@@ -106,12 +106,8 @@ fn chords_of(roads: &[Road], network: &LaneNetwork, lane: &NetworkLane, mut tell
     let sign = if lane.forward() { 1.0 } else { -1.0 };
     let end_at = |along: f64| {
         let s = first + sign * along;
-        ChordEnd {
-            s,
-            place: network.pose(roads, lane, s).position(),
-            height: network.elevation(roads, lane, s),
-            direction: network.carla_direction(roads, lane, s),
-        }
+        let (place, direction) = network.carla_point(roads, lane, s);
+        ChordEnd { s, place, height: network.elevation(roads, lane, s), direction }
     };
     if lane.straight {
         tell(&end_at(0.0), &end_at(length));

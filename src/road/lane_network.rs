@@ -245,23 +245,26 @@ impl LaneNetwork {
         if lane.forward() { slope } else { -slope }
     }
 
-    /// The direction of a lane as CARLA's 32-bit numbers have it, in CARLA's axes: some of its decisions hang on a bit.
+    /// The centre of a lane, and its direction as CARLA's 32-bit numbers have it, in CARLA's axes: some of its decisions hang on
+    /// a bit.
     ///
     /// # Source
     /// CARLA `road/Lane.cpp`, `ComputeTransform`, and `geom/Math.cpp`, `GetForwardVector`.
-    pub fn carla_direction(&self, roads: &[Road], lane: &NetworkLane, s: f64) -> [f32; 3] {
+    pub fn carla_point(&self, roads: &[Road], lane: &NetworkLane, s: f64) -> (Point, [f32; 3]) {
         const DEGREES: f32 = 180.0 / std::f32::consts::PI;
         const RADIANS: f32 = std::f32::consts::PI / 180.0;
         let view = &roads[lane.road.0 as usize].plan_view;
-        let tangent = -(lane.centre.at(s).map_or(0.0, |cubic| cubic.slope(s)) as f32);
-        let mut yaw = -(view.point(s).yaw - f64::from(tangent)) as f32 * DEGREES;
+        let line = view.point(s);
+        let (t, slope) = lane.centre.at(s).map_or((0.0, 0.0), |cubic| (cubic.value(s), cubic.slope(s)));
+        let tangent = -(slope as f32);
+        let mut yaw = -(line.yaw - f64::from(tangent)) as f32 * DEGREES;
         let mut pitch = view.elevation().slope(s) as f32 * DEGREES;
         if !lane.forward() {
             yaw += 180.0 + tangent * DEGREES;
             pitch = 360.0 - pitch;
         }
         let ((up, flat), (sin, cos)) = (libm::sincosf(pitch * RADIANS), libm::sincosf(yaw * RADIANS));
-        [cos * flat, sin * flat, up]
+        (line.beside(t), [cos * flat, sin * flat, up])
     }
 
     /// The edges of a lane: left and right of its centre along the reference line.

@@ -179,7 +179,7 @@ fn encode(input: Input, view: &View) -> Vec<f32> {
         let local = view.ego.to_local(pose.position());
         [local.x, local.y, wrap_angle(pose.yaw - view.ego.yaw)]
     };
-    let (forward, left) = (view.ego.forward(), view.ego.left());
+    let [forward, left] = view.ego.axes();
     let turned = |velocity: &Vector| [velocity.dot(&forward), velocity.dot(&left)];
     let numbers: Vec<f64> = match input {
         Input::Ego => {

@@ -27,7 +27,8 @@ pub fn visible_share<'a>(
 /// Half the width of a box as an eye sees it from afar (m).
 pub fn half_width_of(outline: &OrientedBox, eye: Point) -> f64 {
     let across = across(eye, outline.pose.position());
-    outline.half.x * across.dot(&outline.pose.forward()).abs() + outline.half.y * across.dot(&outline.pose.left()).abs()
+    let [forward, left] = outline.pose.axes();
+    outline.half.x * across.dot(&forward).abs() + outline.half.y * across.dot(&left).abs()
 }
 
 /// The unit vector across the line of sight.

@@ -22,9 +22,12 @@ pub(super) struct Tile {
 
 impl Tile {
     pub fn new(shape: &OrientedBox) -> Self {
-        let Pose { x, y, .. } = shape.pose;
-        let axes = [shape.pose.forward(), shape.pose.left()];
-        Self { centre: Point::new(x, y), axes, half: shape.half, radius: shape.half.norm() }
+        Self::along(shape.pose.axes(), shape.pose.position(), shape.half)
+    }
+
+    /// The rectangle whose sides have these directions, unit vectors, and these half lengths (m).
+    fn along(axes: [Vector; 2], centre: Point, half: Vector) -> Self {
+        Self { centre, axes, half, radius: half.norm() }
     }
 
     /// Whether two tiles have more than their edges in common.
@@ -156,8 +159,9 @@ fn piece_tiles(piece: &Geometry, left: f64, right: f64) -> Vec<Tile> {
     (0..count as usize)
         .map(|index| {
             let middle = piece.pose((2.0 * index as f64 + 1.0) * half_length);
-            let centre = middle.position() + middle.left() * ((left - right) / 2.0);
-            Tile::new(&OrientedBox::new(Pose::new(centre.x, centre.y, middle.yaw), half_outer, (left + right) / 2.0))
+            let axes = middle.axes();
+            let centre = middle.position() + axes[1] * ((left - right) / 2.0);
+            Tile::along(axes, centre, Vector::new(half_outer, (left + right) / 2.0))
         })
         .collect()
 }
