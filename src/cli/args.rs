@@ -1,5 +1,6 @@
 use std::path::PathBuf;
 
+use super::later::Later;
 use super::repeat_args::{
     GateOptions, RENDER_EXAMPLES, REPLAY_EXAMPLES, RenderOptions, ReplayOptions, TickChoice, VERIFY_EXAMPLES,
     VerifyOptions,
@@ -48,10 +49,10 @@ pub struct Arguments {
 pub enum Command {
     /// Train pedestrians and try them, as the campaigns of the files say.
     #[command(after_help = EXAMPLES)]
-    Run(RunOptions),
+    Run(Later<RunOptions>),
     /// Put together what the shards of a run have made, and write its reports.
     #[command(after_help = MERGE_EXAMPLES)]
-    Merge(MergeOptions),
+    Merge(Later<MergeOptions>),
     /// Say how far the campaigns of a folder are, whether anybody is at work on them, and how to go on.
     #[command(after_help = STATUS_EXAMPLES)]
     Status(StatusOptions),
@@ -200,8 +201,12 @@ pub enum Only {
     Trainings,
 }
 
-/// Options of `falsify merge`.
+/// Options of `falsify run` that say how to work, which a merge does not.
+const IDLE: [&str; 7] = ["list", "fresh", "shard", "only", "checkpoint", "cell_time", "max_ticks"];
+
+/// Options of `falsify merge`. What means nothing there is left out of the help.
 #[derive(Debug, Args)]
+#[command(mut_args(|arg| if IDLE.contains(&arg.get_id().as_str()) { arg.hide(true) } else { arg }))]
 pub struct MergeOptions {
     /// What was run.
     #[command(flatten)]

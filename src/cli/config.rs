@@ -1,29 +1,25 @@
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command};
 
-use super::settings::{self, FILE, KEYS, Settings};
+use super::settings::{self, FILE, Settings};
 use super::{ExitCode, front};
 
-/// Gives `falsify config` the options that it shows.
+/// Gives the command `config` the options that it shows.
 pub fn with_options(command: Command) -> Command {
-    let options: Vec<Arg> = KEYS.into_iter().map(|key| settings::option(&command, key)).collect();
-    command.mut_subcommand("config", |config| config.args(options))
+    command.args(settings::options())
 }
 
 /// `falsify config`: every setting with its value and where it comes from, in the form of `falsify.toml`.
-pub fn config(command: &Command, matches: &ArgMatches, settings: Option<&Settings>) -> ExitCode {
+pub fn config(matches: &ArgMatches, settings: Option<&Settings>) -> ExitCode {
     match settings {
         Some(settings) => front::say(&format!("# {}", settings.path.display())),
         None => front::say(&format!("# no {FILE} here or in a folder above")),
     }
-    let lines: Vec<(String, String)> = KEYS
-        .into_iter()
-        .map(|key| {
-            let option = settings::option(command, key);
-            match value(&option, matches) {
-                Some(value) => (format!("{key} = {value}"), origin(&option, matches, settings)),
-                None => (format!("# {key}"), "not set".into()),
-            }
+    let lines: Vec<(String, String)> = settings::options()
+        .iter()
+        .map(|option| match value(option, matches) {
+            Some(value) => (format!("{} = {value}", option.get_id()), origin(option, matches, settings)),
+            None => (format!("# {}", option.get_id()), "not set".into()),
         })
         .collect();
     let width = lines.iter().map(|(line, _)| line.chars().count()).max().unwrap_or(0);

@@ -2,7 +2,6 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use clap::Command;
 use rayon::prelude::*;
 
 use super::args::{MergeOptions, Output};
@@ -14,15 +13,6 @@ use crate::store::{Ids, Store, StoreError, Taken, cell_name};
 
 /// Most cells that are named one by one.
 const SHOWN: usize = 10;
-
-/// Options of `falsify run` that say how to work, which a merge does not.
-const IDLE: [&str; 7] = ["list", "fresh", "shard", "only", "checkpoint", "cell_time", "max_ticks"];
-
-/// Leaves what means nothing here out of the help.
-pub fn without_idle(command: Command) -> Command {
-    command
-        .mut_subcommand("merge", |merge| IDLE.iter().fold(merge, |merge, id| merge.mut_arg(id, |arg| arg.hide(true))))
-}
 
 /// `falsify merge`
 pub fn merge(options: &MergeOptions) -> ExitCode {

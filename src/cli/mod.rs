@@ -1,6 +1,7 @@
 //! The command line: arguments, commands, progress, exit codes.
 
 mod args;
+mod later;
 mod repeat_args;
 mod exit_code;
 mod front;
@@ -32,6 +33,8 @@ mod av_check;
 pub use args::Arguments;
 pub use exit_code::ExitCode;
 
+use later::Later;
+
 use clap::{ArgMatches, Command, CommandFactory, FromArgMatches};
 
 /// Runs the program with the arguments of the process. A bug ends in [`ExitCode::Internal`].
@@ -56,13 +59,14 @@ fn run_command() -> ExitCode {
     arguments.color.apply();
     let mut settings = None;
     if matches.subcommand_name().is_some_and(|name| settings::concern(&known, name)) {
-        let found = std::env::current_dir().map_or(Ok(None), |folder| settings::find(&folder, &known));
+        let found = std::env::current_dir().map_or(Ok(None), |folder| settings::find(&folder));
         settings = match found {
             Ok(settings) => settings,
             Err(code) => return code,
         };
         if let Some(settings) = &settings {
-            (arguments, matches) = match parse(&mut settings::apply(command(), settings)) {
+            let mut with_defaults = settings::apply(later::at_once(Arguments::command()), settings);
+            (arguments, matches) = match parse(&mut with_defaults) {
                 Ok(parsed) => parsed,
                 Err(code) => return code,
             };
@@ -73,11 +77,11 @@ fn run_command() -> ExitCode {
     match arguments.command {
         args::Command::Config => {
             let (_, options) = matches.subcommand().expect("it is the command `config`");
-            config::config(&command(), options, settings.as_ref())
+            config::config(options, settings.as_ref())
         }
-        args::Command::Run(options) => run::run(&options),
+        args::Command::Run(Later(options)) => run::run(&options),
         args::Command::Status(options) => status::status(&options),
-        args::Command::Merge(options) => merge::merge(&options),
+        args::Command::Merge(Later(options)) => merge::merge(&options),
         args::Command::Replay(options) => replay::replay(&options),
         args::Command::Render(options) => render::render(&options),
         args::Command::Verify(options) => verify::verify(&options),
@@ -99,9 +103,9 @@ fn run_command() -> ExitCode {
     }
 }
 
-/// All commands with their options.
+/// All commands, those with many options without them until they are chosen.
 fn command() -> Command {
-    merge::without_idle(config::with_options(Arguments::command()))
+    later::when_chosen(Arguments::command())
 }
 
 /// Reads the arguments of the process; the error is the exit code, after the reason has been printed.

@@ -8,9 +8,10 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use clap::error::{ContextKind, ContextValue};
-use clap::{Arg, ArgAction, Command, ValueHint};
+use clap::{Arg, ArgAction, Args, Command, ValueHint};
 use toml::de::{DeTable, DeValue};
 
+use super::args::RunOptions;
 use super::{ExitCode, front};
 use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
 use crate::lang::{nearest, reason};
@@ -18,9 +19,20 @@ use crate::lang::{nearest, reason};
 /// The name of the file.
 pub const FILE: &str = "falsify.toml";
 
-/// The settings. Each is the option of `falsify run` with the same name, which also says what it means and takes.
-pub const KEYS: [&str; 10] =
-    ["out", "cache", "seed", "threads", "formats", "format", "progress", "checkpoint", "cell_time", "max_ticks"];
+/// The settings, with the variables of the environment that set them, too. Each is the option of `falsify run` with the same name,
+/// which also says what it means and takes.
+const KEYS: [(&str, Option<&str>); 10] = [
+    ("out", Some("FALSIFY_OUT")),
+    ("cache", Some("FALSIFY_CACHE")),
+    ("seed", Some("FALSIFY_SEED")),
+    ("threads", Some("FALSIFY_THREADS")),
+    ("formats", Some("FALSIFY_FORMATS")),
+    ("format", Some("FALSIFY_FORMAT")),
+    ("progress", Some("FALSIFY_PROGRESS")),
+    ("checkpoint", None),
+    ("cell_time", None),
+    ("max_ticks", None),
+];
 
 /// What a file sets.
 #[derive(Debug)]
@@ -31,34 +43,36 @@ pub struct Settings {
     pub values: BTreeMap<&'static str, (Vec<String>, usize)>,
 }
 
-/// Whether a command asks for settings.
+/// Whether a command asks for settings; it must have been chosen, so that its options are there.
 pub fn concern(command: &Command, name: &str) -> bool {
-    let options: Vec<Arg> = KEYS.into_iter().map(|key| option(command, key)).collect();
-    let asked = command.find_subcommand(name).into_iter().flat_map(Command::get_arguments);
-    asked.into_iter().any(|arg| options.iter().any(|option| means(arg, option)))
+    let options = command.find_subcommand(name).into_iter().flat_map(Command::get_arguments);
+    options.into_iter().any(|option| setting(option).is_some())
 }
 
-/// Whether an option of some command is the one that a setting stands for: it listens to the same variable, or has its name where
-/// there is none.
-fn means(arg: &Arg, option: &Arg) -> bool {
-    match (arg.get_env(), option.get_env()) {
+/// The setting that an option of some command stands for: it listens to the setting's variable, or has its name where there is
+/// none.
+fn setting(option: &Arg) -> Option<&'static str> {
+    let variable = option.get_env().map(|variable| variable.to_string_lossy());
+    let stands_for = |(key, listened): &(&str, Option<&str>)| match (&variable, listened) {
         (Some(one), Some(other)) => one == other,
-        (None, None) => arg.get_id() == option.get_id(),
+        (None, None) => option.get_id() == key,
         _ => false,
-    }
+    };
+    KEYS.into_iter().find(stands_for).map(|(key, _)| key)
 }
 
-/// The option of `falsify run` that a setting stands for.
-pub fn option(command: &Command, key: &str) -> Arg {
-    let run = command.find_subcommand("run").expect("there is the command `run`");
-    run.get_arguments().find(|arg| arg.get_id() == key).expect("each setting is an option of `run`").clone()
+/// The options of `falsify run` that the settings stand for, in their order.
+pub fn options() -> Vec<Arg> {
+    let run = RunOptions::augment_args(Command::new("run"));
+    let option = |key: &str| run.get_arguments().find(|option| option.get_id() == key).cloned();
+    KEYS.into_iter().map(|(key, _)| option(key).expect("each setting is an option of `run`")).collect()
 }
 
 /// Finds the file in a folder or the nearest one above it, and reads it; none when there is no such file.
 ///
 /// # Errors
 /// The exit code, after all that is wrong has been drawn.
-pub fn find(folder: &Path, command: &Command) -> Result<Option<Settings>, ExitCode> {
+pub fn find(folder: &Path) -> Result<Option<Settings>, ExitCode> {
     let Some(path) = folder.ancestors().map(|folder| folder.join(FILE)).find(|path| path.is_file()) else {
         return Ok(None);
     };
@@ -68,31 +82,22 @@ pub fn find(folder: &Path, command: &Command) -> Result<Option<Settings>, ExitCo
     })?;
     let mut sources = Sources::default();
     let source = sources.add(&path, text.as_str());
-    read(&path, &text, source, command).map(Some).map_err(|diagnostics| {
+    read(&path, &text, source).map(Some).map_err(|diagnostics| {
         front::show(&diagnostics, &sources);
         ExitCode::Usage
     })
 }
 
 /// Makes the settings the defaults of the options that they stand for.
-pub fn apply(mut command: Command, settings: &Settings) -> Command {
-    let names: Vec<String> = command.get_subcommands().map(|each| each.get_name().to_string()).collect();
-    for (key, (values, _)) in &settings.values {
-        let option = option(&command, key);
-        for name in &names {
-            command = command.mut_subcommand(name, |subcommand| {
-                let meant = subcommand.get_arguments().find(|arg| means(arg, &option)).map(|arg| arg.get_id().clone());
-                match meant {
-                    Some(id) => subcommand.mut_arg(id, |arg| arg.default_values(values)),
-                    None => subcommand,
-                }
-            });
-        }
-    }
-    command
+pub fn apply(command: Command, settings: &Settings) -> Command {
+    let with_default = |option: Arg| match setting(&option).and_then(|key| settings.values.get(key)) {
+        Some((values, _)) => option.default_values(values),
+        None => option,
+    };
+    command.mut_subcommands(|subcommand| subcommand.mut_args(with_default))
 }
 
-fn read(path: &Path, text: &str, source: SourceId, command: &Command) -> Result<Settings, Vec<Diagnostic>> {
+fn read(path: &Path, text: &str, source: SourceId) -> Result<Settings, Vec<Diagnostic>> {
     let span = |range: Range<usize>| Span { source, start: range.start, end: range.end };
     let table = DeTable::parse(text).map_err(|error| {
         let place = span(error.span().unwrap_or(0..0));
@@ -101,12 +106,14 @@ fn read(path: &Path, text: &str, source: SourceId, command: &Command) -> Result<
     let folder = path.parent().unwrap_or(Path::new("."));
     let mut values = BTreeMap::new();
     let mut wrong = Vec::new();
+    let options = options();
     for (key, value) in table.get_ref() {
-        let Some(known) = KEYS.into_iter().find(|known| *known == key.get_ref().as_ref()) else {
+        let same = |((known, _), _): &((&str, _), _)| *known == key.get_ref().as_ref();
+        let Some(((known, _), option)) = KEYS.into_iter().zip(&options).find(same) else {
             wrong.push(unknown(span(key.span()), key.get_ref()));
             continue;
         };
-        match take(&option(command, known), value.get_ref(), folder) {
+        match take(option, value.get_ref(), folder) {
             Ok(taken) => {
                 let line = text[..key.span().start].matches('\n').count() + 1;
                 values.insert(known, (taken, line));
@@ -123,9 +130,10 @@ fn read(path: &Path, text: &str, source: SourceId, command: &Command) -> Result<
 
 fn unknown(span: Span, word: &str) -> Diagnostic {
     let diagnostic = Diagnostic::error("unknown-key", span, format!("there is no setting `{word}`"));
-    match nearest(word, KEYS) {
+    let known = KEYS.map(|(key, _)| key);
+    match nearest(word, known) {
         Some(near) => diagnostic.here(format!("did you mean `{near}`?")).fix(near),
-        None => diagnostic.help(format!("the settings are `{}`", KEYS.join("`, `"))),
+        None => diagnostic.help(format!("the settings are `{}`", known.join("`, `"))),
     }
 }
 
@@ -173,4 +181,17 @@ fn refusal(error: &clap::Error) -> String {
         return format!("this can be `{}`", valid.join("`, `"));
     }
     std::error::Error::source(error).map_or_else(|| "this is not what it takes".into(), ToString::to_string)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_option_of_run_stands_for_its_own_setting() {
+        for (option, (key, variable)) in options().iter().zip(KEYS) {
+            assert_eq!(option.get_env().map(|name| name.to_string_lossy()), variable.map(Into::into), "{key}");
+            assert_eq!(setting(option), Some(key));
+        }
+    }
 }

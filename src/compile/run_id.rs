@@ -4,6 +4,9 @@ use std::str::FromStr;
 
 use super::Campaign;
 
+/// Bytes that the names of most runs take together.
+const TYPICAL: usize = 128;
+
 /// The short name of a run or of a search: 32 bits of BLAKE3 over its names, in tables eight hexadecimal digits.
 ///
 /// It is the same in every report of the same campaign, whatever else the campaign holds. Episode 17 of run `1a2b3c4d` is called
@@ -14,8 +17,11 @@ pub struct RunId(u32);
 impl RunId {
     /// Names something; `again` counts up where others have had the same name by chance.
     fn new(names: &str, again: u32) -> Self {
-        let counted = &again.to_le_bytes()[..usize::from(again > 0) * 4];
-        let [a, b, c, d, ..] = *blake3::hash(&[names.as_bytes(), counted].concat()).as_bytes();
+        let hash = match again {
+            0 => blake3::hash(names.as_bytes()),
+            _ => blake3::hash(&[names.as_bytes(), &again.to_le_bytes()].concat()),
+        };
+        let [a, b, c, d, ..] = *hash.as_bytes();
         Self(u32::from_be_bytes([a, b, c, d]))
     }
 }
@@ -42,23 +48,28 @@ struct Register {
 }
 
 impl Register {
-    fn name(&mut self, names: &[&str]) -> RunId {
-        let names = joined(names);
-        let free = |id: &RunId| self.owners.get(id).is_none_or(|owner| *owner == names);
-        let id = (0..).map(|again| RunId::new(&names, again)).find(free).expect("there are billions of names");
-        self.owners.insert(id, names);
+    fn name(&mut self, names: Names) -> RunId {
+        let Names(text) = names;
+        let free = |id: &RunId| self.owners.get(id).is_none_or(|owner| *owner == text);
+        let id = (0..).map(|again| RunId::new(&text, again)).find(free).expect("there are billions of names");
+        self.owners.insert(id, text);
         id
     }
 }
 
 /// Names in one text, each with its end.
-fn joined(names: &[&str]) -> String {
-    let mut text = String::with_capacity(names.iter().map(|name| name.len() + 1).sum());
-    for name in names {
-        text.push_str(name);
-        text.push('\0');
+struct Names(String);
+
+impl Names {
+    fn new(first: &str) -> Self {
+        Self(String::with_capacity(TYPICAL)).and(first)
     }
-    text
+
+    fn and(mut self, name: &str) -> Self {
+        self.0.push_str(name);
+        self.0.push('\0');
+        self
+    }
 }
 
 impl Campaign {
@@ -67,18 +78,15 @@ impl Campaign {
         let mut register = Register::default();
         for evaluation in &mut self.evaluations {
             let key = &evaluation.trained;
-            let (block, run) = (evaluation.block.to_string(), key.run.to_string());
-            let pedestrian = evaluation.pedestrian.name();
-            let trained = [&key.reward, &key.town, &key.policy, &run].map(String::as_str);
-            let tried = [&evaluation.town, &evaluation.policy, &evaluation.vehicle, &evaluation.adversary];
-            let names = [&[self.name.as_str(), &block, pedestrian], &trained[..], &tried.map(String::as_str)].concat();
-            evaluation.id = register.name(&names);
+            let names = Names::new(&self.name).and(&evaluation.block.to_string()).and(evaluation.pedestrian.name());
+            let names = names.and(&key.reward).and(&key.town).and(&key.policy).and(&key.run.to_string());
+            let names = names.and(&evaluation.town).and(&evaluation.policy);
+            evaluation.id = register.name(names.and(&evaluation.vehicle).and(&evaluation.adversary));
         }
         for search in &mut self.searches {
             let key = &search.key;
-            let (block, run) = (key.block.to_string(), key.run.to_string());
-            search.key.id =
-                register.name(&[&self.name, "search", &block, &key.falsifier, &key.town, &key.policy, &run]);
+            let names = Names::new(&self.name).and("search").and(&key.block.to_string()).and(&key.falsifier);
+            search.key.id = register.name(names.and(&key.town).and(&key.policy).and(&key.run.to_string()));
         }
     }
 }
@@ -89,9 +97,10 @@ mod tests {
 
     #[test]
     fn a_name_is_that_of_blake3_and_returns_from_its_text() {
-        let id = RunId::new(&joined(&["a", "b"]), 0);
+        let id = RunId::new("a\0b\0", 0);
         assert_eq!(id.to_string().parse(), Ok(id));
-        assert_ne!(id, RunId::new(&joined(&["ab", ""]), 0));
+        assert_eq!(Register::default().name(Names::new("a").and("b")), id);
+        assert_ne!(Register::default().name(Names::new("ab").and("")), id);
         for text in ["", "1234567", "123456789", "1234567g", "+1234567", "é23456"] {
             assert_eq!(text.parse::<RunId>(), Err(()), "{text}");
         }
@@ -100,9 +109,10 @@ mod tests {
     #[test]
     fn two_owners_never_share_a_name() {
         let mut register = Register::default();
-        let first = register.name(&["a"]);
+        let name = || Names::new("a");
+        let first = register.name(name());
         register.owners.insert(first, "somebody else".into());
-        let second = register.name(&["a"]);
-        assert!(first != second && second == RunId::new(&joined(&["a"]), 1) && second == register.name(&["a"]));
+        let second = register.name(name());
+        assert!(first != second && second == RunId::new("a\0", 1) && second == register.name(name()));
     }
 }

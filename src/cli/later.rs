@@ -1,0 +1,64 @@
+//! Options that a command gets when it is chosen. Those of `run` are many, and most calls are of other commands.
+
+use clap::error::Error;
+use clap::{ArgMatches, Args, Command, FromArgMatches};
+
+use super::args::{MergeOptions, RunOptions};
+use super::config;
+
+/// Makes the options of a command.
+type Make = fn(Command) -> Command;
+
+/// The commands, with what makes their options.
+const COMMANDS: [(&str, Make); 3] =
+    [("run", options::<RunOptions>), ("merge", options::<MergeOptions>), ("config", config::with_options)];
+
+/// Options that the derived command does not have yet.
+#[derive(Debug)]
+pub struct Later<T>(pub T);
+
+impl<T: Args> Args for Later<T> {
+    fn augment_args(command: Command) -> Command {
+        command
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        command
+    }
+}
+
+impl<T: FromArgMatches> FromArgMatches for Later<T> {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
+        T::from_arg_matches(matches).map(Self)
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
+        self.0.update_from_arg_matches(matches)
+    }
+}
+
+/// Lets the commands have their options when they are chosen.
+pub fn when_chosen(command: Command) -> Command {
+    command.mut_subcommands(|each| match make(&each) {
+        Some(make) => each.defer(make),
+        None => each,
+    })
+}
+
+/// Gives the commands their options at once.
+pub fn at_once(command: Command) -> Command {
+    command.mut_subcommands(|each| match make(&each) {
+        Some(make) => make(each),
+        None => each,
+    })
+}
+
+fn make(command: &Command) -> Option<Make> {
+    COMMANDS.into_iter().find(|(name, _)| *name == command.get_name()).map(|(_, make)| make)
+}
+
+/// Gives a command its options; what it says about itself is not theirs to change.
+fn options<T: Args>(command: Command) -> Command {
+    let about = command.get_about().cloned().unwrap_or_default();
+    T::augment_args(command).about(about)
+}
