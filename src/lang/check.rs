@@ -3,11 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use super::ast::{self, Entry, Name};
+use super::ast::{self, Entry, ExpressionKind, Name};
 use super::defaults::Defaults;
 use super::formula::Scope;
 use super::hir::{Block, Clause, Declaration, Program};
-use super::names::names_of_all;
+use super::names::{ParamId, names_of_all};
 use super::params::Params;
 use super::value::{Context, plain_number, value};
 use super::{Loaded, codes};
@@ -18,8 +18,17 @@ use crate::signature::{Arguments, DeclarationId, Form, Signature, Type, Value, V
 #[derive(Debug)]
 pub struct Checked<'f> {
     defaults: Defaults<'f>,
-    /// Declarations with nothing wrong: what was written, parameters replaced, and what came of it.
-    faultless: BTreeMap<DeclarationId, (Arc<ast::Declaration>, Arc<Declaration>)>,
+    /// Declarations with nothing wrong.
+    faultless: BTreeMap<DeclarationId, Faultless>,
+}
+
+/// A declaration with nothing wrong, and what came of it.
+#[derive(Debug)]
+struct Faultless {
+    written: Arc<ast::Declaration>,
+    /// The parameters that stand in it, with what they stood for.
+    params: Vec<(ParamId, Option<ExpressionKind>)>,
+    checked: Arc<Declaration>,
 }
 
 impl<'f> Checked<'f> {
@@ -28,10 +37,10 @@ impl<'f> Checked<'f> {
         Self { defaults: Defaults::new(vocabulary), faultless: BTreeMap::new() }
     }
 
-    /// What came of the same declaration before.
-    fn find(&self, id: DeclarationId, written: &Arc<ast::Declaration>) -> Option<Arc<Declaration>> {
-        let (before, checked) = self.faultless.get(&id)?;
-        (Arc::ptr_eq(before, written) || before == written).then(|| Arc::clone(checked))
+    /// What came of the same declaration before, when its parameters stood for the same.
+    fn find(&self, id: DeclarationId, written: &Arc<ast::Declaration>, now: &mut Params) -> Option<Arc<Declaration>> {
+        let before = self.faultless.get(&id).filter(|before| Arc::ptr_eq(&before.written, written))?;
+        now.are_still(&before.params).then(|| Arc::clone(&before.checked))
     }
 }
 
@@ -54,19 +63,25 @@ pub fn check<'f>(
     let mut params = Params::resolve(loaded, &names, forms, vocabulary, sources, &mut diagnostics);
     for (place, file) in loaded.files.iter().enumerate() {
         let context = Context { vocabulary, names: &names[place], sources };
-        for (declaration, id) in file.declarations.iter().zip(&ids[&file.source]) {
-            let written = params.replace(declaration, place);
-            if let Some(known) = checked.find(*id, &written) {
+        for (written, id) in file.declarations.iter().zip(&ids[&file.source]) {
+            if let Some(known) = checked.find(*id, written, &mut params) {
                 declarations.push(known);
                 continue;
             }
+            let mentioned = params.mentioned(written, place);
+            let replaced = (!mentioned.is_empty()).then(|| params.replace(written, place));
+            let as_meant = replaced.as_ref().unwrap_or(written);
             let before = diagnostics.len();
             let defaults = &mut checked.defaults;
             let mut checker = Checker { context: &context, defaults, diagnostics: &mut diagnostics };
-            let declaration = Arc::new(checker.declaration(&written, *id, file.source, forms, &form_names));
+            let declaration = Arc::new(checker.declaration(as_meant, *id, file.source, forms, &form_names));
             params.explain(&mut diagnostics[before..]);
             if diagnostics.len() == before {
-                checked.faultless.entry(*id).or_insert_with(|| (written, Arc::clone(&declaration)));
+                checked.faultless.entry(*id).or_insert_with(|| Faultless {
+                    written: Arc::clone(written),
+                    params: mentioned,
+                    checked: Arc::clone(&declaration),
+                });
             }
             declarations.push(declaration);
         }

@@ -56,15 +56,15 @@ pub(super) fn formula(
 
 /// Reads a unit, saying what is wrong with it.
 pub(super) fn unit(name: &Name, diagnostics: &mut Vec<Diagnostic>) -> Option<Unit> {
-    let names: Vec<&str> = UNIT_NAMES.iter().map(|(name, _)| *name).collect();
+    let names = || -> Vec<&str> { UNIT_NAMES.iter().map(|(name, _)| *name).collect() };
     match parse_unit(&name.text) {
         Ok(unit) => Some(unit),
         Err(UnitError::Unknown { name: part }) => {
-            diagnostics.push(codes::unknown_unit(name.span, &name.text, Some(&part), &names));
+            diagnostics.push(codes::unknown_unit(name.span, &name.text, Some(&part), &names()));
             None
         }
         Err(UnitError::BadPower) => {
-            diagnostics.push(codes::unknown_unit(name.span, &name.text, None, &names));
+            diagnostics.push(codes::unknown_unit(name.span, &name.text, None, &names()));
             None
         }
     }

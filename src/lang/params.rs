@@ -3,7 +3,6 @@
 //! A parameter is checked against its type once, where it is declared; what takes its place elsewhere is a known value.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
 
 use super::ast::{Clause, Declaration, Entry, Expression, ExpressionKind, Known, Param, Property};
 use super::names::{Names, ParamId};
@@ -64,15 +63,30 @@ impl<'a> Params<'a> {
         params
     }
 
-    /// The declaration with known values in place of parameters; `place` is its file's in the order of the files.
-    pub fn replace(&mut self, declaration: &Arc<Declaration>, place: usize) -> Arc<Declaration> {
+    /// The parameters that stand in a declaration, with what they stand for; `place` is its file's in the order of the files.
+    pub fn mentioned(&self, declaration: &Declaration, place: usize) -> Vec<(ParamId, Option<ExpressionKind>)> {
         let names = &self.names[place];
-        if !names.has_params() || !declaration.entries.iter().any(|entry| entry_mentions(entry, names)) {
-            return Arc::clone(declaration);
+        let mut found = Vec::new();
+        if names.has_params() {
+            declaration.entries.iter().for_each(|entry| mentioned_in(entry, names, &mut found));
         }
-        let mut copy = Declaration::clone(declaration);
+        found.into_iter().map(|id| (id, self.known.get(&id).cloned().flatten())).collect()
+    }
+
+    /// Whether parameters stand for the same now; then they count as used.
+    pub fn are_still(&mut self, mentioned: &[(ParamId, Option<ExpressionKind>)]) -> bool {
+        let same = mentioned.iter().all(|(id, before)| self.known.get(id).is_some_and(|now| now == before));
+        if same {
+            self.used.extend(mentioned.iter().map(|(id, _)| *id));
+        }
+        same
+    }
+
+    /// The declaration with known values in place of parameters, of which it holds some.
+    pub fn replace(&mut self, declaration: &Declaration, place: usize) -> Declaration {
+        let mut copy = declaration.clone();
         self.entries(&mut copy.entries, place);
-        copy.into()
+        copy
     }
 
     /// Shows where a value comes from, in messages about places where a parameter stands.
@@ -255,17 +269,12 @@ impl<'a> Params<'a> {
     }
 }
 
-/// Whether anything in an entry names a parameter.
-fn entry_mentions(entry: &Entry, names: &Names) -> bool {
-    let any = |value: &Expression| {
-        let mut found = Vec::new();
-        mentioned(value, names, &mut found);
-        !found.is_empty()
-    };
+/// The parameters that an entry names.
+fn mentioned_in(entry: &Entry, names: &Names, found: &mut Vec<ParamId>) {
     match entry {
-        Entry::Property(Property { value, .. }) | Entry::Bare(value) => any(value),
-        Entry::Clause(Clause { formula, .. }) => any(formula),
-        Entry::Child(child) => child.entries.iter().any(|entry| entry_mentions(entry, names)),
+        Entry::Property(Property { value, .. }) | Entry::Bare(value) => mentioned(value, names, found),
+        Entry::Clause(Clause { formula, .. }) => mentioned(formula, names, found),
+        Entry::Child(child) => child.entries.iter().for_each(|entry| mentioned_in(entry, names, found)),
     }
 }
 

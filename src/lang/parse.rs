@@ -406,7 +406,8 @@ impl Reader {
 }
 
 fn read_number(text: &str) -> f64 {
-    text.replace('_', "").parse().expect("the grammar admits only numbers")
+    let number = if text.contains('_') { text.replace('_', "").parse() } else { text.parse() };
+    number.expect("the grammar admits only numbers")
 }
 
 fn inner_text(pair: &Pair<Rule>) -> String {

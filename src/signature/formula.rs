@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 /// An index into the variables of a [`Vocabulary`](super::Vocabulary).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct VariableId(pub usize);
@@ -45,7 +47,7 @@ pub enum Function {
     LogLikelihood,
 }
 
-/// A checked formula: dimensions agree, names are resolved, every constant is in SI.
+/// A checked formula: dimensions agree, names are resolved, every constant is in SI. A copy shares what it is made of.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Formula {
     /// A constant in SI; 1 and 0 for true and false.
@@ -53,13 +55,13 @@ pub enum Formula {
     /// A variable's value.
     Variable(VariableId),
     /// The negative.
-    Negate(Box<Formula>),
+    Negate(Arc<Formula>),
     /// Logical not.
-    Not(Box<Formula>),
+    Not(Arc<Formula>),
     /// An operator between two.
-    Binary(BinaryOperator, Box<Formula>, Box<Formula>),
+    Binary(BinaryOperator, Arc<Formula>, Arc<Formula>),
     /// A function.
-    Call(Function, Vec<Formula>),
+    Call(Function, Arc<[Formula]>),
 }
 
 impl Formula {
@@ -187,7 +189,7 @@ mod tests {
     fn the_papers_r2_for_a_frontal_hit() {
         let v_c = Formula::Variable(VariableId(0));
         let product = Formula::Binary(BinaryOperator::Multiply, Formula::Constant(1.5).into(), v_c.into());
-        let r2 = Formula::Call(Function::Max, vec![Formula::Constant(3.0), product]);
+        let r2 = Formula::Call(Function::Max, [Formula::Constant(3.0), product].into());
         assert_eq!(r2.evaluate(&|_| 1.0), 3.0);
         assert_eq!(r2.evaluate(&|_| 10.0), 15.0);
     }
@@ -196,7 +198,7 @@ mod tests {
     fn a_likelihood_is_that_of_the_normal_relative_to_its_peak() {
         let arguments = [5.0, 2.0, 1.5].map(Formula::Constant).to_vec();
         let density = |x: f64| libm::exp(-0.5 * ((x - 2.0) / 1.5) * ((x - 2.0) / 1.5));
-        let found = Formula::Call(Function::LogLikelihood, arguments).evaluate(&|_| 0.0);
+        let found = Formula::Call(Function::LogLikelihood, arguments.into()).evaluate(&|_| 0.0);
         assert!((found - libm::log(density(5.0) / density(2.0))).abs() < 1e-12);
     }
 
@@ -236,7 +238,8 @@ mod tests {
                 (operator, inner.clone(), inner.clone()).prop_map(|(o, a, b)| Formula::Binary(o, a.into(), b.into())),
                 inner.clone().prop_map(|a| Formula::Negate(a.into())),
                 inner.clone().prop_map(|a| Formula::Not(a.into())),
-                (function, prop::collection::vec(inner, 1..3)).prop_map(|(f, arguments)| Formula::Call(f, arguments)),
+                (function, prop::collection::vec(inner, 1..3))
+                    .prop_map(|(f, arguments)| Formula::Call(f, arguments.into())),
             ]
         })
     }
