@@ -25,7 +25,10 @@ fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rustc-env=FALSIFY_CODE={}", code());
     let is = |key: &str, value: &str| std::env::var(key).is_ok_and(|found| found == value);
-    if is("CARGO_CFG_TARGET_OS", "linux") && is("CARGO_CFG_TARGET_ENV", "gnu") {
+    // A program that holds the C library, too, is told its place by the compiler alone (`-C relocation-model=static`).
+    let holds_all =
+        std::env::var("CARGO_CFG_TARGET_FEATURE").is_ok_and(|all| all.split(',').any(|one| one == "crt-static"));
+    if is("CARGO_CFG_TARGET_OS", "linux") && is("CARGO_CFG_TARGET_ENV", "gnu") && !holds_all {
         println!("cargo::rustc-link-arg-bins=-no-pie");
     }
 }
