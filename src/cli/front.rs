@@ -1,7 +1,7 @@
 //! Files → plan, with everything that is to be said about them on the error stream.
 
 use std::cell::RefCell;
-use std::io::Write;
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -18,6 +18,9 @@ use crate::report::{Call, FileRecord};
 
 const ERROR: Style = AnsiColor::Red.on_default().bold();
 const WARNING: Style = AnsiColor::Yellow.on_default().bold();
+
+/// The longest file that is read: a device may have no end.
+const MOST_BYTES: u64 = 512 << 20;
 
 /// Most diagnostics that are shown at once.
 const SHOWN: usize = 50;
@@ -73,11 +76,18 @@ impl Files {
 
 impl Reader for Files {
     fn text(&self, path: &Path) -> std::io::Result<String> {
-        std::fs::read_to_string(path).inspect(|text| self.record(path, text.as_bytes()))
+        let text = String::from_utf8(self.bytes(path)?);
+        text.map_err(|error| std::io::Error::new(std::io::ErrorKind::InvalidData, error))
     }
 
     fn bytes(&self, path: &Path) -> std::io::Result<Vec<u8>> {
-        std::fs::read(path).inspect(|bytes| self.record(path, bytes))
+        let mut bytes = Vec::new();
+        std::fs::File::open(path)?.take(MOST_BYTES + 1).read_to_end(&mut bytes)?;
+        if bytes.len() as u64 > MOST_BYTES {
+            return Err(std::io::Error::other(format!("it has more than {} MiB", MOST_BYTES >> 20)));
+        }
+        self.record(path, &bytes);
+        Ok(bytes)
     }
 }
 

@@ -8,7 +8,7 @@ use super::plan::{
     Campaign, Driver, Evaluation, NamedTown, Pedestrian, Published, Search, SearchKey, Training, TrainingKey,
 };
 use super::{RunId, adversary, episode, falsifier, policy, published, reward, training, vehicle};
-use crate::env::{Adversary, EpisodeRule, PolicyMaker, RewardRule, Scenario, SpawnRule};
+use crate::env::{Adversary, EpisodeRule, FirstHeading, PolicyMaker, RewardRule, Scenario, SpawnRule};
 use crate::falsifier::Falsifier;
 use crate::lang::codes;
 use crate::lang::hir::{Block, Declaration};
@@ -406,9 +406,14 @@ impl Lowering<'_> {
                 return;
             }
         }
+        let mut headings: Vec<FirstHeading> = bodies.iter().map(|(_, walker)| walker.first_heading).collect();
+        headings.dedup();
         for town in towns {
-            let mut stream = Seed::root(0).child("probe").stream();
-            if let Err(error) = spawn.probe(&town.value.town, &town.value.obstacles, &mut stream) {
+            let probe = |first: &FirstHeading| {
+                let mut stream = Seed::root(0).child("probe").stream();
+                spawn.probe(&town.value.town, &town.value.obstacles, *first, &mut stream)
+            };
+            if let Err(error) = headings.iter().try_for_each(probe) {
                 self.said.push(codes::unplaceable(place, &town.name, &error.to_string()));
             }
         }

@@ -74,13 +74,19 @@ pub fn compile_with(
     }
     diagnostics.extend(unreadable);
     let is_error = |each: &Diagnostic| each.severity == Severity::Error;
-    if diagnostics.iter().any(is_error) {
-        lang::once(&mut diagnostics);
-        return Ok(Compiled { plan: None, unplaced: None, diagnostics });
-    }
     let mut shared = Shared::default();
     let read = &Noting::new(read);
     let mut plan = Plan::default();
+    if diagnostics.iter().any(is_error) {
+        if let Some(Variant { program, left_out, faultless, .. }) = variants.first() {
+            let (maps, digests) = (&overrides.maps, BTreeMap::new());
+            let said = &mut diagnostics;
+            let mut lowering = Lowering { program, catalog, sources, read, maps, said, shared: &mut shared, digests };
+            lowering.as_far_as_whole(faultless, left_out);
+        }
+        lang::once(&mut diagnostics);
+        return Ok(Compiled { plan: None, unplaced: None, diagnostics });
+    }
     for variant in &variants {
         let (program, maps, digests) = (&variant.program, &overrides.maps, BTreeMap::new());
         let mut lowering =
@@ -114,6 +120,8 @@ struct Variant {
     /// Campaigns that belong to other variants.
     left_out: BTreeSet<DeclarationId>,
     settings: Vec<String>,
+    /// Declarations with which nothing was wrong in this variant or one before.
+    faultless: BTreeSet<DeclarationId>,
 }
 
 /// Carries settings out and checks the files, as they are and with each combination of each matrix.
@@ -143,21 +151,21 @@ fn variants(
     let mut check = |loaded: &lang::Loaded| {
         let (program, said) = lang::check(loaded, sources, &catalog.forms, &mut checked);
         diagnostics.extend(said);
-        program
+        (program, checked.faultless().collect())
     };
-    let program = check(loaded);
+    let (program, faultless) = check(loaded);
     let id = |matrix: &Matrix| program.place(matrix.declaration.0, matrix.declaration.1);
     let left_out = matrices.iter().map(id).collect();
     let ids: Vec<DeclarationId> = matrices.iter().map(id).collect();
-    let mut variants = vec![Variant { program, multiplied: None, left_out, settings: Vec::new() }];
+    let mut variants = vec![Variant { program, multiplied: None, left_out, settings: Vec::new(), faultless }];
     let mut said = Vec::new();
     for (matrix, id) in matrices.iter().zip(ids) {
         for combination in &matrix.combinations {
             let mut copy = loaded.clone();
             said.extend(lang::apply(combination, &mut copy));
             let settings = combination.iter().map(|each| each.text(sources)).collect();
-            let program = check(&copy);
-            variants.push(Variant { program, multiplied: Some(id), left_out: BTreeSet::new(), settings });
+            let (program, faultless) = check(&copy);
+            variants.push(Variant { program, multiplied: Some(id), left_out: BTreeSet::new(), settings, faultless });
         }
     }
     diagnostics.extend(said);
@@ -229,6 +237,19 @@ impl Lowering<'_> {
         }
     }
 
+    /// Builds what is whole where other things are wrong, only for what there is to say about it: declarations that are
+    /// faultless and refer to none that is not.
+    fn as_far_as_whole(&mut self, faultless: &BTreeSet<DeclarationId>, left_out: &BTreeSet<DeclarationId>) {
+        let program = self.program;
+        let of_form = |form| program.of_form(form).filter(|each| reached(program, each.id).is_subset(faultless));
+        of_form("town").for_each(|town| drop(self.town(town.id)));
+        of_form("policy").for_each(|policy| drop(self.policy(policy.id)));
+        of_form("spawn").for_each(|spawn| drop(self.spawn_rule(spawn.id)));
+        for campaign in of_form("campaign").filter(|campaign| !left_out.contains(&campaign.id)) {
+            self.campaign(campaign);
+        }
+    }
+
     /// Adds the towns that files import. One that cannot be built is left out: nothing wants it.
     fn imported_towns(&mut self, plan: &mut Plan) {
         let program = self.program;
@@ -263,7 +284,7 @@ impl Lowering<'_> {
         let declaration = self.program.get(id);
         // A variant may change what is behind a name, and leave the policy as it is.
         let contents: Vec<Block> =
-            self.reached(id).into_iter().map(|each| self.program.get(each).block.clone()).collect();
+            reached(self.program, id).into_iter().map(|each| self.program.get(each).block.clone()).collect();
         let known = self.shared.policies.get(&id).into_iter().flatten();
         if let Some((_, made)) = known.clone().find(|(blocks, _)| *blocks == contents) {
             return made.clone();
@@ -279,21 +300,9 @@ impl Lowering<'_> {
         file.parent().map(|folder| folder.join(path)).unwrap_or_else(|| path.into())
     }
 
-    /// A declaration and all that it refers to, directly or not.
-    fn reached(&self, from: DeclarationId) -> BTreeSet<DeclarationId> {
-        let mut open = vec![from];
-        let mut seen = BTreeSet::new();
-        while let Some(id) = open.pop() {
-            if seen.insert(id) {
-                references(&self.program.get(id).block, &mut open);
-            }
-        }
-        seen
-    }
-
     /// Notes what a campaign uses; gives what is documented of it.
     fn note_used(&mut self, campaign: DeclarationId) -> Vec<Documented> {
-        let seen = self.reached(campaign);
+        let seen = reached(self.program, campaign);
         let used = self.program.declarations.iter().filter(|each| each.id != campaign && seen.contains(&each.id));
         let documented = used.filter(|each| !each.docs.is_empty()).map(|each| Documented {
             form: each.form,
@@ -348,6 +357,18 @@ fn warn_of_unused(program: &Program, used: &BTreeSet<DeclarationId>, said: &mut 
             said.push(codes::unused(param.span, "param", &param.name));
         }
     }
+}
+
+/// A declaration and all that it refers to, directly or not.
+fn reached(program: &Program, from: DeclarationId) -> BTreeSet<DeclarationId> {
+    let mut open = vec![from];
+    let mut seen = BTreeSet::new();
+    while let Some(id) = open.pop() {
+        if seen.insert(id) {
+            references(&program.get(id).block, &mut open);
+        }
+    }
+    seen
 }
 
 fn references(block: &Block, found: &mut Vec<DeclarationId>) {

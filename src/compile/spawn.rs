@@ -119,15 +119,23 @@ pub fn lower(
         _ => {}
     }
     let mut sector = Sector::new(vocabulary, bearing, distance, speed);
-    for (condition, span) in arguments.conditions("require").into_iter().zip(block.members("require")) {
-        match sector.require(condition, *span) {
-            Ok(None) => {}
-            Ok(Some(condition)) => {
-                constraints.push(Constraint::Require { condition, text: sources.text(*span).to_string() });
+    let conditions = arguments.conditions("require").into_iter().cloned();
+    let mut left: Vec<_> = conditions.zip(block.members("require").iter().copied()).collect();
+    // What one condition leaves of the sector may contradict another, whichever comes first.
+    for _ in 0..2 {
+        let mut kept = Vec::new();
+        for (condition, span) in left {
+            match sector.require(&condition, span) {
+                Ok(rest) => kept.extend(rest.map(|rest| (rest, span))),
+                Err(diagnostic) => said.push(*diagnostic),
             }
-            Err(diagnostic) => said.push(*diagnostic),
         }
+        left = kept;
     }
+    constraints.extend(left.into_iter().map(|(condition, span)| {
+        let text = sources.text(span).to_string();
+        Constraint::Require { condition, text }
+    }));
     let ego_start = ego_start(block, said);
     let [bearing, distance, ego_speed] = sector.into_distributions();
     (said.len() == before).then(|| SpawnRule {

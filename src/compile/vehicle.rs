@@ -58,7 +58,7 @@ fn params() -> Vec<Param> {
         ),
         Param::optional(
             "throttle_response",
-            positive(Dimension::RATIO),
+            Type::Quantity { dimension: Dimension::RATIO, min: 0.01, max: 10.0 },
             "By how much faster than the model it drives off at the same pedal: 1 (C; the model 3 does 4.7 m/s^2 with the pedal down).",
         ),
         Param::optional(

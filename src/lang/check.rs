@@ -37,6 +37,11 @@ impl<'f> Checked<'f> {
         Self { defaults: Defaults::new(vocabulary), faultless: BTreeMap::new() }
     }
 
+    /// The declarations with which nothing was wrong, nor with the parameters in them.
+    pub fn faultless(&self) -> impl Iterator<Item = DeclarationId> {
+        self.faultless.keys().copied()
+    }
+
     /// What came of the same declaration before, when its parameters stood for the same.
     fn find(&self, id: DeclarationId, written: &Arc<ast::Declaration>, now: &mut Params) -> Option<Arc<Declaration>> {
         let before = self.faultless.get(&id).filter(|before| Arc::ptr_eq(&before.written, written))?;
@@ -76,7 +81,8 @@ pub fn check<'f>(
             let mut checker = Checker { context: &context, defaults, diagnostics: &mut diagnostics };
             let declaration = Arc::new(checker.declaration(as_meant, *id, file.source, forms, &form_names));
             params.explain(&mut diagnostics[before..]);
-            if diagnostics.len() == before {
+            let understood = mentioned.iter().all(|(_, value)| value.is_some());
+            if diagnostics.len() == before && understood {
                 checked.faultless.entry(*id).or_insert_with(|| Faultless {
                     written: Arc::clone(written),
                     params: mentioned,
@@ -178,6 +184,7 @@ impl<'f> Checker<'_, '_, 'f> {
         let mut members = Vec::new();
         let mut children = Vec::new();
         let mut clauses: Vec<Clause> = Vec::new();
+        let mut named: BTreeMap<(&str, &str), Span> = BTreeMap::new();
         for entry in &written.entries {
             match entry {
                 Entry::Property(property) => match signature.params.iter().find(|p| p.name == property.key.text) {
@@ -214,7 +221,14 @@ impl<'f> Checker<'_, '_, 'f> {
                         &words,
                         &keys,
                     )),
-                    Some(inner) => children.push(self.block(child, inner)),
+                    Some(inner) => {
+                        if let Some(name) = &child.name {
+                            let before = named.insert((&child.form.text, &name.text), name.span);
+                            let again = |first| codes::duplicate_declaration(name.span, inner.name, &name.text, first);
+                            self.diagnostics.extend(before.map(again));
+                        }
+                        children.push(self.block(child, inner));
+                    }
                 },
                 Entry::Clause(clause) if signature.clauses => {
                     if let Some(clause) = self.clause(clause, &clauses) {
@@ -232,7 +246,7 @@ impl<'f> Checker<'_, '_, 'f> {
                 Some((_, _, _, checked)) => checked.clone(),
                 None => match param.default {
                     Some("") => Some(Value::Absent),
-                    Some(text) => Some(self.defaults.value(param, text, self.context.names)),
+                    Some(text) => Some(self.defaults.value(param, text, self.context.names, self.context.sources)),
                     None => {
                         self.diagnostics.push(codes::missing_key(written.head, signature.name, param));
                         None

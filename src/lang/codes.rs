@@ -4,6 +4,7 @@ use crate::diagnostic::{Diagnostic, Span};
 use crate::signature::{Param, Type};
 use crate::units::Dimension;
 
+use super::shelf;
 use super::suggest::nearest;
 
 /// Most words of a list that is shown; a file made to break the program may have any number.
@@ -167,9 +168,14 @@ pub fn unknown_setting<'a>(span: Span, word: &str, known: impl IntoIterator<Item
 
 /// A setting names several things.
 pub fn ambiguous_setting(span: Span, word: &str, forms: &[&str]) -> Diagnostic {
+    let ambiguous =
+        Diagnostic::error("ambiguous-setting", span, format!("there are several declarations named `{word}`"));
+    if forms.iter().all(|form| Some(form) == forms.first()) {
+        return ambiguous
+            .help("two files declare it; give the files one after the other, or rename one of the declarations");
+    }
     let offers: Vec<String> = forms.iter().map(|form| format!("{form}.{word}.…")).collect();
-    Diagnostic::error("ambiguous-setting", span, format!("there are several declarations named `{word}`"))
-        .help(format!("put the form first: {}", quoted(offers.iter().map(String::as_str))))
+    ambiguous.help(format!("put the form first: {}", quoted(offers.iter().map(String::as_str))))
 }
 
 /// A matrix multiplies beyond reason.
@@ -262,7 +268,13 @@ pub fn duplicate_declaration(span: Span, form: &str, name: &str, first: Span) ->
 
 /// A reference leads to no declaration.
 pub fn unknown_name<'a>(span: Span, form: &str, word: &str, known: impl IntoIterator<Item = &'a str>) -> Diagnostic {
-    unknown("unknown-name", span, format!("unknown {form} `{}`", cut(word)), word, known)
+    let message = format!("unknown {form} `{}`", cut(word));
+    match shelf::home(form, word) {
+        Some(file) => Diagnostic::error("unknown-name", span, message)
+            .here("not among what this file sees")
+            .help(format!("the standard library has it: `import \"std/{file}\"`")),
+        None => unknown("unknown-name", span, message, word, known),
+    }
 }
 
 /// A declaration is never used.
@@ -342,6 +354,11 @@ pub fn out_of_range(span: Span, found: String, bounds: String) -> Diagnostic {
     Diagnostic::error("out-of-range", span, format!("{found} is out of range")).here(format!("allowed: {bounds}"))
 }
 
+/// A part of a formula has no value, whatever happens.
+pub fn not_finite(span: Span, why: &str) -> Diagnostic {
+    Diagnostic::error("out-of-range", span, "this part of a formula has no value").here(why.to_string())
+}
+
 /// A distribution reaches beyond the bounds of its key.
 pub fn unbounded(span: Span, written: &str, bounds: &str) -> Diagnostic {
     Diagnostic::error("unbounded", span, "this distribution knows no bounds")
@@ -383,7 +400,18 @@ pub fn repeated_member(span: Span, written: &str, first: Span) -> Diagnostic {
 
 /// A word is not among the choices.
 pub fn unknown_choice(span: Span, word: &str, words: &[&str]) -> Diagnostic {
-    unknown("unknown-choice", span, format!("`{}` is not among the choices", cut(word)), word, words.iter().copied())
+    let message = format!("`{}` is not among the choices", cut(word));
+    let is_name = |word: &str| {
+        word.starts_with(|c: char| c.is_ascii_alphabetic())
+            && !word.contains(|c: char| c != '_' && !c.is_ascii_alphanumeric())
+    };
+    match nearest(word, words.iter().copied()) {
+        // What is no name stands in quotes.
+        Some(near) if !is_name(near) => Diagnostic::error("unknown-choice", span, message)
+            .here(format!("did you mean `\"{near}\"`?"))
+            .fix(&format!("\"{near}\"")),
+        _ => unknown("unknown-choice", span, message, word, words.iter().copied()),
+    }
 }
 
 /// A formula names an unknown variable.

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::ast::Expression;
+use super::library;
 use super::names::Names;
 use super::parse::parse_value;
 use super::value::{Context, value};
@@ -31,10 +32,12 @@ impl<'f> Defaults<'f> {
     }
 
     /// The default `text` of a key, for a file that sees these names.
-    pub(super) fn value(&mut self, param: &'f Param, text: &'static str, names: &Names) -> Value {
+    pub(super) fn value(&mut self, param: &'f Param, text: &'static str, names: &Names, sources: &Sources) -> Value {
         if let Type::Reference(form) = param.ty {
-            // A default declaration is one of the standard library's, and may not be imported.
-            return names.find(form, text).map_or(Value::Absent, Value::Reference);
+            // A default declaration is one of the standard library's, and may not be imported. What a user gives its name is another.
+            let found = names.find_with_place(form, text);
+            let found = found.filter(|(_, place)| library::holds(&sources.get(place.source).path));
+            return found.map_or(Value::Absent, |(id, _)| Value::Reference(id));
         }
         if let Some(known) = self.known.get(&std::ptr::from_ref(param)) {
             return known.clone();

@@ -185,7 +185,19 @@ impl Checker<'_> {
             Less | LessEqual | Greater | GreaterEqual => Sort::Truth,
             And | Or => unreachable!("handled above"),
         };
-        Some((binary(operator, a, b), sort))
+        if operator == Divide && constant(&b) == Some(0.0) {
+            return self.say(codes::not_finite(right.span, "nothing can be divided by 0"));
+        }
+        let formula = self.finite(binary(operator, a, b), span)?;
+        Some((formula, sort))
+    }
+
+    /// The formula, unless it is a constant that is no number.
+    fn finite(&mut self, formula: Formula, span: Span) -> Option<Formula> {
+        match constant(&formula) {
+            Some(value) if !value.is_finite() => self.say(codes::not_finite(span, "this is no finite number")),
+            _ => Some(formula),
+        }
     }
 
     fn call(&mut self, name: &Name, arguments: &[Expression], span: Span) -> Option<(Formula, Sort)> {
@@ -212,9 +224,23 @@ impl Checker<'_> {
             return self.say(codes::wrong_unit(arguments[0].span, Dimension::RATIO, dimension));
         }
         let dimension = if *function == Function::LogLikelihood { Dimension::RATIO } else { dimension };
-        let arguments = checked.into_iter().map(|(formula, _)| formula).collect();
-        Some((Formula::Call(*function, arguments), Sort::Quantity(dimension)))
+        let formulas: Vec<Formula> = checked.into_iter().map(|(formula, _)| formula).collect();
+        if *function == Function::LogLikelihood && constant(&formulas[2]).is_some_and(|deviation| deviation <= 0.0) {
+            return self.say(codes::not_finite(arguments[2].span, "a standard deviation is above 0"));
+        }
+        let formula = self.finite(Formula::Call(*function, formulas.into()), span)?;
+        Some((formula, Sort::Quantity(dimension)))
     }
+}
+
+/// The value of a formula without variables.
+fn constant(formula: &Formula) -> Option<f64> {
+    let varies = std::cell::Cell::new(false);
+    let value = formula.evaluate(&|_| {
+        varies.set(true);
+        1.0
+    });
+    (!varies.get()).then_some(value)
 }
 
 fn binary(operator: BinaryOperator, left: Formula, right: Formula) -> Formula {

@@ -16,6 +16,11 @@ const FILES: &[(&str, &str)] = &[
     ("towns.scn", include_str!("../../scenarios/lib/towns.scn")),
 ];
 
+/// Its files: names and texts.
+pub(super) fn files() -> impl Iterator<Item = (&'static str, &'static str)> {
+    FILES.iter().copied()
+}
+
 /// The names of its files, as they stand after `std/` in an import.
 pub fn names() -> impl Iterator<Item = &'static str> {
     FILES.iter().map(|(name, _)| *name)

@@ -101,6 +101,9 @@ fn load_as(
     Ok(Loaded { files, roots, diagnostics })
 }
 
+/// How many files may import each other in a row.
+const LONGEST_CHAIN: usize = 256;
+
 /// What some editors begin files with.
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
@@ -119,6 +122,10 @@ impl Loader<'_> {
         let key = normal(path);
         if let Some(source) = self.known.get(&key) {
             return Ok(*source);
+        }
+        if importers.len() > LONGEST_CHAIN {
+            let reason = format!("it stands at the end of {LONGEST_CHAIN} files that import each other in a row");
+            return Err(std::io::Error::other(reason));
         }
         let of_library = library::holds(path);
         let mut text = if of_library { library::read(path)? } else { self.read.text(path)? };

@@ -22,6 +22,11 @@ impl<'a> Names<'a> {
         self.known.get(&(form, name)).map(|(id, _)| *id)
     }
 
+    /// A declaration with the place of its name.
+    pub fn find_with_place(&self, form: &str, name: &str) -> Option<(DeclarationId, Span)> {
+        self.known.get(&(form, name)).copied()
+    }
+
     /// The names of a form, in order.
     pub fn of_form(&self, form: &'a str) -> impl Iterator<Item = &'a str> {
         self.known.range((form, "")..).take_while(move |((f, _), _)| *f == form).map(|((_, name), _)| *name)

@@ -53,9 +53,20 @@ pub(super) fn read_named(files: &mut [File], words: &[&str], sources: &Sources) 
     }
 }
 
+/// The file of the library that declares something.
+pub(super) fn home(form: &str, name: &str) -> Option<&'static str> {
+    let declares = |text: &str| {
+        named_statements(text).into_iter().any(|statement| {
+            let before = text[..statement.name.start].trim_end();
+            text[statement.name].eq(name) && before.ends_with(form)
+        })
+    };
+    library::files().find(|(_, text)| declares(text)).map(|(file, _)| file)
+}
+
 /// The words of a text without lines that are comments. In such a line, `*/` may end one that began before.
 fn words_of(text: &str) -> impl Iterator<Item = &[u8]> {
-    let lines = text.lines().filter(|line| !line.trim_start().starts_with("//") || line.contains("*/"));
+    let lines = text.split(['\n', '\r']).filter(|line| !line.trim_start().starts_with("//") || line.contains("*/"));
     lines.flat_map(|line| line.as_bytes().split(|byte| !is_part_of_name(*byte))).filter(|word| !word.is_empty())
 }
 
@@ -156,6 +167,7 @@ mod tests {
     fn what_nobody_names_is_not_read() {
         assert_eq!(read_for("", &[]), Vec::<String>::new());
         assert_eq!(read_for("policy mine = idm()", &["village.lane_width = 3 m"]), ["village"]);
+        assert_eq!(read_for("// aeb\n/* village\n// */ rss\n// nobody\r  poor", &[]), ["rss", "poor", "village"]);
     }
 
     #[test]

@@ -154,7 +154,7 @@ fn a_reward_that_is_no_number_fails_the_run() {
     let folder = tempfile::tempdir().unwrap();
     let text = campaign()
         .replace("rewards: [r1]", "rewards: [q]")
-        .replace("campaign", "reward q { on timeout => (distance - distance) / (1 m - 1 m) }\ntraining quick = ppo(steps: 150)\ncampaign")
+        .replace("campaign", "reward q { on timeout => (distance - distance) / (distance - distance) }\ntraining quick = ppo(steps: 150)\ncampaign")
         .replace("ppo_paper", "quick");
     std::fs::write(folder.path().join("tiny.scn"), text).unwrap();
     let output = falsify(&["run", "tiny.scn"], folder.path());

@@ -73,6 +73,14 @@ fn the_layout_is_what_it_is() {
     assert_eq!(found, std::fs::read_to_string(wanted).unwrap());
 }
 
+#[test]
+fn a_comment_counts_alike_before_and_after_a_comma_that_goes() {
+    let list = "[ not ready /* between */ , not ready , v_c in m/s , -60deg , v_c in m/s , /* between */ v_c in m/s , not ready ]";
+    for end in ["// aside\n,)", ", // aside\n)", "// aside\n)"] {
+        assert!(holds(&std::format!("edition 1 town t {{ part a {{ key: 7 m .. ( {list} {end} }} }}")));
+    }
+}
+
 /// Expressions, statements and blocks as an author without any sense of order might write them.
 fn untidy() -> impl Strategy<Value = String> {
     let gap = || {

@@ -72,6 +72,23 @@ fn huge_and_deep_files_get_an_answer() {
 }
 
 /// As many lines as asked for, each with its number in place of `#`.
+#[test]
+fn a_chain_of_imports_ends_in_an_error() {
+    let read = |path: &Path| {
+        let number: u32 = path.file_stem().unwrap().to_string_lossy().parse().unwrap();
+        Ok(format!("edition 1\nimport \"{}.scn\"\n", number + 1))
+    };
+    let mut sources = Sources::default();
+    let compiled = compile(&["0.scn".into()], &Catalog::builtin(), &read, &mut sources).unwrap();
+    let codes: Vec<&str> = compiled.diagnostics.iter().map(|each| each.code).collect();
+    assert_eq!(codes, ["import-not-found"]);
+    assert!(
+        compiled.diagnostics[0].message.contains("import each other in a row"),
+        "{}",
+        compiled.diagnostics[0].message
+    );
+}
+
 fn lines(count: usize, line: &str) -> String {
     (0..count).map(|number| line.replace('#', &number.to_string()) + "\n").collect()
 }

@@ -323,3 +323,25 @@ fn no_setting_moves_a_draw_of_another() {
     let again = look(&missing, &[], &walker, &[], 500, 8);
     assert_eq!((again.pedestrians, again.vehicles), (b.pedestrians, b.vehicles));
 }
+
+#[test]
+fn what_a_user_calls_perfect_is_nobodys_default() {
+    let tried = |name: &str| {
+        let plan = plan(&format!(
+            r#"
+            edition 1
+            import "std/paper.scn"
+            import "std/towns.scn"
+            sensors {name} {{ range: 1 m  latency: 1 s }}
+            vehicle car = model3()
+            policy p = idm()
+            campaign c {{
+              vehicle: car  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: ppo_paper
+              train {{ towns: harbour  policies: p  rewards: r1  runs: 1 }}
+            }}
+            "#
+        ));
+        plan.campaigns[0].trainings[0].recipe
+    };
+    assert_eq!(tried("perfect"), tried("nice"));
+}

@@ -5,8 +5,9 @@ use crate::units::Dimension;
 impl InterFuser {
     /// What it takes in a scenario.
     pub fn signature() -> Signature {
-        let margin =
-            |name, default, doc| Param::with_default(name, Type::non_negative(Dimension::LENGTH), default, doc);
+        // What it tests lies within a picture of 36 m.
+        let room = Type::Quantity { dimension: Dimension::LENGTH, min: 0.0, max: 36.0 };
+        let margin = |name, default, doc| Param::with_default(name, room.clone(), default, doc);
         Signature::new(
             "interfuser",
             "InterFuser, a surrogate. Without `sensors` it sees everybody in its range, through walls too. Made for `mkz_2017` and ticks of 0.05 s.",

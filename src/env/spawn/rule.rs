@@ -66,15 +66,21 @@ const NEAREST: f64 = 0.1;
 
 impl SpawnRule {
     /// Makes sure that the rule can place somebody: at least one beginning in a hundred must satisfy all constraints, around
-    /// every pose that is listed.
+    /// every pose that is listed, when pedestrians first look there.
     ///
     /// # Errors
     /// Says what stands in the way.
-    pub fn probe(&self, town: &Town, obstacles: &Obstacles, stream: &mut Stream) -> Result<(), SpawnError> {
+    pub fn probe(
+        &self,
+        town: &Town,
+        obstacles: &Obstacles,
+        first: FirstHeading,
+        stream: &mut Stream,
+    ) -> Result<(), SpawnError> {
         self.ego_start.check(town)?;
         let mut around = |ego: &mut dyn FnMut(&mut Stream) -> Pose| {
             let count = (PROBES, PROBES / ONE_IN);
-            let survey = self.survey_from(ego, town, obstacles, FirstHeading::Random, count, stream);
+            let survey = self.survey_from(ego, town, obstacles, first, count, stream);
             if survey.accepted >= PROBES / ONE_IN {
                 return Ok(());
             }

@@ -132,13 +132,14 @@ fn row(nodes: &[Node]) -> Doc {
             if is_operator(node) && !matches!(before, Node::Token(token) if token.is_comment()) {
                 push_chunk(&mut chunks, std::mem::take(&mut chunk));
                 chunks.push(Doc::Indent(vec![Doc::Line(" ")]));
-            } else if spaced(before, node) {
+            } else if spaced(before, node) && !matches!(node, Node::Token(token) if token.is_comment()) {
                 chunk.push(Doc::Space);
             }
         }
         match node {
             Node::Token(token) if token.is_comment() => {
-                chunk.push(comment(token, index == 0, index + 1 == nodes.len()))
+                let spaced = before.is_some_and(|before| spaced(before, node));
+                chunk.push(comment(token, spaced, index == 0, index + 1 == nodes.len()));
             }
             Node::Token(token) => chunk.push(text(token)),
             Node::Bracket { open, members, close } => chunk.push(bracket(open, members, close)),
@@ -155,10 +156,12 @@ fn push_chunk(chunks: &mut Vec<Doc>, chunk: Vec<Doc>) {
 }
 
 /// A comment inside a statement, with the line ends that it had.
-fn comment(token: &Token, first: bool, last: bool) -> Doc {
+fn comment(token: &Token, spaced: bool, first: bool, last: bool) -> Doc {
     let mut docs = Vec::new();
     if !token.trails() && !first {
         docs.push(Doc::Hard);
+    } else if spaced {
+        docs.push(Doc::Space);
     }
     docs.push(text(token));
     if token.ends_line && !last || token.kind == Kind::LineComment {
@@ -181,8 +184,9 @@ fn bracket(open: &Token, members: &[Member], close: &str) -> Doc {
         }
         let mut ends_line = false;
         for token in &member.after {
-            docs.push(if token.trails() && !ends_line { Doc::Space } else { Doc::Hard });
-            docs.push(text(token));
+            // In a row of its own, as in `comment`, it does not count for whether what stands before it fits.
+            let space = if token.trails() && !ends_line { Doc::Space } else { Doc::Hard };
+            docs.push(Doc::Row(vec![space, text(token)]));
             ends_line = token.kind == Kind::LineComment || token.ends_line;
         }
         if last && member.after.last().is_some_and(|token| token.kind == Kind::LineComment) {
