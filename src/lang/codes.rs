@@ -409,7 +409,7 @@ pub fn unknown_choice(span: Span, word: &str, words: &[&str]) -> Diagnostic {
         // What is no name stands in quotes.
         Some(near) if !is_name(near) => Diagnostic::error("unknown-choice", span, message)
             .here(format!("did you mean `\"{near}\"`?"))
-            .fix(&format!("\"{near}\"")),
+            .fix(format!("\"{near}\"")),
         _ => unknown("unknown-choice", span, message, word, words.iter().copied()),
     }
 }
