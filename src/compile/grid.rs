@@ -406,14 +406,14 @@ impl Lowering<'_> {
                 return;
             }
         }
-        let mut headings: Vec<FirstHeading> = bodies.iter().map(|(_, walker)| walker.first_heading).collect();
-        headings.dedup();
+        let looks = |first: &FirstHeading| bodies.iter().any(|(_, walker)| walker.first_heading == *first);
+        let headings = [FirstHeading::Random, FirstHeading::TowardsEgo].into_iter().filter(looks);
         for town in towns {
-            let probe = |first: &FirstHeading| {
+            let probe = |first: FirstHeading| {
                 let mut stream = Seed::root(0).child("probe").stream();
-                spawn.probe(&town.value.town, &town.value.obstacles, *first, &mut stream)
+                spawn.probe(&town.value.town, &town.value.obstacles, first, &mut stream)
             };
-            if let Err(error) = headings.iter().try_for_each(probe) {
+            if let Err(error) = headings.clone().try_for_each(probe) {
                 self.said.push(codes::unplaceable(place, &town.name, &error.to_string()));
             }
         }

@@ -5,6 +5,7 @@
 
 use std::collections::BTreeMap;
 use std::ops::Range;
+use std::sync::LazyLock;
 
 use super::ast::File;
 use super::library;
@@ -55,13 +56,18 @@ pub(super) fn read_named(files: &mut [File], words: &[&str], sources: &Sources) 
 
 /// The file of the library that declares something.
 pub(super) fn home(form: &str, name: &str) -> Option<&'static str> {
-    let declares = |text: &str| {
-        named_statements(text).into_iter().any(|statement| {
-            let before = text[..statement.name.start].trim_end();
-            text[statement.name].eq(name) && before.ends_with(form)
-        })
-    };
-    library::files().find(|(_, text)| declares(text)).map(|(file, _)| file)
+    /// By form and name. A file may have as many mistakes as lines, so the library is looked through once.
+    static HOMES: LazyLock<BTreeMap<(&str, &str), &str>> = LazyLock::new(|| {
+        let declared = library::files().flat_map(|(file, text)| {
+            named_statements(text).into_iter().map(move |statement| {
+                let before = text[..statement.name.start].trim_end();
+                let form = before.rsplit(|c: char| c.is_whitespace()).next().unwrap_or_default();
+                ((form, &text[statement.name]), file)
+            })
+        });
+        declared.collect()
+    });
+    HOMES.get(&(form, name)).copied()
 }
 
 /// The words of a text without lines that are comments. In such a line, `*/` may end one that began before.
