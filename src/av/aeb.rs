@@ -83,6 +83,7 @@ impl Aeb {
                 ),
             ],
         )
+        .rising(&["full", "partial", "warning"])
     }
 
     /// Makes one from checked arguments.

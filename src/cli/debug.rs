@@ -42,7 +42,7 @@ fn show_tree(tree: Tree, file: &Path, settings: &[String]) -> ExitCode {
     } else {
         let catalog = Catalog::builtin();
         // A matrix belongs to the files, not to the program that one of its combinations makes.
-        said.extend(lang::matrices(&mut loaded, &catalog.forms, &settings).1);
+        said.extend(lang::matrices(&mut loaded, &catalog.forms, &settings, &sources).1);
         let (program, more) = lang::check(&loaded, &sources, &catalog.forms, &mut Checked::new(&catalog.vocabulary));
         said.extend(more);
         front::say(outline(&program).trim_end());
@@ -58,6 +58,15 @@ fn show_plan(plan: &Plan) -> String {
     }
     for campaign in &plan.campaigns {
         text.push_str(&format!("campaign {}\n", campaign.name));
+        for driver in &campaign.drivers {
+            text.push_str(&format!("  driver {}: {}\n", driver.name, driver.kind));
+            for (key, value) in driver.settings.iter() {
+                text.push_str(&format!("    {key}: {value:?}\n"));
+            }
+            if let (Some(name), Some(model)) = (&driver.sensors, &driver.sensor_model) {
+                text.push_str(&format!("    sensors {name}\n{}", indented(&outline(model))));
+            }
+        }
         for training in &campaign.trainings {
             let key = &training.key;
             let environments = front::count(training.environments, "environment");

@@ -142,19 +142,28 @@ pub fn gather(files: &[PathBuf], given: &GivenOptions) -> Result<Gathered, ExitC
 /// # Errors
 /// As [`gather`].
 pub fn gather_with(files: &[PathBuf], given: &GivenOptions, overrides: Overrides) -> Result<Gathered, ExitCode> {
-    let mut sources = Sources::default();
+    let mut sources;
     let read = Files::default();
     let catalog = match given.allow_external {
         true => Catalog::builtin().with_opener(Arc::new(ProcessOpener::default())),
         false => Catalog::builtin(),
     };
-    let compiled = match compile_with(files, &overrides, &catalog, &read, &mut sources) {
-        Ok(compiled) => compiled,
-        Err((path, error)) => {
-            fail(&format!("cannot read `{}`: {}", path.display(), reason(&error)));
-            return Err(ExitCode::Usage);
+    let mut left = files.to_vec();
+    let compiled = loop {
+        sources = Sources::default();
+        match compile_with(&left, &overrides, &catalog, &read, &mut sources) {
+            Ok(compiled) => break compiled,
+            Err((path, error)) => {
+                fail(&format!("cannot read `{}`: {}", path.display(), reason(&error)));
+                left.retain(|each| *each != path);
+            }
         }
     };
+    if left.len() < files.len() {
+        // What is wrong with the others can be told all the same.
+        show(&compiled.diagnostics, &sources);
+        return Err(ExitCode::Usage);
+    }
     let mut records = read.records.into_inner();
     let library = sources.iter().filter(|(_, source)| library::holds(&source.path));
     records

@@ -4,8 +4,9 @@ use super::Catalog;
 use crate::lang::mistakes::{Mistake, mistakes};
 use crate::lang::nearest;
 use crate::lang::words::{WORDS, Word};
-use crate::signature::{Event, Param, Signature, Variable};
-use crate::units::UNIT_NAMES;
+use crate::lang::{DIMENSIONS, library_statements};
+use crate::signature::{Event, Param, Signature, Type, Variable};
+use crate::units::{Dimension, UNIT_NAMES, parse_unit};
 
 impl Catalog {
     /// Explains a diagnostic code, a form, a kind (`policy idm`), a block or key of either (`policy idm margin`), a word of the
@@ -31,6 +32,12 @@ impl Catalog {
         if let Some(page) = self.word(&words) {
             return Ok(page);
         }
+        if let [word] = words.as_slice() {
+            let pages: Vec<String> = [unit(word), dimension(word)].into_iter().flatten().collect();
+            if !pages.is_empty() {
+                return Ok(pages.join("\n"));
+            }
+        }
         if let Some(form) = self.forms.iter().find(|form| form.name == *first) {
             if rest.is_empty() {
                 return Ok(self.form(form.name));
@@ -48,7 +55,11 @@ impl Catalog {
             }
             return Err(unknown(&format!("{first} {}", rest.join(" ")), &self.words_of(form.name), first));
         }
-        let found = self.named(&words);
+        let mut found = self.named(&words);
+        if let [word] = words.as_slice() {
+            found.extend(self.choosing(word));
+            found.extend(in_library(word));
+        }
         if !found.is_empty() {
             return Ok(found.join("\n"));
         }
@@ -76,6 +87,32 @@ impl Catalog {
                 };
                 let inner = if signature.name == *first { rest } else { words };
                 found.extend(inside(&head, signature, inner).filter(|_| signature.name == *first || !inner.is_empty()));
+            }
+        }
+        found
+    }
+
+    /// The keys that take a word.
+    fn choosing(&self, word: &str) -> Vec<String> {
+        fn gather(head: &str, signature: &Signature, word: &str, found: &mut Vec<String>) {
+            let takes = |ty: &Type| match ty {
+                Type::Choice(words) => words.contains(&word),
+                Type::List(item) => matches!(&**item, Type::Choice(words) if words.contains(&word)),
+                _ => false,
+            };
+            let params = signature.params.iter().filter(|param| takes(&param.ty));
+            found.extend(params.map(|param| format!("{head}\n\n{}", key(param))));
+            for child in &signature.children {
+                gather(&format!("{head}, inside: {} {{ … }}", child.name), child, word, found);
+            }
+        }
+        let mut found = Vec::new();
+        for form in &self.forms {
+            for kind in &form.kinds {
+                gather(&format!("{} name = {}(…)", form.name, kind.name), kind, word, &mut found);
+            }
+            if let Some(plain) = &form.plain {
+                gather(&format!("{} name {{ … }}", form.name), plain, word, &mut found);
             }
         }
         found
@@ -189,6 +226,38 @@ fn units() -> String {
     page
 }
 
+/// What a unit measures, and how large it is.
+fn unit(word: &str) -> Option<String> {
+    let unit = parse_unit(word).ok()?;
+    let si = match unit.dimension.usual_units().first() {
+        Some(first) => {
+            let base = parse_unit(first).map_or(1.0, |base| base.factor);
+            format!("; 1 {word} = {} {first}", (unit.factor / base * 1e9).round() / 1e9)
+        }
+        None if unit.dimension == Dimension::RATIO => format!("; 1 {word} = {}", unit.factor),
+        None => String::new(),
+    };
+    Some(format!("{word} (unit)\n    {}{si}\n", unit.dimension))
+}
+
+/// What a type of parameters takes.
+fn dimension(word: &str) -> Option<String> {
+    let (name, dimension) = DIMENSIONS.iter().find(|(name, _)| *name == word)?;
+    let units = match dimension.usual_units() {
+        [] => "without a unit".to_string(),
+        units => format!("in {}", units.join(", ")),
+    };
+    Some(format!(
+        "param name: {name} = …\n    A {dimension}, {units}; a range or a distribution may stand for it as well.\n"
+    ))
+}
+
+/// What the standard library declares under a name.
+fn in_library(word: &str) -> Vec<String> {
+    let shown = |(file, text): (&str, &str)| format!("import \"std/{file}\"\n\n{}", indented(text.trim_end()));
+    library_statements(word).into_iter().map(shown).collect()
+}
+
 fn unknown(word: &str, known: &[String], form: &str) -> String {
     let last = word.rsplit(' ').next().unwrap_or(word);
     let form = if form.is_empty() { String::new() } else { format!("{form} ") };
@@ -223,6 +292,8 @@ fn contents(head: &str, signature: &Signature) -> String {
     if signature.clauses {
         page.push_str("on event => formula\n    see `falsify explain events`\n");
     }
+    page.extend(signature.rising.iter().map(|[low, high]| format!("{low} is at most {high}.\n")));
+    page.extend(signature.tick.map(|tick| format!("Made for ticks of {tick} s.\n")));
     for child in &signature.children {
         let keys: Vec<&str> = child.params.iter().map(|param| param.name).collect();
         let _ = writeln!(
@@ -242,7 +313,7 @@ fn key(param: &Param) -> String {
         Some("") => "may be left out".into(),
         Some(text) => format!("default {text}"),
     };
-    format!("{}: {}; {default}\n    {}\n", param.name, param.ty.describe(), param.doc)
+    format!("{}: {}; {default}\n    {}\n", param.name, param.ty.describe_bounded(), param.doc)
 }
 
 fn first_sentence(text: &str) -> &str {

@@ -274,8 +274,24 @@ impl Lowering<'_> {
     ) -> Option<Ground> {
         let spawn = self.spawn(campaign, block)?;
         let ground = Ground { towns: self.towns(block), policies: self.policies(block), spawn };
+        self.compare_ticks(campaign, block);
         self.probe(campaign, block, &ground.towns, &ground.spawn.value, bodies);
         Some(ground)
+    }
+
+    /// Says which drivers of a block are made for other ticks than they get.
+    fn compare_ticks(&mut self, campaign: &Block, block: &Block) {
+        let episode = self.program.get(campaign.arguments.reference("episode"));
+        let tick = episode.block.arguments.number("tick");
+        for (place, id) in block.arguments.references("policies").into_iter().enumerate() {
+            let policy = self.program.get(id);
+            let made_for = policy::signature(policy, self.catalog).and_then(|signature| signature.tick);
+            if let Some(made_for) = made_for.filter(|made_for| *made_for != tick) {
+                let span = block.members("policies").get(place).copied().unwrap_or(block.head);
+                let given = episode.block.place("tick");
+                self.said.push(codes::other_tick(span, &policy.name, made_for, tick, given));
+            }
+        }
     }
 
     /// Whether the axes of a block make no more cells than can be run, saying so otherwise.
@@ -319,8 +335,13 @@ impl Lowering<'_> {
         Axis { id, name: declaration.name.clone(), value: adversary::lower(&declaration.block.arguments) }
     }
 
-    fn episode(&self, id: DeclarationId) -> Axis<EpisodeRule> {
+    fn episode(&mut self, id: DeclarationId) -> Axis<EpisodeRule> {
         let declaration = self.program.get(id);
+        let Block { arguments, places, .. } = &declaration.block;
+        let given = |key: &str| places.iter().find(|(name, _)| *name == key).map(|(_, span)| *span);
+        if let Some(hold) = given("hold").filter(|_| arguments.integer("hold") > arguments.integer("ticks")) {
+            self.said.push(codes::not_rising(hold, "hold", "ticks", None));
+        }
         Axis { id, name: declaration.name.clone(), value: episode::lower(&declaration.block.arguments) }
     }
 
@@ -413,8 +434,17 @@ impl Lowering<'_> {
                 let mut stream = Seed::root(0).child("probe").stream();
                 spawn.probe(&town.value.town, &town.value.obstacles, first, &mut stream)
             };
-            if let Err(error) = headings.clone().try_for_each(probe) {
-                self.said.push(codes::unplaceable(place, &town.name, &error.to_string()));
+            for found in headings.clone().map(probe) {
+                match found {
+                    Ok(None) => {}
+                    Ok(Some(rarity)) => {
+                        self.said.push(codes::rare_beginnings(place, &town.name, &rarity.to_string()));
+                    }
+                    Err(error) => {
+                        self.said.push(codes::unplaceable(place, &town.name, &error.to_string()));
+                        break;
+                    }
+                }
             }
         }
     }

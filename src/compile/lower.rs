@@ -10,7 +10,7 @@ use super::{Catalog, policy, spawn, town};
 use crate::diagnostic::{Diagnostic, Severity, Sources};
 use crate::env::{PolicyMaker, SpawnRule};
 use crate::geometry::Obstacles;
-use crate::lang::hir::{Block, Declaration, Program};
+use crate::lang::hir::{Block, Declaration, ParamId, Program};
 use crate::lang::{self, Checked, Matrix, Reader, codes};
 use crate::road::Town;
 use crate::signature::{Arguments, DeclarationId, Value};
@@ -133,7 +133,7 @@ fn understand(
 ) -> (Vec<Variant>, Vec<Diagnostic>) {
     let mut diagnostics = std::mem::take(&mut loaded.diagnostics);
     diagnostics.extend(lang::apply(settings, &mut loaded));
-    let (matrices, said) = lang::matrices(&mut loaded, &catalog.forms, settings);
+    let (matrices, said) = lang::matrices(&mut loaded, &catalog.forms, settings, sources);
     diagnostics.extend(said);
     let variants = variants(&loaded, &matrices, catalog, sources, &mut diagnostics);
     (variants, diagnostics)
@@ -158,17 +158,30 @@ fn variants(
     let left_out = matrices.iter().map(id).collect();
     let ids: Vec<DeclarationId> = matrices.iter().map(id).collect();
     let mut variants = vec![Variant { program, multiplied: None, left_out, settings: Vec::new(), faultless }];
-    let mut said = Vec::new();
+    let (mut said, mut idle) = (Vec::new(), Vec::new());
     for (matrix, id) in matrices.iter().zip(ids) {
+        let mut hung_on: BTreeSet<String> = BTreeSet::new();
         for combination in &matrix.combinations {
             let mut copy = loaded.clone();
             said.extend(lang::apply(combination, &mut copy));
             let settings = combination.iter().map(|each| each.text(sources)).collect();
             let (program, faultless) = check(&copy);
+            let params: BTreeSet<ParamId> =
+                reached(&program, id).iter().flat_map(|each| &program.get(*each).params).copied().collect();
+            let names = program.params.iter().filter(|param| params.contains(&param.id));
+            hung_on.extend(names.map(|param| param.name.clone()));
             variants.push(Variant { program, multiplied: Some(id), left_out: BTreeSet::new(), settings, faultless });
         }
+        let name = &variants[0].program.get(id).name;
+        let axes = matrix.combinations.iter().take(1).flatten().map(|axis| &axis.path[0]);
+        idle.extend(
+            axes.filter(|axis| !hung_on.contains(&axis.text)).map(|axis| codes::idle_axis(axis.span, &axis.text, name)),
+        );
     }
     diagnostics.extend(said);
+    if diagnostics.iter().all(|each| each.severity == Severity::Warning) {
+        diagnostics.extend(idle);
+    }
     variants
 }
 
@@ -304,12 +317,14 @@ impl Lowering<'_> {
     fn note_used(&mut self, campaign: DeclarationId) -> Vec<Documented> {
         let seen = reached(self.program, campaign);
         let used = self.program.declarations.iter().filter(|each| each.id != campaign && seen.contains(&each.id));
-        let documented = used.filter(|each| !each.docs.is_empty()).map(|each| Documented {
-            form: each.form,
-            name: each.name.clone(),
-            docs: each.docs.join(" "),
-        });
-        let documented = documented.collect();
+        let documented = |form, name: &String, docs: &[String]| {
+            let (name, docs) = (name.clone(), docs.join(" "));
+            (!docs.is_empty()).then_some(Documented { form, name, docs })
+        };
+        let hung_on: BTreeSet<ParamId> = seen.iter().flat_map(|id| &self.program.get(*id).params).copied().collect();
+        let params = self.program.params.iter().filter(|param| hung_on.contains(&param.id));
+        let params = params.filter_map(|param| documented("param", &param.name, &param.docs));
+        let documented = params.chain(used.filter_map(|each| documented(each.form, &each.name, &each.docs))).collect();
         self.shared.used.extend(seen);
         documented
     }
@@ -353,7 +368,7 @@ fn warn_of_unused(program: &Program, used: &BTreeSet<DeclarationId>, said: &mut 
         }
     }
     for param in &program.params {
-        if with_campaign.contains(&param.source) && !param.used {
+        if with_campaign.contains(&param.id.0) && !param.used {
             said.push(codes::unused(param.span, "param", &param.name));
         }
     }

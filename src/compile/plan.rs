@@ -1,10 +1,12 @@
 use std::sync::Arc;
 
 use super::{Recipe, RunId};
+use crate::av::senses::SensorModel;
 use crate::env::Scenario;
 use crate::falsifier::Falsifier;
 use crate::rl::PpoConfig;
 use crate::road::Town;
+use crate::signature::Arguments;
 
 /// Everything that is to be run.
 #[derive(Debug, Clone, Default)]
@@ -122,14 +124,18 @@ pub struct NamedTown {
 }
 
 /// What a driver is, for those who read its numbers.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Driver {
     /// The name that the files give it.
     pub name: String,
     /// Its kind.
     pub kind: &'static str,
+    /// Its keys with their values, but for `sensors`.
+    pub settings: Arguments,
     /// The name of its sensors, if it has any.
     pub sensors: Option<String>,
+    /// What they are, if it has any.
+    pub sensor_model: Option<Arc<SensorModel>>,
     /// See [`Signature::surrogate`](crate::signature::Signature::surrogate).
     pub surrogate: &'static str,
 }

@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use super::Catalog;
 use super::lower::Lowering;
 use super::outside::OutsideKind;
 use super::plan::Driver;
@@ -76,15 +77,26 @@ pub fn lower(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<P
     Some(Arc::new(move || Box::new(Sensing::new(make(), model.clone()))))
 }
 
+/// The signature of a driver's kind.
+pub fn signature<'a>(declaration: &Declaration, catalog: &'a Catalog) -> Option<&'a Signature> {
+    let policies = catalog.forms.iter().filter(|form| form.name == declaration.form);
+    policies.flat_map(|form| &form.kinds).find(|kind| kind.name == declaration.kind)
+}
+
 /// What a driver is, for reports.
 pub fn describe(declaration: &Declaration, lowering: &Lowering<'_>) -> Driver {
-    let policies = lowering.catalog.forms.iter().filter(|form| form.name == declaration.form);
-    let kind = policies.flat_map(|form| &form.kinds).find(|kind| kind.name == declaration.kind);
+    let kind = signature(declaration, lowering.catalog);
     let arguments = &declaration.block.arguments;
     let sensors = arguments.has("sensors").then(|| lowering.program.get(arguments.reference("sensors")));
     Driver {
         name: declaration.name.clone(),
         kind: declaration.kind,
+        settings: arguments
+            .iter()
+            .filter(|(key, _)| *key != "sensors")
+            .map(|(key, value)| (key, value.clone()))
+            .collect(),
+        sensor_model: sensors.map(|sensors| sensors::lower(&sensors.block).into()),
         sensors: sensors.map(|sensors| sensors.name.clone()),
         surrogate: kind.map_or("", |kind| kind.surrogate),
     }

@@ -43,10 +43,22 @@ fn contents(page: &mut String, signature: &Signature) {
     if !signature.params.is_empty() {
         page.push_str("| key | value | default | meaning |\n|---|---|---|---|\n");
         for param in &signature.params {
-            let _ =
-                writeln!(page, "| `{}` | {} | {} | {} |", param.name, param.ty.describe(), default(param), param.doc);
+            let _ = writeln!(
+                page,
+                "| `{}` | {} | {} | {} |",
+                param.name,
+                param.ty.describe_bounded(),
+                default(param),
+                param.doc
+            );
         }
         page.push('\n');
+    }
+    for [low, high] in &signature.rising {
+        let _ = writeln!(page, "`{low}` is at most `{high}`.\n");
+    }
+    if let Some(tick) = signature.tick {
+        let _ = writeln!(page, "Made for ticks of {tick} s.\n");
     }
     for child in &signature.children {
         let _ = writeln!(page, "Block `{}`, any number of times: {}\n", child.name, child.doc);

@@ -2,11 +2,11 @@
 //!
 //! `distance > 10 m` cuts the distribution of the distance, which draws the same as rejecting would. Whatever else is required
 //! is evaluated over the bounds of its variables: what never holds is a contradiction, what always holds is dropped, and only
-//! the rest is left to rejection.
+//! the rest is left to rejection, unless ever smaller boxes of beginnings show that it never holds together.
 
-use crate::diagnostic::{Diagnostic, Span};
+use crate::diagnostic::{Diagnostic, Label, Span};
 use crate::lang::codes;
-use crate::signature::{BinaryOperator, Distribution, Formula, VariableId, Vocabulary};
+use crate::signature::{BinaryOperator, Bounds, Distribution, Formula, VariableId, Vocabulary};
 use crate::units::Dimension;
 
 /// A quantity that is drawn on its own.
@@ -79,7 +79,9 @@ impl<'a> Sector<'a> {
         let (a, b) = drawn.distribution.support();
         let upper = matches!(operator, BinaryOperator::Less | BinaryOperator::LessEqual);
         let (low, high) = if upper { (a, bound) } else { (bound, b) };
-        let Some(kept) = drawn.distribution.truncated(low, high) else {
+        let kept = drawn.distribution.truncated(low, high);
+        let strict = matches!(operator, BinaryOperator::Less | BinaryOperator::Greater);
+        let Some(kept) = kept.and_then(|kept| if strict { kept.without(bound) } else { Some(kept) }) else {
             return Err(self.contradiction(condition, span).into());
         };
         drawn.distribution = kept;
@@ -117,20 +119,83 @@ impl<'a> Sector<'a> {
         }
     }
 
+    /// Conditions that never hold together, none of which could be left out; the last one first. Nothing when that cannot be told.
+    ///
+    /// # Errors
+    /// That they never do.
+    pub fn require_together(&self, conditions: &[(Formula, Span)]) -> Result<(), Box<Diagnostic>> {
+        let mut clash: Vec<&(Formula, Span)> = conditions.iter().collect();
+        if clash.is_empty() || !self.excludes(&clash) {
+            return Ok(());
+        }
+        let mut place = 0;
+        while place < clash.len() {
+            let without: Vec<_> = [&clash[..place], &clash[place + 1..]].concat();
+            if !without.is_empty() && self.excludes(&without) { clash = without } else { place += 1 }
+        }
+        let all = clash.iter().map(|(condition, _)| condition.clone());
+        let and = |a: Formula, b: Formula| Formula::Binary(BinaryOperator::And, a.into(), b.into());
+        let whole = all.reduce(and).expect("something clashes");
+        let ((_, span), others) = clash.split_last().expect("something clashes");
+        let mut diagnostic = self.contradiction(&whole, *span);
+        if !others.is_empty() {
+            diagnostic.message = "these never hold together".into();
+            diagnostic
+                .labels
+                .splice(0..0, others.iter().map(|(_, span)| Label { span: *span, text: "and this".into() }));
+        }
+        Err(diagnostic.into())
+    }
+
+    /// Whether no beginning satisfies all of these conditions, as far as ever smaller boxes of beginnings tell.
+    fn excludes(&self, conditions: &[&(Formula, Span)]) -> bool {
+        let mut named = Vec::new();
+        conditions.iter().for_each(|(condition, _)| variables(condition, &mut named));
+        let named: Vec<&str> = named.iter().map(|id| self.vocabulary.variables[id.0].name).collect();
+        let derived = named.iter().any(|name| matches!(*name, "ahead" | "aside"));
+        let mut open = vec![Region { drawn: [(0.0, 0.0); 3], facing: (-std::f64::consts::PI, std::f64::consts::PI) }];
+        for (place, drawn) in self.drawn.iter().enumerate() {
+            let pieces = drawn.distribution.pieces();
+            if open.len().saturating_mul(pieces.len()) > MOST_REGIONS / 2 {
+                return false;
+            }
+            let with = |region: &Region, piece: &(f64, f64)| {
+                let mut region = *region;
+                region.drawn[place] = *piece;
+                region
+            };
+            open = open.iter().flat_map(|region| pieces.iter().map(move |piece| with(region, piece))).collect();
+        }
+        let matters = |place: usize| match place {
+            3 => named.contains(&"facing"),
+            2 => named.contains(&"ego_speed"),
+            place => derived || named.contains(&self.drawn[place].variable),
+        };
+        let splits: Vec<usize> = (0..4).filter(|place| matters(*place)).collect();
+        for _ in 0..MOST_REGIONS {
+            let Some(region) = open.pop() else { return true };
+            let bounds = |condition: &Formula, region: &Region| {
+                condition.bounds(&|id| region.bounds(self.vocabulary.variables[id.0].name))
+            };
+            let found: Vec<_> = conditions.iter().map(|(condition, _)| bounds(condition, &region)).collect();
+            if found.iter().any(|found| *found == (0.0, 0.0)) {
+                continue;
+            }
+            let middle = region.middle();
+            if conditions.iter().all(|(condition, _)| bounds(condition, &middle).0 > 0.0) {
+                return false;
+            }
+            let Some(halves) = region.halves(&splits) else { return false };
+            open.extend(halves);
+        }
+        false
+    }
+
     /// The least and the greatest value of a variable.
     fn bounds(&self, id: VariableId) -> (f64, f64) {
-        const ANY: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
-        let name = self.vocabulary.variables[id.0].name;
-        if let Some(drawn) = self.drawn.iter().find(|drawn| drawn.variable == name) {
-            return drawn.distribution.support();
-        }
-        let (bearing, distance) = (self.drawn[0].distribution.support(), self.drawn[1].distribution.support());
-        match name {
-            "ahead" => product(distance, cosine(bearing)),
-            "aside" => product(distance, cosine((bearing.0 - QUARTER, bearing.1 - QUARTER))),
-            "facing" => (-std::f64::consts::PI, std::f64::consts::PI),
-            _ => ANY,
-        }
+        let drawn = std::array::from_fn(|place| self.drawn[place].distribution.support());
+        let region = Region { drawn, facing: (-std::f64::consts::PI, std::f64::consts::PI) };
+        region.bounds(self.vocabulary.variables[id.0].name)
     }
 
     fn contradiction(&self, condition: &Formula, span: Span) -> Diagnostic {
@@ -164,6 +229,65 @@ impl<'a> Sector<'a> {
             }
         }
         diagnostic
+    }
+}
+
+/// Most boxes that are looked at to find out whether conditions hold together.
+const MOST_REGIONS: usize = 2048;
+
+/// A box of beginnings.
+#[derive(Debug, Clone, Copy)]
+struct Region {
+    /// Bounds of what is drawn: bearing, distance, speed of the ego.
+    drawn: [Bounds; 3],
+    /// Bounds of where the pedestrian faces.
+    facing: Bounds,
+}
+
+impl Region {
+    /// The least and the greatest value of a variable within it.
+    fn bounds(&self, name: &str) -> Bounds {
+        let [bearing, distance, ego_speed] = self.drawn;
+        match name {
+            "bearing" => bearing,
+            "distance" => distance,
+            "ego_speed" => ego_speed,
+            "ahead" => product(distance, cosine(bearing)),
+            "aside" => product(distance, cosine((bearing.0 - QUARTER, bearing.1 - QUARTER))),
+            "facing" => self.facing,
+            _ => (f64::NEG_INFINITY, f64::INFINITY),
+        }
+    }
+
+    fn sides(&mut self) -> [&mut Bounds; 4] {
+        let [bearing, distance, ego_speed] = &mut self.drawn;
+        [bearing, distance, ego_speed, &mut self.facing]
+    }
+
+    fn middle(mut self) -> Self {
+        self.sides()
+            .into_iter()
+            .for_each(|side| *side = (f64::midpoint(side.0, side.1), f64::midpoint(side.0, side.1)));
+        self
+    }
+
+    /// Its halves along the longest of these sides; none when all are short.
+    fn halves(mut self, splits: &[usize]) -> Option<[Self; 2]> {
+        /// What counts as long as another: an angle of 1 rad, 10 m, 10 m/s.
+        const SCALE: [f64; 4] = [1.0, 10.0, 10.0, 1.0];
+        const SHORTEST: f64 = 1e-3;
+        let sides = self.sides().map(|side| *side);
+        let length = |place: &usize| (sides[*place].1 - sides[*place].0) / SCALE[*place];
+        let longest = splits.iter().copied().max_by(|a, b| length(a).total_cmp(&length(b)))?;
+        if length(&longest) < SHORTEST {
+            return None;
+        }
+        let (low, high) = sides[longest];
+        let middle = f64::midpoint(low, high);
+        let (mut lower, mut upper) = (self, self);
+        *lower.sides()[longest] = (low, middle);
+        *upper.sides()[longest] = (middle, high);
+        Some([lower, upper])
     }
 }
 

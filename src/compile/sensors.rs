@@ -7,6 +7,9 @@ use crate::lang::hir::Block;
 use crate::signature::{Form, Param, Signature, Type};
 use crate::units::Dimension;
 
+/// Where misses begin to change with the distance, and where they end to.
+const RISING: &[&str] = &["near", "far"];
+
 /// The form `sensors`.
 pub fn form() -> Form {
     let kind = |suite: &Suite| {
@@ -16,12 +19,12 @@ pub fn form() -> Form {
             let param = param.unwrap_or_else(|| panic!("`{}` has a figure for `{key}`, which is no key", suite.name));
             (param.default, param.doc) = (Some(*value), *doc);
         }
-        Signature { children: blocks(), ..Signature::new(suite.name, suite.doc, params) }
+        Signature { children: blocks(), ..Signature::new(suite.name, suite.doc, params).rising(RISING) }
     };
     Form {
         name: "sensors",
         doc: "What a driver knows of others: where its sensors look, what they miss and mistake, and when it learns of it. Without any key they are exact, immediate and see through walls.",
-        plain: Some(Signature { children: blocks(), ..Signature::new("sensors", "", params()) }),
+        plain: Some(Signature { children: blocks(), ..Signature::new("sensors", "", params()).rising(RISING) }),
         multiplies: false,
         kinds: SUITES.iter().map(kind).collect(),
     }

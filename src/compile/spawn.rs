@@ -132,6 +132,9 @@ pub fn lower(
         }
         left = kept;
     }
+    if said.len() == before {
+        said.extend(sector.require_together(&left).err().map(|diagnostic| *diagnostic));
+    }
     constraints.extend(left.into_iter().map(|(condition, span)| {
         let text = sources.text(span).to_string();
         Constraint::Require { condition, text }

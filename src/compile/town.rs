@@ -4,7 +4,7 @@ use crate::diagnostic::{Diagnostic, Sources, Span};
 use crate::geometry::{OrientedBox, Point, Pose, Vector};
 use crate::lang::codes;
 use crate::lang::hir::{Block, Declaration};
-use crate::road::design::{BuildingRow, Node, Street, StreetProfile, TownDesign};
+use crate::road::design::{BuildingRow, DesignError, Node, Street, StreetProfile, TownDesign};
 use crate::road::{LaneFilter, SpeedSign, Town, TownParts, opendrive};
 use crate::signature::{Form, Param, Signature, Type, Value};
 use crate::units::Dimension;
@@ -191,12 +191,12 @@ pub fn lower(
         "opendrive" => {
             let folder = sources.get(declaration.source).path.parent().unwrap_or(Path::new("")).to_path_buf();
             let path = block.arguments.text("file");
-            read_map(declaration, &folder.join(path), path, read, said)?
+            read_map(declaration, &folder.join(path), (path, "the folder of the file that names them"), read, said)?
         }
         _ => match design(declaration).build() {
             Ok(parts) => parts,
             Err(faults) => {
-                said.extend(faults.iter().map(|fault| codes::unbuildable_town(block.head, &fault.to_string())));
+                said.extend(faults.iter().map(|fault| unbuildable(fault, block)));
                 return None;
             }
         },
@@ -204,7 +204,8 @@ pub fn lower(
     let mut parts = match map {
         None => own,
         Some(map) => {
-            let real = read_map(declaration, map, &map.display().to_string(), read, said)?;
+            let path = map.display().to_string();
+            let real = read_map(declaration, map, (&path, "the folder that you are in"), read, said)?;
             TownParts { obstacles: own.obstacles, ..real }
         }
     };
@@ -237,16 +238,59 @@ pub fn lower(
     (said.len() == before).then_some(town)
 }
 
-/// Reads a map; `shown` is its path as the user knows it.
+/// Says what is wrong with a design where its street, its corner or its measure stands.
+fn unbuildable(fault: &DesignError, block: &Block) -> Diagnostic {
+    if let DesignError::Measure { what, .. } = fault {
+        // `setback of buildings` is the key `setback` of `row_houses`, `lane width` that of the town.
+        let row = block.nested("row_houses").next();
+        let (owner, key) = match (what.split_once(' '), row) {
+            (Some((key, "of buildings" | "between buildings")), Some(row)) => (row, key.to_string()),
+            _ => (block, what.replace(' ', "_")),
+        };
+        return codes::unbuildable_town(owner.place(&key), &fault.to_string());
+    }
+    let mut places: Vec<Span> = Vec::new();
+    for name in fault.names() {
+        let streets = || block.nested("street").zip(1..);
+        let corners =
+            || streets().flat_map(|(street, _)| street.arguments.list("through").iter().zip(street.members("through")));
+        let street =
+            streets().find(|(street, number)| street_name(street, *number) == name).map(|(street, _)| street.head);
+        let corner = || corners().find(|(point, _)| matches!(point, Value::Point(x, y) if node_name(*x, *y) == name));
+        let place = street.or_else(|| corner().map(|(_, span)| *span));
+        places.extend(place.filter(|place| !places.contains(place)));
+    }
+    let mut diagnostic = codes::unbuildable_town(places.first().copied().unwrap_or(block.head), &fault.to_string());
+    for place in places.into_iter().skip(1) {
+        diagnostic = diagnostic.label(place, "the other is here");
+    }
+    diagnostic
+}
+
+/// The name of a street in messages.
+fn street_name(street: &Block, number: usize) -> String {
+    street.name.clone().unwrap_or_else(|| format!("number {number}"))
+}
+
+/// The name of a node in messages.
+fn node_name(x: f64, y: f64) -> String {
+    format!("({x} m, {y} m)")
+}
+
+/// Reads a map; `shown` is its path as the user knows it, and what that is relative to.
 fn read_map(
     declaration: &Declaration,
     file: &Path,
-    shown: &str,
+    (shown, relative_to): (&str, &str),
     read: &dyn Reader,
     said: &mut Vec<Diagnostic>,
 ) -> Option<TownParts> {
     let place = declaration.block.place("file");
-    let text = read.text(file).map_err(|error| crate::lang::reason(&error));
+    let mut missing = false;
+    let text = read.text(file).map_err(|error| {
+        missing = error.kind() == std::io::ErrorKind::NotFound;
+        crate::lang::reason(&error)
+    });
     match text.and_then(|text| opendrive::read(&text, &declaration.name).map_err(|error| error.to_string())) {
         Ok(parts) => {
             let warnings: Vec<String> = parts.warnings.iter().map(ToString::to_string).collect();
@@ -256,7 +300,9 @@ fn read_map(
             Some(parts)
         }
         Err(reason) => {
-            said.push(codes::unusable_map(place, shown, &reason));
+            let unusable = codes::unusable_map(place, shown, &reason);
+            let help = || format!("paths are relative to {relative_to}");
+            said.push(if missing { unusable.help(help()) } else { unusable });
             None
         }
     }
@@ -360,7 +406,7 @@ fn design(declaration: &Declaration) -> TownDesign {
     let mut node_at = |place: Point| {
         let known = nodes.iter().position(|node| (node.position - place).norm() < SAME_NODE);
         known.unwrap_or_else(|| {
-            nodes.push(Node { name: format!("({} m, {} m)", place.x, place.y), position: place, lights: false });
+            nodes.push(Node { name: node_name(place.x, place.y), position: place, lights: false });
             nodes.len() - 1
         })
     };
@@ -371,7 +417,7 @@ fn design(declaration: &Declaration) -> TownDesign {
             other => panic!("checked: a point, not {other:?}"),
         });
         streets.push(Street {
-            name: street.name.clone().unwrap_or_else(|| format!("number {}", index + 1)),
+            name: street_name(street, index + 1),
             nodes: points.map(&mut node_at).collect(),
             speed_limit: street.arguments.has("speed_limit").then(|| street.arguments.number("speed_limit")),
         });

@@ -51,9 +51,26 @@ const AT_HIT: &[&str] = &[
 const ALWAYS: &[&str] = AT_HIT.split_at(1).1;
 const AT_BEGIN: &[&str] = &["bearing", "distance", "ahead", "aside", "ego_speed", "facing"];
 
+/// What the value of a variable lies between, whatever happens: an episode has at most a million ticks of 0.1 s, and nobody
+/// moves at 100 m/s.
+fn bounds_of(name: &str) -> (f64, f64) {
+    use std::f64::consts::PI;
+    const FASTEST: f64 = 100.0;
+    const LONGEST: f64 = 1e5;
+    const FARTHEST: f64 = FASTEST * LONGEST;
+    match name {
+        "v_c" | "ego_speed" | "walking_speed" | "pace" => (0.0, FASTEST),
+        "elapsed" => (0.0, LONGEST),
+        "distance" | "miss_distance" => (0.0, FARTHEST),
+        "ahead" | "aside" => (-FARTHEST, FARTHEST),
+        "bearing" | "facing" | "turn" => (-PI, PI),
+        other => unreachable!("`{other}` is no variable"),
+    }
+}
+
 /// The variables and events that formulas may name.
 pub fn vocabulary() -> Vocabulary {
-    let variable = |name, dimension, doc| Variable { name, dimension, doc };
+    let variable = |name, dimension, doc| Variable { name, dimension, bounds: bounds_of(name), doc };
     Vocabulary {
         variables: vec![
             variable("v_c", Dimension::SPEED, "Speed of the ego at the collision."),

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::diagnostic::{SourceId, Span};
-use crate::signature::DeclarationId;
+use crate::signature::{DeclarationId, Distribution};
 use crate::units::Dimension;
 
 /// A word with its place.
@@ -26,6 +26,10 @@ pub struct File {
     pub imports: Vec<Import>,
     /// Its parameters, in order.
     pub params: Vec<Param>,
+    /// The names of statements that could not be read.
+    pub unread: Vec<String>,
+    /// Whether more was declared than could be read, nobody knows what.
+    pub torn: bool,
     /// Its declarations, in order; variants of a file share what they have in common.
     pub declarations: Vec<Arc<Declaration>>,
 }
@@ -52,8 +56,10 @@ pub struct Param {
     pub name: Name,
     /// The word for its type.
     pub ty: Name,
-    /// Its value, unless it is set to another.
+    /// Its value.
     pub value: Expression,
+    /// Where it is set to that, if not where it is declared.
+    pub setting: Option<Span>,
 }
 
 /// `form name = kind(…) { … }`
@@ -84,6 +90,8 @@ pub enum Entry {
     Child(Declaration),
     /// A value without a key, in parentheses.
     Bare(Expression),
+    /// The words of something that could not be read.
+    Unread(Vec<String>),
 }
 
 /// `key: value`
@@ -166,6 +174,8 @@ pub enum ExpressionKind {
 pub enum Known {
     /// A quantity in SI.
     Quantity(f64, Dimension),
+    /// What to draw a quantity of this dimension from, in SI.
+    Distribution(Distribution, Dimension),
     /// A declaration of this form.
     Declaration(&'static str, DeclarationId),
     /// The parameter is wrong itself, which has been said.

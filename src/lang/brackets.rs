@@ -1,16 +1,76 @@
 //! Finds unbalanced brackets before parsing: the parser could only complain far from the cause.
 
+use std::ops::Range;
+
 use super::codes;
 use crate::diagnostic::{Diagnostic, SourceId, Span};
 
 /// How deep brackets may nest.
 pub const MAX_DEPTH: usize = 64;
 
+/// Most statements that are left out of a file because of their brackets; a file with more of them is no scenario.
+const MOST_UNBALANCED: usize = 16;
+
+/// A text whose brackets are balanced, and what was left out of it.
+pub struct Balanced {
+    /// The text, of the same length: what was left out is blank. None when too much would be.
+    pub text: Option<String>,
+    /// What is wrong with it.
+    pub diagnostics: Vec<Diagnostic>,
+    /// The parts that were left out.
+    pub left_out: Vec<Range<usize>>,
+}
+
+/// Leaves out of a text the statements whose brackets are not balanced.
+pub fn balance(source: SourceId, text: &str, first: Diagnostic) -> Balanced {
+    let mut balanced = Balanced { text: None, diagnostics: Vec::new(), left_out: Vec::new() };
+    let mut rest = text.as_bytes().to_vec();
+    let mut found = first;
+    for _ in 0..MOST_UNBALANCED {
+        let place = found
+            .labels
+            .first()
+            .filter(|label| label.text == codes::OPENED)
+            .map_or(found.primary.span, |label| label.span);
+        let part = match found.code {
+            // What closes nothing does no harm but for itself.
+            "stray-bracket" => place.start..place.end,
+            "unclosed-comment" => statement(text, place.start).start..text.len(),
+            _ => statement(text, place.start).start..statement(text, found.primary.span.start).end,
+        };
+        rest[part.clone()].iter_mut().filter(|byte| !matches!(byte, b'\n' | b'\r')).for_each(|byte| *byte = b' ');
+        balanced.diagnostics.push(found);
+        balanced.left_out.push(part);
+        let left = String::from_utf8(rest).expect("whole statements are left out");
+        match scan(source, &left) {
+            Ok(()) => {
+                balanced.text = Some(left);
+                break;
+            }
+            Err(next) => found = *next,
+        }
+        rest = left.into_bytes();
+    }
+    balanced
+}
+
+/// The statement of a byte: from the last line that begins with a letter to the next one or its documentation.
+fn statement(text: &str, byte: usize) -> Range<usize> {
+    let starts = |line: &str| line.starts_with(|first: char| first.is_ascii_alphabetic()) || line.starts_with("///");
+    let begins = |at: &usize| starts(&text[*at..]);
+    let mut before = text[..byte].match_indices('\n').map(|(at, _)| at + 1);
+    let start = before.rfind(|at| begins(at) && !text[*at..].starts_with("///")).unwrap_or(0);
+    let mut after = text[byte..].match_indices('\n').map(|(at, _)| byte + at + 1);
+    start..after.find(begins).unwrap_or(text.len())
+}
+
 /// Looks for the first bracket without its partner, and for nesting beyond [`MAX_DEPTH`].
 pub fn scan(source: SourceId, text: &str) -> Result<(), Box<Diagnostic>> {
     let bytes = text.as_bytes();
     let at = |start: usize| Span { source, start, end: start + 1 };
     let mut open: Vec<(u8, usize)> = Vec::new();
+    // The last text that does not end on its line, which may have swallowed a bracket.
+    let mut unended = None;
     let mut index = 0;
     while index < bytes.len() {
         match bytes[index] {
@@ -26,10 +86,12 @@ pub fn scan(source: SourceId, text: &str) -> Result<(), Box<Diagnostic>> {
                 }
             }
             b'"' => {
-                index = bytes[index + 1..]
-                    .iter()
-                    .position(|b| matches!(b, b'"' | b'\n' | b'\r'))
-                    .map_or(bytes.len(), |n| index + 1 + n)
+                let opened = index;
+                let end = bytes[index + 1..].iter().position(|b| matches!(b, b'"' | b'\n' | b'\r'));
+                index = end.map_or(bytes.len(), |n| index + 1 + n);
+                if bytes.get(index) != Some(&b'"') {
+                    unended = Some(at(opened));
+                }
             }
             byte @ (b'{' | b'(' | b'[') => {
                 open.push((byte, index));
@@ -49,7 +111,10 @@ pub fn scan(source: SourceId, text: &str) -> Result<(), Box<Diagnostic>> {
         index += 1;
     }
     match open.pop() {
-        Some((opening, place)) => Err(Box::new(codes::unclosed_bracket(at(place), opening as char))),
+        Some((opening, place)) => {
+            let unended = unended.filter(|text| text.start > place);
+            Err(Box::new(codes::unclosed_bracket(at(place), opening as char, unended)))
+        }
         None => Ok(()),
     }
 }

@@ -6,11 +6,12 @@ use std::sync::Arc;
 use super::ast::{self, Entry, ExpressionKind, Name};
 use super::defaults::Defaults;
 use super::formula::Scope;
+use super::hir::ParamId;
 use super::hir::{Block, Clause, Declaration, Program};
-use super::names::{ParamId, names_of_all};
+use super::names::names_of_all;
 use super::params::Params;
 use super::value::{Context, plain_number, value};
-use super::{Loaded, codes};
+use super::{Loaded, codes, repair};
 use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
 use crate::signature::{Arguments, DeclarationId, Form, Signature, Type, Value, Vocabulary};
 
@@ -67,7 +68,7 @@ pub fn check<'f>(
     let names = names_of_all(&loaded.files, &ids, &mut diagnostics);
     let mut params = Params::resolve(loaded, &names, forms, vocabulary, sources, &mut diagnostics);
     for (place, file) in loaded.files.iter().enumerate() {
-        let context = Context { vocabulary, names: &names[place], sources };
+        let context = Context { vocabulary, forms, names: &names[place], sources };
         for (written, id) in file.declarations.iter().zip(&ids[&file.source]) {
             if let Some(known) = checked.find(*id, written, &mut params) {
                 declarations.push(known);
@@ -78,11 +79,14 @@ pub fn check<'f>(
             let as_meant = replaced.as_ref().unwrap_or(written);
             let before = diagnostics.len();
             let defaults = &mut checked.defaults;
-            let mut checker = Checker { context: &context, defaults, diagnostics: &mut diagnostics };
-            let declaration = Arc::new(checker.declaration(as_meant, *id, file.source, forms, &form_names));
+            let mut checker = Checker { whole: true, context: &context, defaults, diagnostics: &mut diagnostics };
+            let mut declaration = checker.declaration(as_meant, *id, file.source, forms, &form_names);
+            let whole = checker.whole;
+            declaration.params = params.hung_on(&mentioned);
+            let declaration = Arc::new(declaration);
             params.explain(&mut diagnostics[before..]);
             let understood = mentioned.iter().all(|(_, value)| value.is_some());
-            if diagnostics.len() == before && understood {
+            if diagnostics.len() == before && understood && whole {
                 checked.faultless.entry(*id).or_insert_with(|| Faultless {
                     written: Arc::clone(written),
                     params: mentioned,
@@ -115,6 +119,8 @@ fn number_declarations(files: &[ast::File]) -> BTreeMap<SourceId, Vec<Declaratio
 }
 
 struct Checker<'a, 'b, 'f> {
+    /// Whether every value so far has been understood; where not, it need not have been said.
+    whole: bool,
     context: &'a Context<'a>,
     defaults: &'b mut Defaults<'f>,
     diagnostics: &'b mut Vec<Diagnostic>,
@@ -155,7 +161,8 @@ impl<'f> Checker<'_, '_, 'f> {
             }
         };
         let name = written.name.as_ref().map_or_else(String::new, |name| name.text.clone());
-        Declaration { id, source, form, kind: block.word, name, docs: written.docs.clone(), block }
+        let docs = written.docs.clone();
+        Declaration { id, source, form, kind: block.word, name, docs, params: Vec::new(), block }
     }
 
     fn signature(&mut self, written: &ast::Declaration, form: &'f Form) -> Option<&'f Signature> {
@@ -185,21 +192,24 @@ impl<'f> Checker<'_, '_, 'f> {
         let mut children = Vec::new();
         let mut clauses: Vec<Clause> = Vec::new();
         let mut named: BTreeMap<(&str, &str), Span> = BTreeMap::new();
+        // Keys that were probably meant, which has been said: nothing more is to be said of their absence.
+        let mut meant: BTreeSet<String> = BTreeSet::new();
         for entry in &written.entries {
             match entry {
                 Entry::Property(property) => match signature.params.iter().find(|p| p.name == property.key.text) {
-                    None => self.diagnostics.push(codes::unknown_key(
-                        property.key.span,
-                        signature.name,
-                        &property.key.text,
-                        &keys,
-                    )),
+                    None => {
+                        let Name { text, span } = &property.key;
+                        let unknown = codes::unknown_key(*span, signature.name, text, &keys);
+                        meant.extend(unknown.fix.clone());
+                        self.diagnostics.push(unknown);
+                    }
                     Some(param) => {
                         if let Some((first, ..)) = given.iter().find(|(_, name, ..)| *name == param.name) {
                             self.diagnostics.push(codes::duplicate_key(property.key.span, param.name, first.span));
                             continue;
                         }
                         let checked = value(&property.value, &param.ty, self.context, self.diagnostics);
+                        self.whole &= checked.is_some();
                         given.push((&property.key, param.name, property.value.span, checked));
                         if matches!(param.ty, Type::List(_)) {
                             let spans = match &property.value.kind {
@@ -212,7 +222,11 @@ impl<'f> Checker<'_, '_, 'f> {
                         }
                     }
                 },
-                Entry::Bare(expression) => self.diagnostics.push(codes::bare_argument(expression.span, &keys)),
+                Entry::Bare(expression) => self.bare(expression.span, &keys),
+                Entry::Unread(words) => {
+                    self.whole = false;
+                    meant.extend(words.iter().cloned());
+                }
                 Entry::Child(child) => match signature.children.iter().find(|c| c.name == child.form.text) {
                     None => self.diagnostics.push(codes::unknown_block(
                         child.form.span,
@@ -231,9 +245,9 @@ impl<'f> Checker<'_, '_, 'f> {
                     }
                 },
                 Entry::Clause(clause) if signature.clauses => {
-                    if let Some(clause) = self.clause(clause, &clauses) {
-                        clauses.push(clause);
-                    }
+                    let clause = self.clause(clause, &clauses);
+                    self.whole &= clause.is_some();
+                    clauses.extend(clause);
                 }
                 Entry::Clause(clause) => {
                     self.diagnostics.push(codes::unexpected_clause(clause.event.span, signature.name));
@@ -247,6 +261,7 @@ impl<'f> Checker<'_, '_, 'f> {
                 None => match param.default {
                     Some("") => Some(Value::Absent),
                     Some(text) => Some(self.defaults.value(param, text, self.context.names, self.context.sources)),
+                    None if meant.contains(param.name) => None,
                     None => {
                         self.diagnostics.push(codes::missing_key(written.head, signature.name, param));
                         None
@@ -255,9 +270,33 @@ impl<'f> Checker<'_, '_, 'f> {
             };
             arguments.push(param.name, value.unwrap_or(Value::Absent));
         }
-        let places = given.iter().map(|(_, name, span, _)| (*name, *span)).collect();
+        let places: Vec<(&str, Span)> = given.iter().map(|(_, name, span, _)| (*name, *span)).collect();
+        for [low, high] in &signature.rising {
+            let place = |key: &str| places.iter().find(|(name, _)| *name == key).map(|(_, span)| *span);
+            if let (Value::Number(a), Value::Number(b)) = (arguments.value(low), arguments.value(high))
+                && a > b
+            {
+                let (first, second) = (place(low), place(high));
+                let span = second.or(first).unwrap_or(written.head);
+                let other = first.filter(|_| second.is_some());
+                self.diagnostics.push(codes::not_rising(span, low, high, other));
+            }
+        }
         let name = written.name.as_ref().map(|name| name.text.clone());
         Block { word: signature.name, name, arguments, places, members, children, clauses, head: written.head }
+    }
+
+    /// A value without a key, unless it is the fraction of a number that was written with a comma.
+    fn bare(&mut self, span: Span, keys: &[&str]) {
+        let text = &self.context.sources.get(span.source).text;
+        let comma = repair::decimal_comma(&text[..span.start], &text[span.start..]);
+        self.diagnostics.push(match comma {
+            Some((whole, part)) => {
+                let (start, end) = (span.start - whole, span.start + part);
+                codes::decimal_comma(Span { start, end, ..span }, &text[start..end])
+            }
+            None => codes::bare_argument(span, keys),
+        });
     }
 
     fn clause(&mut self, written: &ast::Clause, earlier: &[Clause]) -> Option<Clause> {
@@ -283,7 +322,7 @@ impl<'f> Checker<'_, '_, 'f> {
             self.diagnostics.push(codes::duplicate_clause(name.span, first.span));
         }
         let Context { vocabulary, names, .. } = *self.context;
-        let scope = Scope { vocabulary, available: event.variables, event: event.name, names };
+        let scope = Scope { vocabulary, available: event.variables, event: event.name, names, whole: true };
         let formula = plain_number(&written.formula, &scope, self.diagnostics)?;
         Some(Clause { event: event.name, word, formula, span: name.span })
     }

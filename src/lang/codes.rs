@@ -1,11 +1,13 @@
 //! Every diagnostic of the language, one function a code, so that all wording sits in one file.
 
+use std::io::ErrorKind;
+
 use crate::diagnostic::{Diagnostic, Span};
 use crate::signature::{Param, Type};
 use crate::units::Dimension;
 
-use super::shelf;
 use super::suggest::nearest;
+use super::{library, reason, shelf};
 
 /// Most words of a list that is shown; a file made to break the program may have any number.
 const MOST_SHOWN: usize = 40;
@@ -61,9 +63,20 @@ pub fn syntax(span: Span, text: String) -> Diagnostic {
     Diagnostic::error("syntax", span, "this statement cannot be read").here(text)
 }
 
-/// A key is followed by another sign than a colon.
-pub fn equals_sign(span: Span) -> Diagnostic {
-    Diagnostic::error("syntax", span, "this statement cannot be read").here("a key is followed by `:`").fix(":")
+/// A statement holds a sign of another language, or of print.
+pub fn slip(span: Span, said: &str, meant: Option<&str>) -> Diagnostic {
+    let diagnostic = Diagnostic::error("syntax", span, "this statement cannot be read").here(said);
+    match meant {
+        Some(meant) => diagnostic.fix(meant),
+        None => diagnostic,
+    }
+}
+
+/// A number is written with a comma.
+pub fn decimal_comma(span: Span, written: &str) -> Diagnostic {
+    Diagnostic::error("syntax", span, "this statement cannot be read")
+        .here("the sign before the fraction of a number is a point")
+        .fix(written.replace(',', "."))
 }
 
 /// Two values follow each other inside parentheses or brackets.
@@ -72,8 +85,13 @@ pub fn missing_comma(span: Span) -> Diagnostic {
 }
 
 /// A bracket is never closed.
-pub fn unclosed_bracket(span: Span, bracket: char) -> Diagnostic {
-    Diagnostic::error("unclosed-bracket", span, format!("`{bracket}` is never closed")).here("opened here")
+pub fn unclosed_bracket(span: Span, bracket: char, unended: Option<Span>) -> Diagnostic {
+    let diagnostic =
+        Diagnostic::error("unclosed-bracket", span, format!("`{bracket}` is never closed")).here("opened here");
+    match unended {
+        Some(text) => diagnostic.label(text, "this text is not closed on its line"),
+        None => diagnostic,
+    }
 }
 
 /// A closing bracket has no partner.
@@ -82,10 +100,12 @@ pub fn stray_bracket(span: Span) -> Diagnostic {
         .help("remove it, or add its opening partner")
 }
 
+/// What is said of the opening bracket that another one closes.
+pub(super) const OPENED: &str = "opened here";
+
 /// A closing bracket meets another kind of opening one.
 pub fn mismatched_bracket(span: Span, opening: Span, bracket: char) -> Diagnostic {
-    Diagnostic::error("mismatched-bracket", span, format!("this does not close `{bracket}`"))
-        .label(opening, "opened here")
+    Diagnostic::error("mismatched-bracket", span, format!("this does not close `{bracket}`")).label(opening, OPENED)
 }
 
 /// Brackets nest too deep.
@@ -121,16 +141,49 @@ pub fn unknown_edition(span: Span, edition: f64) -> Diagnostic {
         .fix("1")
 }
 
-/// An import leads to no file.
-pub fn import_not_found(span: Span, path: &str, reason: &str) -> Diagnostic {
-    Diagnostic::error("import-not-found", span, format!("cannot import `{path}`: {reason}"))
-        .help("paths are relative to the folder of the file that imports")
+/// The edition is named again, or late.
+pub fn misplaced_edition(span: Span, first: Option<Span>) -> Diagnostic {
+    let diagnostic = Diagnostic::error("misplaced-edition", span, "the edition stands once, and first in the file");
+    match first {
+        Some(first) => diagnostic.label(first, "first named here"),
+        None => diagnostic.help("move it to the beginning of the file"),
+    }
 }
 
-/// Files import each other in a circle.
-pub fn import_cycle(span: Span, path: &str) -> Diagnostic {
-    Diagnostic::error("import-cycle", span, format!("`{path}` imports this file in turn"))
-        .help("move what both need into a third file")
+/// An import leads to no file that can be read.
+pub fn import_not_found(span: Span, path: &str, error: &std::io::Error) -> Diagnostic {
+    let diagnostic = Diagnostic::error("import-not-found", span, format!("cannot import `{path}`: {}", reason(error)));
+    let library: Vec<String> = library::names().map(|name| format!("std/{name}")).collect();
+    if path.starts_with("std/") {
+        return match nearest(path, library.iter().map(String::as_str)) {
+            Some(near) => diagnostic.here(format!("did you mean `{near}`?")).fix(format!("\"{near}\"")),
+            None => diagnostic,
+        };
+    }
+    match error.kind() {
+        ErrorKind::NotFound => match library.iter().find(|file| file.ends_with(&format!("/{path}"))) {
+            Some(file) => diagnostic.here("the standard library has it").fix(format!("\"{file}\"")),
+            None => diagnostic.help("paths are relative to the folder of the file that imports"),
+        },
+        ErrorKind::InvalidData => diagnostic.help("save it as UTF-8"),
+        _ => diagnostic,
+    }
+}
+
+/// Files import each other in a circle; they are given in their order, from the one that is imported here again.
+pub fn import_cycle(span: Span, path: &str, circle: &[String]) -> Diagnostic {
+    const MOST: usize = 8;
+    let diagnostic = Diagnostic::error("import-cycle", span, format!("`{path}` imports this file in turn"));
+    let diagnostic = match circle {
+        [] | [_] => diagnostic.here("a file need not import itself"),
+        files => {
+            let mut shown: Vec<&str> = files.iter().take(MOST).map(String::as_str).collect();
+            shown.extend((files.len() > MOST).then_some("…"));
+            shown.push(&files[0]);
+            diagnostic.help(format!("the circle: {}", shown.join(" → ")))
+        }
+    };
+    diagnostic.help("move what both need into a third file")
 }
 
 /// An import names something that the file does not declare.
@@ -150,6 +203,12 @@ pub fn reserved_name(span: Span, name: &str) -> Diagnostic {
         .help("give the parameter another name")
 }
 
+/// A parameter that stands for a word is named like one.
+pub fn reserved_word(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::error("reserved-name", span, format!("`{name}` is a word of the language already"))
+        .help("give the parameter another name: it would stand in place of the word wherever that is written")
+}
+
 /// The type of a parameter is not known.
 pub fn unknown_type(span: Span, word: &str, known: &[&str]) -> Diagnostic {
     unknown("unknown-type", span, format!("unknown type `{}`", cut(word)), word, known.iter().copied())
@@ -159,6 +218,25 @@ pub fn unknown_type(span: Span, word: &str, known: &[&str]) -> Diagnostic {
 pub fn bad_setting(span: Span, reason: &str) -> Diagnostic {
     Diagnostic::error("bad-setting", span, format!("this setting cannot be read: {reason}"))
         .help("write `name=value` for a parameter, or `declaration.key=value`")
+}
+
+/// Two settings are for the same.
+pub fn repeated_setting(span: Span, path: &str, first: Span) -> Diagnostic {
+    Diagnostic::error("bad-setting", span, format!("`{path}` is set twice")).label(first, "first set here")
+}
+
+/// A matrix speaks of the key of a declaration.
+pub fn dotted_key(span: Span, path: &str) -> Diagnostic {
+    let key = path.rsplit('.').next().unwrap_or(path);
+    Diagnostic::error("syntax", span, "this statement cannot be read").here("a key has no points").help(format!(
+        "a `matrix` sets parameters: declare one, as in `param {key}: number = …`, name it where `{path}` stands, and here"
+    ))
+}
+
+/// A matrix sets what its campaign does not hang on.
+pub fn idle_axis(span: Span, name: &str, campaign: &str) -> Diagnostic {
+    Diagnostic::warning("unused", span, format!("nothing in `{campaign}` hangs on `{name}`"))
+        .here("its combinations are the same but for their names")
 }
 
 /// A setting names nothing.
@@ -277,6 +355,16 @@ pub fn unknown_name<'a>(span: Span, form: &str, word: &str, known: impl IntoIter
     }
 }
 
+/// A reference names a kind.
+pub fn kind_for_name(span: Span, form: &str, word: &str) -> Diagnostic {
+    if shelf::home(form, word).is_some() {
+        return unknown_name(span, form, word, []);
+    }
+    Diagnostic::error("unknown-name", span, format!("unknown {form} `{word}`"))
+        .here(format!("this is a kind of {form}, not the name of one"))
+        .help(format!("declare one, and name it here: `{form} mine = {word}()`"))
+}
+
 /// A declaration is never used.
 pub fn unused(span: Span, form: &str, name: &str) -> Diagnostic {
     Diagnostic::warning("unused", span, format!("{form} `{name}` is never used"))
@@ -349,6 +437,20 @@ pub fn unknown_unit(span: Span, written: &str, part: Option<&str>, units: &[&str
     }
 }
 
+/// A number is followed by the name of a quantity.
+pub fn missing_sign(span: Span, word: &str) -> Diagnostic {
+    Diagnostic::error("unknown-unit", span, format!("`{word}` is no unit"))
+        .here("to multiply, write `*`")
+        .fix(format!("* {word}"))
+}
+
+/// Two comparisons share a quantity.
+pub fn chained(span: Span, middle: Span) -> Diagnostic {
+    Diagnostic::error("wrong-type", span, "a comparison has two sides")
+        .label(middle, "compared with both")
+        .help("compare twice: `low < it and it < high`")
+}
+
 /// A value lies outside its bounds.
 pub fn out_of_range(span: Span, found: String, bounds: String) -> Diagnostic {
     Diagnostic::error("out-of-range", span, format!("{found} is out of range")).here(format!("allowed: {bounds}"))
@@ -356,7 +458,18 @@ pub fn out_of_range(span: Span, found: String, bounds: String) -> Diagnostic {
 
 /// A part of a formula has no value, whatever happens.
 pub fn not_finite(span: Span, why: &str) -> Diagnostic {
-    Diagnostic::error("out-of-range", span, "this part of a formula has no value").here(why.to_string())
+    Diagnostic::error("no-value", span, "this part of a formula has no value").here(why.to_string())
+}
+
+/// A part of a formula may have no value.
+pub fn maybe_nothing(span: Span, why: &str, help: &str) -> Diagnostic {
+    Diagnostic::error("no-value", span, "this part of a formula may have no value").here(why).help(help)
+}
+
+/// What is paid is beyond what learners count with.
+pub fn too_much(span: Span, limit: f64) -> Diagnostic {
+    Diagnostic::error("no-value", span, "this may be more than can be counted with")
+        .here(format!("a reward lies within -{limit:e} and {limit:e}"))
 }
 
 /// A distribution reaches beyond the bounds of its key.
@@ -479,7 +592,6 @@ pub fn duplicate_clause(span: Span, first: Span) -> Diagnostic {
 /// A map file cannot be used.
 pub fn unusable_map(span: Span, path: &str, reason: &str) -> Diagnostic {
     Diagnostic::error("unusable-map", span, format!("cannot use the map `{path}`: {reason}"))
-        .help("paths are relative to the folder of the file that names them")
 }
 
 /// A town written in the language cannot be built.
@@ -490,6 +602,22 @@ pub fn unbuildable_town(span: Span, reason: &str) -> Diagnostic {
 /// Values that are fine alone contradict each other.
 pub fn contradiction(span: Span, message: String) -> Diagnostic {
     Diagnostic::error("contradiction", span, message)
+}
+
+/// A value lies above one that it must not exceed.
+pub fn not_rising(span: Span, low: &str, high: &str, other: Option<Span>) -> Diagnostic {
+    let diagnostic = contradiction(span, format!("`{low}` is more than `{high}`"));
+    match other {
+        Some(other) => diagnostic.label(other, format!("`{low}` is given here")),
+        None => diagnostic,
+    }
+}
+
+/// A driver is made for ticks of another length.
+pub fn other_tick(span: Span, policy: &str, made_for: f64, tick: f64, episode: Span) -> Diagnostic {
+    Diagnostic::warning("other-tick", span, format!("`{policy}` is made for ticks of {made_for} s"))
+        .label(episode, format!("these last {tick} s"))
+        .help("its own counts of ticks stay as they are, so it thinks and acts at another pace than its original")
 }
 
 /// Parts of a map were skipped or guessed.
@@ -506,6 +634,13 @@ pub fn map_warning(span: Span, path: &str, warnings: &[String]) -> Diagnostic {
 /// Nobody can be placed where an episode should begin.
 pub fn unplaceable(span: Span, town: &str, reason: &str) -> Diagnostic {
     Diagnostic::error("unplaceable", span, format!("nobody can be placed in `{town}`: {reason}"))
+        .help("`falsify check --sample 1000` draws what is left of each constraint")
+}
+
+/// Few beginnings satisfy all constraints.
+pub fn rare_beginnings(span: Span, town: &str, found: &str) -> Diagnostic {
+    Diagnostic::warning("rare-beginnings", span, format!("beginnings in `{town}` are rare: {found}"))
+        .help("drawing one takes long; `falsify check --sample 1000` shows what each constraint leaves")
 }
 
 /// Whether a diagnostic says that nobody can be placed.

@@ -54,7 +54,7 @@ impl<'f> Defaults<'f> {
         });
         let mut diagnostics = Vec::new();
         let names = Names::default();
-        let context = Context { vocabulary: self.vocabulary, names: &names, sources: &self.sources };
+        let context = Context { vocabulary: self.vocabulary, forms: &[], names: &names, sources: &self.sources };
         let checked = value(written, &param.ty, &context, &mut diagnostics);
         checked.unwrap_or_else(|| panic!("the default of `{}` does not fit its type: {diagnostics:?}", param.name))
     }

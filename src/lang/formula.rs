@@ -4,7 +4,7 @@ use super::ast::{Expression, ExpressionKind, Known, Name};
 use super::codes;
 use super::names::Names;
 use crate::diagnostic::{Diagnostic, Span};
-use crate::signature::{BinaryOperator, Formula, Function, VariableId, Vocabulary};
+use crate::signature::{BinaryOperator, Bounds, Formula, Function, VariableId, Vocabulary};
 use crate::units::{Dimension, UNIT_NAMES, Unit, UnitError, parse_unit};
 
 /// What a formula gives.
@@ -24,6 +24,8 @@ pub(super) struct Scope<'a> {
     pub event: &'a str,
     /// The names that can be seen, for suggestions: what is no variable may be a parameter.
     pub names: &'a Names<'a>,
+    /// Whether every part must have a value, whatever the variables are within their bounds.
+    pub whole: bool,
 }
 
 /// The names of the functions that formulas may call.
@@ -51,7 +53,8 @@ pub(super) fn formula(
     scope: &Scope,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Option<(Formula, Sort)> {
-    Checker { scope, diagnostics }.visit(expression)
+    let part = Checker { scope, diagnostics }.visit(expression)?;
+    Some((part.formula, part.sort))
 }
 
 /// Reads a unit, saying what is wrong with it.
@@ -70,6 +73,27 @@ pub(super) fn unit(name: &Name, diagnostics: &mut Vec<Diagnostic>) -> Option<Uni
     }
 }
 
+/// A part of a formula.
+struct Part {
+    formula: Formula,
+    sort: Sort,
+    /// What its value lies between.
+    bounds: Bounds,
+}
+
+impl Part {
+    fn constant(value: f64, dimension: Dimension) -> Self {
+        Self { formula: Formula::Constant(value), sort: Sort::Quantity(dimension), bounds: (value, value) }
+    }
+}
+
+/// A part that is a quantity.
+struct Quantity {
+    formula: Formula,
+    dimension: Dimension,
+    bounds: Bounds,
+}
+
 struct Checker<'a> {
     scope: &'a Scope<'a>,
     diagnostics: &'a mut Vec<Diagnostic>,
@@ -81,37 +105,43 @@ impl Checker<'_> {
         None
     }
 
-    fn visit(&mut self, expression: &Expression) -> Option<(Formula, Sort)> {
+    fn visit(&mut self, expression: &Expression) -> Option<Part> {
         let span = expression.span;
         match &expression.kind {
-            ExpressionKind::Number { value, unit: None } => {
-                Some((Formula::Constant(*value), Sort::Quantity(Dimension::RATIO)))
-            }
+            ExpressionKind::Number { value, unit: None } => Some(Part::constant(*value, Dimension::RATIO)),
             ExpressionKind::Number { value, unit: Some(name) } => {
+                if parse_unit(&name.text).is_err() && self.names_quantity(&name.text) {
+                    return self.say(codes::missing_sign(name.span, &name.text));
+                }
                 let unit = unit(name, self.diagnostics)?;
-                Some((Formula::Constant(value * unit.factor), Sort::Quantity(unit.dimension)))
+                Some(Part::constant(value * unit.factor, unit.dimension))
             }
             ExpressionKind::Name(word) => self.variable(word, span),
-            ExpressionKind::Known(Known::Quantity(value, dimension)) => {
-                Some((Formula::Constant(*value), Sort::Quantity(*dimension)))
-            }
+            ExpressionKind::Known(Known::Quantity(value, dimension)) => Some(Part::constant(*value, *dimension)),
             ExpressionKind::Known(Known::Wrong) => None,
+            ExpressionKind::Known(Known::Distribution(..)) => self.say(codes::not_a(span, "formula", "distribution")),
             ExpressionKind::Known(Known::Declaration(form, _)) => self.say(codes::not_a(span, "formula", form)),
             ExpressionKind::Group(members) if members.len() == 1 => self.visit(&members[0]),
             ExpressionKind::Negate(inner) => {
-                let (formula, dimension) = self.quantity(inner)?;
-                Some((Formula::Negate(formula.into()), Sort::Quantity(dimension)))
+                let Quantity { formula, dimension, bounds: (low, high) } = self.quantity(inner)?;
+                let formula = Formula::Negate(formula.into());
+                Some(Part { formula, sort: Sort::Quantity(dimension), bounds: (-high, -low) })
             }
-            ExpressionKind::Not(inner) => Some((Formula::Not(self.truth(inner)?.into()), Sort::Truth)),
+            ExpressionKind::Not(inner) => {
+                let formula = Formula::Not(self.truth(inner)?.formula.into());
+                Some(Part { formula, sort: Sort::Truth, bounds: (0.0, 1.0) })
+            }
             ExpressionKind::Conversion(inner, name) => {
                 let converted = self.quantity(inner);
                 let unit = unit(name, self.diagnostics)?;
-                let (formula, dimension) = converted?;
-                if dimension != unit.dimension {
-                    return self.say(codes::wrong_unit(inner.span, unit.dimension, dimension));
+                let converted = converted?;
+                if converted.dimension != unit.dimension {
+                    return self.say(codes::wrong_unit(inner.span, unit.dimension, converted.dimension));
                 }
-                let factor = Formula::Constant(unit.factor);
-                Some((binary(BinaryOperator::Divide, formula, factor), Sort::Quantity(Dimension::RATIO)))
+                let factor = Part::constant(unit.factor, unit.dimension);
+                let bounds = BinaryOperator::Divide.bounds(converted.bounds, factor.bounds);
+                let formula = Formula::Binary(BinaryOperator::Divide, converted.formula.into(), factor.formula.into());
+                Some(Part { formula, sort: Sort::Quantity(Dimension::RATIO), bounds })
             }
             ExpressionKind::Binary { operator, left, right } => self.binary(*operator, left, right, span),
             ExpressionKind::Call { function, arguments } => self.call(function, arguments, span),
@@ -122,28 +152,30 @@ impl Checker<'_> {
         }
     }
 
-    fn quantity(&mut self, expression: &Expression) -> Option<(Formula, Dimension)> {
-        match self.visit(expression)? {
-            (formula, Sort::Quantity(dimension)) => Some((formula, dimension)),
-            (_, Sort::Truth) => self.say(codes::not_a(expression.span, "quantity", "condition")),
+    fn quantity(&mut self, expression: &Expression) -> Option<Quantity> {
+        let Part { formula, sort, bounds } = self.visit(expression)?;
+        match sort {
+            Sort::Quantity(dimension) => Some(Quantity { formula, dimension, bounds }),
+            Sort::Truth => self.say(codes::not_a(expression.span, "quantity", "condition")),
         }
     }
 
-    fn truth(&mut self, expression: &Expression) -> Option<Formula> {
-        match self.visit(expression)? {
-            (formula, Sort::Truth) => Some(formula),
-            (_, Sort::Quantity(dimension)) => {
-                self.say(codes::not_a(expression.span, "condition", &dimension.to_string()))
-            }
+    fn truth(&mut self, expression: &Expression) -> Option<Part> {
+        let part = self.visit(expression)?;
+        match part.sort {
+            Sort::Truth => Some(part),
+            Sort::Quantity(dimension) => self.say(codes::not_a(expression.span, "condition", &dimension.to_string())),
         }
     }
 
-    fn variable(&mut self, word: &str, span: Span) -> Option<(Formula, Sort)> {
+    fn variable(&mut self, word: &str, span: Span) -> Option<Part> {
         if word == "true" || word == "false" {
-            return Some((Formula::Constant(f64::from(word == "true")), Sort::Truth));
+            let value = f64::from(word == "true");
+            return Some(Part { formula: Formula::Constant(value), sort: Sort::Truth, bounds: (value, value) });
         }
         let scope = self.scope;
         match scope.vocabulary.variables.iter().position(|variable| variable.name == word) {
+            None if scope.names.may_be_unread(word) => None,
             None => {
                 let known = scope.available.iter().copied().chain(scope.names.params());
                 self.say(codes::unknown_variable(span, word, known))
@@ -152,57 +184,95 @@ impl Checker<'_> {
                 self.say(codes::unavailable_variable(span, word, scope.event, scope.available))
             }
             Some(index) => {
-                let dimension = scope.vocabulary.variables[index].dimension;
-                Some((Formula::Variable(VariableId(index)), Sort::Quantity(dimension)))
+                let variable = &scope.vocabulary.variables[index];
+                let (formula, sort) = (Formula::Variable(VariableId(index)), Sort::Quantity(variable.dimension));
+                Some(Part { formula, sort, bounds: variable.bounds })
             }
         }
     }
 
-    fn binary(
-        &mut self,
-        operator: BinaryOperator,
-        left: &Expression,
-        right: &Expression,
-        span: Span,
-    ) -> Option<(Formula, Sort)> {
+    /// Whether a word is a variable or a parameter.
+    fn names_quantity(&self, word: &str) -> bool {
+        let scope = self.scope;
+        scope.vocabulary.variables.iter().any(|variable| variable.name == word) || scope.names.param(word).is_some()
+    }
+
+    fn binary(&mut self, operator: BinaryOperator, left: &Expression, right: &Expression, span: Span) -> Option<Part> {
         use BinaryOperator::{Add, And, Divide, Greater, GreaterEqual, Less, LessEqual, Multiply, Or, Subtract};
         if matches!(operator, And | Or) {
             let (a, b) = (self.truth(left), self.truth(right));
-            return Some((binary(operator, a?, b?), Sort::Truth));
+            let formula = Formula::Binary(operator, a?.formula.into(), b?.formula.into());
+            return Some(Part { formula, sort: Sort::Truth, bounds: (0.0, 1.0) });
+        }
+        let compares = |operator| matches!(operator, Less | LessEqual | Greater | GreaterEqual);
+        if let ExpressionKind::Binary { operator: before, right: middle, .. } = &left.kind
+            && compares(operator)
+            && compares(*before)
+        {
+            return self.say(codes::chained(span, middle.span));
         }
         let (a, b) = (self.quantity(left), self.quantity(right));
-        let ((a, first), (b, second)) = (a?, b?);
+        let (a, b) = (a?, b?);
         let sort = match operator {
             Multiply | Divide => {
-                let dimension = if operator == Multiply { first.times(second) } else { first.over(second) };
+                let dimension = match operator {
+                    Multiply => a.dimension.times(b.dimension),
+                    _ => a.dimension.over(b.dimension),
+                };
                 match dimension {
                     Some(dimension) => Sort::Quantity(dimension),
                     None => return self.say(codes::syntax(span, "the power of a unit grows beyond reason".into())),
                 }
             }
-            _ if first != second => return self.say(codes::mixed_dimensions(left.span, first, right.span, second)),
-            Add | Subtract => Sort::Quantity(first),
+            _ if a.dimension != b.dimension => {
+                return self.say(codes::mixed_dimensions(left.span, a.dimension, right.span, b.dimension));
+            }
+            Add | Subtract => Sort::Quantity(a.dimension),
             Less | LessEqual | Greater | GreaterEqual => Sort::Truth,
             And | Or => unreachable!("handled above"),
         };
-        if operator == Divide && constant(&b) == Some(0.0) {
-            return self.say(codes::not_finite(right.span, "nothing can be divided by 0"));
+        if operator == Divide {
+            self.away_from_zero(right.span, &b)?;
         }
-        let formula = self.finite(binary(operator, a, b), span)?;
-        Some((formula, sort))
+        let bounds = if a.formula == b.formula {
+            operator.bounds_of_same(a.bounds)
+        } else {
+            operator.bounds(a.bounds, b.bounds)
+        };
+        let formula = Formula::Binary(operator, a.formula.into(), b.formula.into());
+        self.finite(Part { formula, sort, bounds }, span)
     }
 
-    /// The formula, unless it is a constant that is no number.
-    fn finite(&mut self, formula: Formula, span: Span) -> Option<Formula> {
-        match constant(&formula) {
-            Some(value) if !value.is_finite() => self.say(codes::not_finite(span, "this is no finite number")),
-            _ => Some(formula),
+    /// Makes sure that a divisor is not 0.
+    fn away_from_zero(&mut self, span: Span, divisor: &Quantity) -> Option<()> {
+        match divisor.bounds {
+            (0.0, 0.0) => self.say(codes::not_finite(span, "nothing can be divided by 0")),
+            (low, high) if self.scope.whole && low <= 0.0 && high >= 0.0 => {
+                let unit = divisor.dimension.usual_units().first().map_or(String::new(), |unit| format!(" {unit}"));
+                let inner = if low == 0.0 { "…" } else { "abs(…)" };
+                let help = format!("hold it above 0: `max({inner}, 0.1{unit})`");
+                self.say(codes::maybe_nothing(span, "this may be 0", &help))
+            }
+            _ => Some(()),
         }
     }
 
-    fn call(&mut self, name: &Name, arguments: &[Expression], span: Span) -> Option<(Formula, Sort)> {
+    /// A part of a formula, unless it is no number, or may be none where it must.
+    fn finite(&mut self, part: Part, span: Span) -> Option<Part> {
+        let (low, high) = part.bounds;
+        if low == high && !low.is_finite() {
+            return self.say(codes::not_finite(span, "this is no finite number"));
+        }
+        if self.scope.whole && !(low.is_finite() && high.is_finite()) {
+            let help = "hold what it is made of below some number: `min(…, 100)`";
+            return self.say(codes::maybe_nothing(span, "this may grow beyond all numbers", help));
+        }
+        Some(part)
+    }
+
+    fn call(&mut self, name: &Name, arguments: &[Expression], span: Span) -> Option<Part> {
         let known: Vec<&str> = FUNCTIONS.iter().map(|(name, _)| *name).collect();
-        let checked: Vec<Option<(Formula, Dimension)>> = arguments.iter().map(|each| self.quantity(each)).collect();
+        let checked: Vec<Option<Quantity>> = arguments.iter().map(|each| self.quantity(each)).collect();
         let Some((_, function)) = FUNCTIONS.iter().find(|(known, _)| *known == name.text) else {
             return self.say(codes::unknown_function(name.span, &name.text, &known));
         };
@@ -214,46 +284,39 @@ impl Checker<'_> {
         if !fits {
             return self.say(codes::wrong_arity(span, &name.text, expected, arguments.len()));
         }
-        let checked: Vec<(Formula, Dimension)> = checked.into_iter().collect::<Option<_>>()?;
-        let dimension = checked[0].1;
-        if let Some(other) = checked.iter().position(|(_, d)| *d != dimension) {
-            let second = checked[other].1;
-            return self.say(codes::mixed_dimensions(arguments[0].span, dimension, arguments[other].span, second));
+        let checked: Vec<Quantity> = checked.into_iter().collect::<Option<_>>()?;
+        let dimension = checked[0].dimension;
+        if let Some(other) = checked.iter().position(|each| each.dimension != dimension) {
+            let (first, second) = (arguments[0].span, arguments[other].span);
+            return self.say(codes::mixed_dimensions(first, dimension, second, checked[other].dimension));
         }
         if matches!(function, Function::Exp | Function::Sqrt) && dimension != Dimension::RATIO {
             return self.say(codes::wrong_unit(arguments[0].span, Dimension::RATIO, dimension));
         }
+        match function {
+            Function::Sqrt => {
+                let (low, high) = checked[0].bounds;
+                if high < 0.0 {
+                    return self.say(codes::not_finite(span, "no number below 0 has a square root"));
+                }
+                if self.scope.whole && low < 0.0 {
+                    let help = "hold it at 0: `max(…, 0)`";
+                    return self.say(codes::maybe_nothing(arguments[0].span, "this may be below 0", help));
+                }
+            }
+            Function::LogLikelihood => {
+                let deviation = &checked[2];
+                if deviation.bounds.1 <= 0.0 {
+                    return self.say(codes::not_finite(arguments[2].span, "a standard deviation is above 0"));
+                }
+                self.away_from_zero(arguments[2].span, deviation)?;
+            }
+            _ => {}
+        }
         let dimension = if *function == Function::LogLikelihood { Dimension::RATIO } else { dimension };
-        let formulas: Vec<Formula> = checked.into_iter().map(|(formula, _)| formula).collect();
-        if *function == Function::LogLikelihood && constant(&formulas[2]).is_some_and(|deviation| deviation <= 0.0) {
-            return self.say(codes::not_finite(arguments[2].span, "a standard deviation is above 0"));
-        }
-        let formula = self.finite(Formula::Call(*function, formulas.into()), span)?;
-        Some((formula, Sort::Quantity(dimension)))
+        let bounds: Vec<Bounds> = checked.iter().map(|each| each.bounds).collect();
+        let formulas: Vec<Formula> = checked.into_iter().map(|each| each.formula).collect();
+        let (formula, bounds) = (Formula::Call(*function, formulas.into()), function.bounds(&bounds));
+        self.finite(Part { formula, sort: Sort::Quantity(dimension), bounds }, span)
     }
-}
-
-/// Most nodes of a formula that are looked at to see whether it is constant: every part of a formula is asked, and it may be long.
-const MOST_NODES: u32 = 32;
-
-/// The value of a small formula without variables.
-fn constant(formula: &Formula) -> Option<f64> {
-    fn stands(formula: &Formula, left: &mut u32) -> bool {
-        if *left == 0 {
-            return false;
-        }
-        *left -= 1;
-        match formula {
-            Formula::Constant(_) => true,
-            Formula::Variable(_) => false,
-            Formula::Negate(inner) | Formula::Not(inner) => stands(inner, left),
-            Formula::Binary(_, a, b) => stands(a, left) && stands(b, left),
-            Formula::Call(_, arguments) => arguments.iter().all(|argument| stands(argument, left)),
-        }
-    }
-    stands(formula, &mut MOST_NODES.clone()).then(|| formula.evaluate(&|_| f64::NAN))
-}
-
-fn binary(operator: BinaryOperator, left: Formula, right: Formula) -> Formula {
-    Formula::Binary(operator, left.into(), right.into())
 }

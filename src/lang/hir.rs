@@ -16,11 +16,14 @@ pub struct Program {
     pub params: Vec<Param>,
 }
 
+/// Names a parameter: its file, and its place among the parameters there.
+pub type ParamId = (SourceId, usize);
+
 /// A parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Param {
-    /// The file it stands in.
-    pub source: SourceId,
+    /// Its id.
+    pub id: ParamId,
     /// Its name.
     pub name: String,
     /// The word for its type.
@@ -70,6 +73,8 @@ pub struct Declaration {
     pub name: String,
     /// Its documentation, one string a line.
     pub docs: Vec<String>,
+    /// The parameters that it hangs on: those it names, and those that they are defined by.
+    pub params: Vec<ParamId>,
     /// Its contents.
     pub block: Block,
 }

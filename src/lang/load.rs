@@ -149,8 +149,12 @@ impl Loader<'_> {
         }
         importers.push(source);
         for import in &mut file.imports {
-            let folder = path.parent().unwrap_or(Path::new(""));
-            let mut found = self.file(&folder.join(&import.path), importers);
+            let place = path.parent().unwrap_or(Path::new("")).join(&import.path);
+            // The folder of the library is a name for messages only.
+            let mut found = match library::holds(&place) && !of_library {
+                true => Err(std::io::ErrorKind::NotFound.into()),
+                false => self.file(&place, importers),
+            };
             // A file of one's own goes before the library's.
             if let (Err(error), Some(place)) = (&found, library::place(&import.path))
                 && error.kind() == std::io::ErrorKind::NotFound
@@ -159,13 +163,13 @@ impl Loader<'_> {
             }
             match found {
                 Ok(imported) if importers.contains(&imported) => {
-                    self.diagnostics.push(codes::import_cycle(import.span, &import.path));
+                    let circle = importers.iter().skip_while(|file| **file != imported);
+                    let circle: Vec<String> =
+                        circle.map(|file| self.sources.get(*file).path.display().to_string()).collect();
+                    self.diagnostics.push(codes::import_cycle(import.span, &import.path, &circle));
                 }
                 Ok(imported) => import.source = Some(imported),
-                Err(error) => {
-                    let reason = reason(&error);
-                    self.diagnostics.push(codes::import_not_found(import.span, &import.path, &reason));
-                }
+                Err(error) => self.diagnostics.push(codes::import_not_found(import.span, &import.path, &error)),
             }
         }
         importers.pop();

@@ -40,5 +40,6 @@ pub use outline::outline;
 pub use params::{DIMENSIONS, OTHER_TYPES};
 pub use parse::parse;
 pub use settings::{Matrix, Setting, apply, matrices, settings};
+pub use shelf::library_statements;
 pub use suggest::nearest;
 pub use value::distributions;

@@ -1,20 +1,23 @@
 //! What a file can see: its own declarations and parameters, and those of the files it imports.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Bound;
 
-use super::ast::{File, Import};
+use super::ast::{File, Import, Name};
 use super::codes;
+use super::hir::ParamId;
 use crate::diagnostic::{Diagnostic, SourceId, Span};
-use crate::signature::DeclarationId;
-
-/// Names a parameter: its file and its place in it.
-pub(super) type ParamId = (SourceId, usize);
+use crate::signature::{DeclarationId, Form};
 
 /// The names a file can see.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Names<'a> {
     known: BTreeMap<(&'a str, &'a str), (DeclarationId, Span)>,
     params: BTreeMap<&'a str, (ParamId, Span)>,
+    /// Names of statements that could not be read.
+    unread: BTreeSet<&'a str>,
+    /// Whether there may be any other name as well, in what could not be read.
+    torn: bool,
 }
 
 impl<'a> Names<'a> {
@@ -41,6 +44,24 @@ impl<'a> Names<'a> {
         self.params.keys().copied()
     }
 
+    /// Whether something of this name is declared whose form is none of these, which has been said.
+    pub fn has_form_beside(&self, forms: &[Form], name: &str) -> bool {
+        let mut after = Bound::Unbounded;
+        while let Some(((form, _), _)) = self.known.range((after, Bound::Unbounded)).next() {
+            if !forms.iter().any(|known| known.name == *form) && self.known.contains_key(&(*form, name)) {
+                return true;
+            }
+            // Behind every name that there can be.
+            after = Bound::Excluded((*form, "\u{10ffff}"));
+        }
+        false
+    }
+
+    /// Whether a name that is not known may be one of those in what could not be read, of which enough has been said.
+    pub fn may_be_unread(&self, name: &str) -> bool {
+        self.torn || self.unread.contains(name)
+    }
+
     pub fn has_params(&self) -> bool {
         !self.params.is_empty()
     }
@@ -59,12 +80,19 @@ impl<'a> Names<'a> {
                 self.declare_param(name, *id, *span, diagnostics);
             }
         }
+        self.unread.extend(other.unread.iter().filter(|name| wanted(name)));
         if named.is_empty() {
+            self.torn |= other.torn;
             return;
         }
         let offered: BTreeSet<&str> =
             other.known.keys().map(|(_, name)| *name).chain(other.params.keys().copied()).collect();
-        for name in import.names.iter().filter(|name| !offered.contains(name.text.as_str())) {
+        let missing = |name: &&Name| !offered.contains(name.text.as_str());
+        for name in import.names.iter().filter(missing) {
+            if other.may_be_unread(&name.text) {
+                self.unread.insert(&name.text);
+                continue;
+            }
             diagnostics.push(codes::unknown_import(name.span, &name.text, &import.path, offered.iter().copied()));
         }
     }
@@ -110,9 +138,15 @@ fn visit<'a>(
     if done.contains_key(&file.source) {
         return;
     }
-    let mut names = Names::default();
+    let unread = file.unread.iter().map(String::as_str).collect();
+    let mut names = Names { unread, torn: file.torn, ..Names::default() };
     for import in &file.imports {
-        let Some(source) = import.source else { continue };
+        let Some(source) = import.source else {
+            // What it would have brought is not known.
+            names.torn |= import.names.is_empty();
+            names.unread.extend(import.names.iter().map(|name| name.text.as_str()));
+            continue;
+        };
         let imported = files.binary_search_by_key(&source, |file| file.source).expect("imports are loaded, in order");
         visit(&files[imported], files, ids, done, diagnostics);
         names.import(import, &done[&source], diagnostics);

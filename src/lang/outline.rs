@@ -1,7 +1,7 @@
 use std::fmt::Debug;
 
 /// What is left out of an outline: places in files.
-const PLACES: [&str; 5] = ["span", "head", "source", "places", "roots"];
+const PLACES: [&str; 8] = ["span", "head", "source", "places", "roots", "setting", "unread", "torn"];
 
 /// Any tree as lines that are indented under what they belong to, without places in files: two files that mean the same
 /// have the same outline.

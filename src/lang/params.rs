@@ -5,11 +5,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::ast::{Clause, Declaration, Entry, Expression, ExpressionKind, Known, Param, Property};
-use super::names::{Names, ParamId};
-use super::value::{Context, value};
+use super::hir::ParamId;
+use super::names::Names;
+use super::value::{Context, distributions, value};
 use super::{Loaded, codes, hir};
-use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
-use crate::signature::{Form, Type, Value, Vocabulary};
+use crate::diagnostic::{Diagnostic, Label, SourceId, Sources, Span};
+use crate::signature::{Form, Signature, Type, Value, Vocabulary};
 use crate::units::Dimension;
 
 /// Words for types that are dimensions.
@@ -73,6 +74,19 @@ impl<'a> Params<'a> {
         found.into_iter().map(|id| (id, self.known.get(&id).cloned().flatten())).collect()
     }
 
+    /// These parameters and those that they are defined by, each once.
+    pub fn hung_on(&self, mentioned: &[(ParamId, Option<ExpressionKind>)]) -> Vec<ParamId> {
+        let mut open: Vec<ParamId> = mentioned.iter().rev().map(|(id, _)| *id).collect();
+        let mut found = Vec::new();
+        while let Some(id) = open.pop() {
+            if !found.contains(&id) {
+                found.push(id);
+                self::mentioned(&self.param(id).value, &self.names[self.place(id.0)], &mut open);
+            }
+        }
+        found
+    }
+
     /// Whether parameters stand for the same now; then they count as used.
     pub fn are_still(&mut self, mentioned: &[(ParamId, Option<ExpressionKind>)]) -> bool {
         let same = mentioned.iter().all(|(id, before)| self.known.get(id).is_some_and(|now| now == before));
@@ -96,8 +110,11 @@ impl<'a> Params<'a> {
             let first = self.uses.range((source, start)..=(source, end)).next();
             if let Some((_, (_, id))) = first.filter(|(_, (span, _))| span.end <= end) {
                 let param = self.param(*id);
-                let text = format!("the parameter `{}`", param.name.text);
-                diagnostic.labels.push(crate::diagnostic::Label { span: param.name.span.to(param.ty.span), text });
+                let (span, text) = match param.setting {
+                    Some(setting) => (setting, format!("`{}` is set here", param.name.text)),
+                    None => (param.name.span.to(param.ty.span), format!("the parameter `{}`", param.name.text)),
+                };
+                diagnostic.labels.push(Label { span, text });
             }
         }
     }
@@ -108,7 +125,7 @@ impl<'a> Params<'a> {
             let param = self.param(*id);
             known.as_ref()?;
             Some(hir::Param {
-                source: id.0,
+                id: *id,
                 name: param.name.text.clone(),
                 ty: param.ty.text.clone(),
                 docs: param.docs.clone(),
@@ -182,7 +199,7 @@ impl<'a> Params<'a> {
         diagnostics: &mut Vec<Diagnostic>,
     ) -> Option<ExpressionKind> {
         let names = &self.names[place];
-        let context = Context { vocabulary: self.vocabulary, names, sources: self.sources };
+        let context = Context { vocabulary: self.vocabulary, forms: self.forms, names, sources: self.sources };
         let word = param.ty.text.as_str();
         let mut check = |ty: Type| value(written, &ty, &context, diagnostics);
         if let Some((_, dimension)) = DIMENSIONS.iter().find(|(name, _)| *name == word) {
@@ -195,6 +212,16 @@ impl<'a> Params<'a> {
                     };
                     let end = |value, span| Box::new(Expression { kind: number(value), span });
                     Some(ExpressionKind::Range(end(a, low.span), end(b, high.span)))
+                }
+                ExpressionKind::Call { function, .. } if distributions().any(|name| name == function.text) => {
+                    let Value::Distribution(drawn) = check(Type::Distribution { dimension: *dimension, min, max })?
+                    else {
+                        return None;
+                    };
+                    Some(ExpressionKind::Known(Known::Distribution(drawn, *dimension)))
+                }
+                ExpressionKind::Known(Known::Distribution(..)) => {
+                    check(Type::Distribution { dimension: *dimension, min, max }).map(|_| written.kind.clone())
                 }
                 _ => match check(Type::any(*dimension))? {
                     Value::Number(value) => Some(number(value)),
@@ -209,6 +236,10 @@ impl<'a> Params<'a> {
             },
             "boolean" => check(Type::Boolean).map(|_| written.kind.clone()),
             "text" => check(Type::Text).map(|_| written.kind.clone()),
+            "word" if self.is_choice(&param.name.text) => {
+                diagnostics.push(codes::reserved_word(param.name.span, &param.name.text));
+                None
+            }
             "word" if matches!(written.kind, ExpressionKind::Name(_)) => Some(written.kind.clone()),
             "word" => {
                 diagnostics.push(codes::not_a(written.span, "word", "value"));
@@ -230,12 +261,29 @@ impl<'a> Params<'a> {
         }
     }
 
+    /// Whether some key takes this word.
+    fn is_choice(&self, word: &str) -> bool {
+        fn offers(ty: &Type, word: &str) -> bool {
+            match ty {
+                Type::Choice(words) => words.contains(&word),
+                Type::List(item) => offers(item, word),
+                _ => false,
+            }
+        }
+        fn takes(signature: &Signature, word: &str) -> bool {
+            signature.params.iter().any(|param| offers(&param.ty, word))
+                || signature.children.iter().any(|child| takes(child, word))
+        }
+        self.forms.iter().flat_map(|form| form.kinds.iter().chain(&form.plain)).any(|signature| takes(signature, word))
+    }
+
     fn entries(&mut self, entries: &mut [Entry], place: usize) {
         for entry in entries {
             match entry {
                 Entry::Property(Property { value, .. }) | Entry::Bare(value) => self.expression(value, place),
                 Entry::Clause(Clause { formula, .. }) => self.expression(formula, place),
                 Entry::Child(child) => self.entries(&mut child.entries, place),
+                Entry::Unread(_) => {}
             }
         }
     }
@@ -275,6 +323,7 @@ fn mentioned_in(entry: &Entry, names: &Names, found: &mut Vec<ParamId>) {
         Entry::Property(Property { value, .. }) | Entry::Bare(value) => mentioned(value, names, found),
         Entry::Clause(Clause { formula, .. }) => mentioned(formula, names, found),
         Entry::Child(child) => child.entries.iter().for_each(|entry| mentioned_in(entry, names, found)),
+        Entry::Unread(_) => {}
     }
 }
 

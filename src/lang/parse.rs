@@ -5,9 +5,10 @@ use pest::error::{ErrorVariant, InputLocation};
 use pest::iterators::{Pair, Pairs};
 use std::iter::Peekable;
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::ast::{
-    Clause, Declaration, Entry, Expression, ExpressionKind, File, Import, Name, Operator, Param, Property,
+    Clause, Declaration, Entry, Expression, ExpressionKind, File, Import, Known, Name, Operator, Param, Property,
 };
 use super::{brackets, codes, repair};
 use crate::diagnostic::{Diagnostic, SourceId, Span};
@@ -37,29 +38,75 @@ const MOST_REREAD: usize = 1000;
 /// could not.
 pub fn parse(source: SourceId, text: &str) -> (File, Vec<Diagnostic>) {
     let mut reader = Reader { source, offset: 0, diagnostics: Vec::new() };
-    let mut file = File { source, edition: None, imports: Vec::new(), params: Vec::new(), declarations: Vec::new() };
+    let mut file = empty(source);
     if text.len() > MAX_BYTES {
         let span = Span { source, start: 0, end: 0 };
+        file.torn = true;
         return (file, vec![codes::too_large(span, text.len(), MAX_BYTES)]);
     }
-    if let Err(diagnostic) = brackets::scan(source, text) {
-        return (file, vec![*diagnostic]);
-    }
-    match ScenarioParser::parse(Rule::file, text) {
+    let balanced = match brackets::scan(source, text) {
+        Ok(()) => None,
+        Err(diagnostic) => {
+            let balanced = brackets::balance(source, text, *diagnostic);
+            reader.diagnostics.extend(balanced.diagnostics);
+            file.unread.extend(balanced.left_out.iter().filter_map(|part| name_of(&text[part.clone()])));
+            match balanced.text {
+                Some(text) => Some(text),
+                None => {
+                    file.torn = true;
+                    return (file, reader.diagnostics);
+                }
+            }
+        }
+    };
+    match ScenarioParser::parse(Rule::file, balanced.as_deref().unwrap_or(text)) {
         Ok(mut pairs) => {
             for pair in pairs.next().expect("a parse gives its rule").into_inner() {
                 reader.item(pair, &mut file);
             }
         }
-        Err(error) => reader.diagnostics.push(reader.syntax_error(&error, 0, 0)),
+        Err(error) => {
+            file.torn = true;
+            reader.diagnostics.push(reader.syntax_error(&error, 0, 0));
+        }
     }
     (file, reader.diagnostics)
+}
+
+fn empty(source: SourceId) -> File {
+    let (imports, params, declarations) = (Vec::new(), Vec::new(), Vec::new());
+    File { source, edition: None, imports, params, unread: Vec::new(), torn: false, declarations }
+}
+
+/// The words of what may be left over from a declaration: parentheses that could not be read.
+fn unread_arguments(junk: &Pair<Rule>) -> Option<Entry> {
+    junk.as_str().starts_with('(').then(|| Entry::Unread(words_of(junk.as_str())))
+}
+
+/// The words of a text, some of them if there are many.
+fn words_of(text: &str) -> Vec<String> {
+    const MOST: usize = 64;
+    let part = |c: char| c == '_' || c.is_ascii_alphanumeric();
+    let words =
+        text.split(|c: char| !part(c)).filter(|word| word.starts_with(|first: char| first.is_ascii_lowercase()));
+    words.take(MOST).map(str::to_string).collect()
+}
+
+/// The name that a statement declares: its second word.
+fn name_of(statement: &str) -> Option<String> {
+    let lines = statement.lines().map(str::trim_start).filter(|line| !line.starts_with("//"));
+    let first = lines.into_iter().find(|line| !line.is_empty())?;
+    let word = |text: &str| text.bytes().take_while(|byte| *byte == b'_' || byte.is_ascii_alphanumeric()).count();
+    let rest = &first[word(first)..];
+    let name = rest.trim_start();
+    let name = &name[..word(name)];
+    (rest.len() < first.len() && rest.starts_with([' ', '\t']) && !name.is_empty()).then(|| name.to_string())
 }
 
 /// Reads statements of a text that hold no mistake: those of the standard library.
 pub(super) fn parse_part(source: SourceId, text: &str, part: Range<usize>) -> File {
     let mut reader = Reader { source, offset: part.start, diagnostics: Vec::new() };
-    let mut file = File { source, edition: None, imports: Vec::new(), params: Vec::new(), declarations: Vec::new() };
+    let mut file = empty(source);
     let mut pairs = ScenarioParser::parse(Rule::file, &text[part]).expect("the library can be read");
     for pair in pairs.next().expect("a parse gives its rule").into_inner() {
         reader.item(pair, &mut file);
@@ -123,7 +170,17 @@ impl Reader {
     fn item(&mut self, pair: Pair<Rule>, file: &mut File) {
         match pair.as_rule() {
             Rule::edition => {
+                let span = self.span(&pair);
                 let number = pair.into_inner().nth(1).expect("edition has a number");
+                let before = file.edition.map(|(_, span)| span);
+                if before.is_some()
+                    || !(file.imports.is_empty() && file.params.is_empty() && file.declarations.is_empty())
+                {
+                    self.diagnostics.push(codes::misplaced_edition(span, before));
+                    if before.is_some() {
+                        return;
+                    }
+                }
                 file.edition = Some((read_number(number.as_str()), self.span(&number)));
             }
             Rule::import => {
@@ -147,7 +204,16 @@ impl Reader {
                 let declaration = self.declaration(pair);
                 file.declarations.push(declaration.into());
             }
-            Rule::junk_item => self.junk(&pair, Rule::whole_item),
+            Rule::junk_item => {
+                if let Some(param) = file.params.last_mut().filter(|param| self.goes_on(&param.value, &pair)) {
+                    param.value.kind = ExpressionKind::Known(Known::Wrong);
+                }
+                if let Some(declaration) = file.declarations.last_mut().and_then(Arc::get_mut) {
+                    declaration.entries.extend(unread_arguments(&pair));
+                }
+                file.unread.extend(name_of(pair.as_str()));
+                self.junk(&pair, Rule::whole_item);
+            }
             Rule::doc | Rule::EOI => {}
             other => unreachable!("file holds no {other:?}"),
         }
@@ -167,7 +233,7 @@ impl Reader {
         }
         let mut names = names.into_iter();
         let mut name = || names.next().expect("a parameter has a name and a type");
-        Param { docs, name: name(), ty: name(), value: value.expect("a parameter has a value") }
+        Param { docs, name: name(), ty: name(), value: value.expect("a parameter has a value"), setting: None }
     }
 
     fn declaration(&mut self, pair: Pair<Rule>) -> Declaration {
@@ -228,7 +294,20 @@ impl Reader {
                     let child = self.declaration(part);
                     entries.push(Entry::Child(child));
                 }
-                Rule::junk_entry => self.junk(&part, Rule::whole_entry),
+                Rule::junk_entry => {
+                    // What it goes on from is no more than a part of what was meant.
+                    if let Some(Entry::Property(Property { value, .. }) | Entry::Clause(Clause { formula: value, .. })) =
+                        entries.last_mut()
+                        && self.goes_on(value, &part)
+                    {
+                        value.kind = ExpressionKind::Known(Known::Wrong);
+                    }
+                    if let Some(Entry::Child(child)) = entries.last_mut() {
+                        child.entries.extend(unread_arguments(&part));
+                    }
+                    entries.push(Entry::Unread(words_of(part.as_str())));
+                    self.junk(&part, Rule::whole_entry);
+                }
                 Rule::doc => {}
                 other => unreachable!("block holds no {other:?}"),
             }
@@ -328,7 +407,7 @@ impl Reader {
                             self.diagnostics.push(codes::named_argument(property.key.span, &property.key.text));
                             arguments.push(property.value);
                         }
-                        Entry::Clause(_) | Entry::Child(_) => unreachable!("an argument is a value"),
+                        Entry::Clause(_) | Entry::Child(_) | Entry::Unread(_) => unreachable!("an argument is a value"),
                     }
                 }
                 ExpressionKind::Call { function, arguments }
@@ -340,6 +419,12 @@ impl Reader {
         Expression { kind, span }
     }
 
+    /// Whether a statement of no known shape stands right behind a value, on its line.
+    fn goes_on(&self, value: &Expression, junk: &Pair<Rule>) -> bool {
+        let between = value.span.end - self.offset..junk.as_span().start();
+        junk.get_input().get(between).is_some_and(|text| text.trim_matches([' ', '\t', ',']).is_empty())
+    }
+
     /// Reads a statement of no known shape once more, on its own, to find out where it goes wrong.
     fn junk(&mut self, pair: &Pair<Rule>, rule: Rule) {
         if self.diagnostics.len() >= MOST_REREAD {
@@ -347,11 +432,41 @@ impl Reader {
         }
         let start = pair.as_span().start();
         let text = pair.as_str().trim_end();
-        // Parentheses that cannot be read are left over from a declaration that can do without.
-        let before = if text.starts_with('(') { "form name = kind" } else { "" };
+        let source = pair.get_input();
+        let line = source[..start].rfind(['\n', '\r']).map_or(0, |end| end + 1);
+        // What stands on the line of another statement may be left over from it.
+        let goes_on = !source[line..start].trim().is_empty();
+        if let Some((whole, part)) = repair::decimal_comma(&source[line..start], text) {
+            let span = self.place(start - whole, start + part);
+            return self.diagnostics.push(codes::decimal_comma(span, &source[start - whole..start + part]));
+        }
+        // So may parentheses, of a declaration that can do without, and what cannot begin a statement.
+        let before = match rule {
+            _ if text.starts_with('(') => "form name = kind",
+            Rule::whole_entry if goes_on => "key: 0 ",
+            Rule::whole_item if goes_on => "param name: type = 0 ",
+            _ => "",
+        };
+        if let Some(key) = repair::dotted_key(text).filter(|_| rule == Rule::whole_entry) {
+            return self.diagnostics.push(codes::dotted_key(self.place(start, start + key.len()), key));
+        }
+        let reads = |text: &str| ScenarioParser::parse(rule, text).is_ok();
+        let slips = repair::slips(text, rule == Rule::whole_entry);
+        if !slips.is_empty() {
+            let repaired = repair::without(text, &slips);
+            let all = reads(&repaired) || !before.is_empty() && reads(&format!("{before}{repaired}"));
+            for slip in slips.iter().filter(|slip| all || slip.foreign) {
+                let span = self.place(start + slip.place.start, start + slip.place.end);
+                self.diagnostics.push(codes::slip(span, slip.said, slip.meant.then_some(slip.instead.as_str())));
+            }
+            if all || slips.iter().any(|slip| slip.foreign) {
+                return;
+            }
+        }
+        let before = if text.starts_with('(') { before } else { "" };
         let whole = format!("{before}{text}");
         let diagnostic = match ScenarioParser::parse(rule, &whole) {
-            Err(error) => match self.repaired(&whole, before.len(), start, rule) {
+            Err(error) => match self.with_commas(&whole, before.len(), start, rule) {
                 Some(diagnostic) => diagnostic,
                 None => self.syntax_error(&error, before.len(), start),
             },
@@ -360,18 +475,13 @@ impl Reader {
         self.diagnostics.push(diagnostic);
     }
 
-    /// What is wrong with a statement that a sign more or another sign would make readable.
-    fn repaired(&self, text: &str, added: usize, start: usize, rule: Rule) -> Option<Diagnostic> {
-        let place = |from: usize, to: usize| {
-            let offset = self.offset + start;
-            Span { source: self.source, start: offset + from - added, end: offset + to - added }
-        };
-        let reads = |text: &str| ScenarioParser::parse(rule, text).is_ok();
-        if let Some(sign) = repair::equals_sign(text).filter(|_| rule == Rule::whole_entry && added == 0)
-            && reads(&format!("{}:{}", &text[..sign], &text[sign + 1..]))
-        {
-            return Some(codes::equals_sign(place(sign, sign + 1)));
-        }
+    /// A part of the text that is being parsed, as a place of the source.
+    fn place(&self, start: usize, end: usize) -> Span {
+        Span { source: self.source, start: self.offset + start, end: self.offset + end }
+    }
+
+    /// What is wrong with a statement that commas would make readable.
+    fn with_commas(&self, text: &str, added: usize, start: usize, rule: Rule) -> Option<Diagnostic> {
         let commas = repair::missing_commas(text);
         let first = *commas.first()?;
         let (mut repaired, mut last) = (String::new(), 0);
@@ -380,7 +490,8 @@ impl Reader {
             last = *comma;
         }
         repaired.push_str(&text[last..]);
-        reads(&repaired).then(|| codes::missing_comma(place(first, first)))
+        let place = start + first - added;
+        ScenarioParser::parse(rule, &repaired).is_ok().then(|| codes::missing_comma(self.place(place, place)))
     }
 
     /// What pest says about a text that begins at a place of the source, after so many bytes that were put before it.

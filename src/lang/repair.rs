@@ -1,4 +1,7 @@
-//! Guesses at what is missing in a statement of no known shape: a repair is believed when the statement can be read with it.
+//! Guesses at what is missing in a statement of no known shape, or foreign to it: a repair is believed when the statement can be read
+//! with it.
+
+use std::ops::Range;
 
 /// Where commas may be missing: the ends of values inside parentheses and brackets that another value follows.
 pub(super) fn missing_commas(text: &str) -> Vec<usize> {
@@ -54,11 +57,255 @@ pub(super) fn missing_commas(text: &str) -> Vec<usize> {
     found
 }
 
-/// Where the sign stands in `key = value`, which is written `key: value` inside braces.
-pub(super) fn equals_sign(text: &str) -> Option<usize> {
-    let name = text.bytes().take_while(|byte| byte.is_ascii_alphanumeric() || *byte == b'_').count();
-    let sign = name + (text[name..].len() - text[name..].trim_start().len());
-    (name > 0 && text[sign..].starts_with('=') && !text[sign..].starts_with("=>")).then_some(sign)
+/// A sign or word that people bring along from other languages or from print.
+pub(super) struct Slip {
+    /// Where it stands.
+    pub place: Range<usize>,
+    /// What would be read there.
+    pub instead: String,
+    /// Whether that is what was meant; else it takes a decision.
+    pub meant: bool,
+    /// What is to be said.
+    pub said: &'static str,
+    /// Whether nothing that can be read holds such a sign, so that it is wrong whatever else is.
+    pub foreign: bool,
+}
+
+/// The slips in a statement; `key_first` when it may be `key: value`.
+pub(super) fn slips(text: &str, key_first: bool) -> Vec<Slip> {
+    let mut scan = Scan { text, at: 0, open: Vec::new(), tokens: Vec::new(), found: Vec::new(), key_first };
+    while scan.at < text.len() {
+        scan.step();
+    }
+    scan.found
+}
+
+/// What a token is, as far as the next one hangs on it.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Token {
+    Number,
+    /// The word behind a number, and what it is joined with by signs without blanks.
+    Unit,
+    Word,
+    Closing,
+    Sign,
+}
+
+struct Scan<'a> {
+    text: &'a str,
+    at: usize,
+    open: Vec<u8>,
+    tokens: Vec<(Token, Range<usize>)>,
+    found: Vec<Slip>,
+    key_first: bool,
+}
+
+impl Scan<'_> {
+    fn rest(&self) -> &str {
+        &self.text[self.at..]
+    }
+
+    fn last(&self) -> Option<Token> {
+        self.tokens.last().map(|(token, _)| *token)
+    }
+
+    /// The words that a place of the statement begins with.
+    fn word(&self, number: usize) -> &str {
+        self.tokens.get(number).map_or("", |(_, place)| &self.text[place.clone()])
+    }
+
+    fn push(&mut self, token: Token, length: usize) {
+        self.tokens.push((token, self.at..self.at + length));
+        self.at += length;
+    }
+
+    fn slip(&mut self, length: usize, instead: impl Into<String>, meant: bool, said: &'static str) {
+        let foreign = !self.rest().is_ascii() && !self.rest().starts_with(|first: char| first.is_ascii())
+            || self.rest().starts_with(['#', '%', '\'', '!', '&', '|', '"']);
+        let place = self.at..self.at + length;
+        self.found.push(Slip { place, instead: instead.into(), meant, said, foreign });
+        self.push(Token::Sign, length);
+    }
+
+    /// Whether all before is `on event` or `on event(word)`.
+    fn after_event(&self) -> bool {
+        self.word(0) == "on"
+            && (self.tokens.len() == 2 || self.tokens.len() == 5 && self.word(2) == "(")
+            && self.open.is_empty()
+    }
+
+    /// Whether what was read last may be the end of a value.
+    fn behind_value(&self) -> bool {
+        matches!(self.last(), Some(Token::Number | Token::Unit | Token::Word | Token::Closing))
+            || self.tokens.is_empty()
+    }
+
+    fn step(&mut self) {
+        let rest = self.rest();
+        let first = rest.chars().next().expect("there is more to read");
+        let starts = |sign: &str| rest.starts_with(sign);
+        let line = rest.find(['\n', '\r']).unwrap_or(rest.len());
+        // The sign of a unit touches what stands before it.
+        let joined = self.tokens.last().is_some_and(|(_, place)| place.end == self.at);
+        let blank = if joined { " " } else { "" };
+        match first {
+            _ if first.is_whitespace() => self.at += first.len_utf8(),
+            _ if starts("//") => self.at += line,
+            _ if starts("/*") => self.at += rest.find("*/").map_or(rest.len(), |end| end + 2),
+            '"' => match rest[1..line].find('"') {
+                Some(end) => self.push(Token::Closing, end + 2),
+                None => {
+                    let instead = format!("{}\"", rest[..line].trim_end());
+                    self.slip(line, instead, true, "this text is not closed on its line");
+                }
+            },
+            '\'' => match rest[1..line].find('\'') {
+                Some(end) => {
+                    let instead = format!("\"{}\"", &rest[1..end + 1]);
+                    self.slip(end + 2, instead, true, "a text stands in double quotes");
+                }
+                None => self.push(Token::Sign, 1),
+            },
+            '#' => {
+                self.slip(1, "//", true, "a comment begins with `//`");
+                self.at += line - 1;
+            }
+            '−' | '–' | '—' => {
+                self.slip(first.len_utf8(), "-", true, "the sign for minus is `-`, and for a range `..`")
+            }
+            '°' => {
+                let instead = format!("{blank}deg");
+                self.slip(first.len_utf8(), instead, true, "degrees are written `deg`");
+            }
+            '%' => self.slip(1, format!("{blank}percent"), true, "write `percent`, or the plain number"),
+            '“' | '”' | '„' | '«' | '»' => {
+                self.slip(first.len_utf8(), "\"", true, "a text stands in straight quotes")
+            }
+            '×' | '·' => self.slip(first.len_utf8(), "*", true, "the sign for times is `*`"),
+            '≤' => self.slip(first.len_utf8(), "<=", true, "at most is written `<=`"),
+            '≥' => self.slip(first.len_utf8(), ">=", true, "at least is written `>=`"),
+            '…' => self.slip(first.len_utf8(), "..", true, "a range is written `low .. high`"),
+            '{' | '(' | '[' => {
+                self.open.push(first as u8);
+                self.push(Token::Sign, 1);
+            }
+            '}' | ')' | ']' => {
+                self.open.pop();
+                self.push(Token::Closing, 1);
+            }
+            _ if starts("=>") => {
+                let named = self.tokens.len() == 1 || self.tokens.len() == 4 && self.word(1) == "(";
+                if named && self.open.is_empty() && self.word(0) != "on" {
+                    let place = self.tokens[0].1.clone();
+                    let instead = format!("on {}", self.word(0));
+                    let said = "what an event is worth begins with `on`";
+                    self.found.push(Slip { place, instead, meant: true, said, foreign: false });
+                }
+                self.push(Token::Sign, 2);
+            }
+            _ if starts("==") || starts("!=") => {
+                let key = self.key_first && self.tokens.len() == 1;
+                if key && first == '=' {
+                    self.slip(2, ":", true, "a key is followed by `:`");
+                } else {
+                    self.slip(
+                        2,
+                        "<=",
+                        false,
+                        "no two measured quantities are just equal: ask with `<=` and `>=`, or give a range",
+                    );
+                }
+            }
+            _ if starts("<=") || starts(">=") => self.push(Token::Sign, 2),
+            _ if starts("->") && self.after_event() => self.slip(2, "=>", true, "an event is followed by `=>`"),
+            '=' | ':' if self.after_event() => self.slip(1, "=>", true, "an event is followed by `=>`"),
+            '=' if self.key_first && self.tokens.len() == 1
+                || self.open.last() == Some(&b'(') && self.last() == Some(Token::Word) =>
+            {
+                self.slip(1, ":", true, "a key is followed by `:`");
+            }
+            _ if starts("&&") => self.slip(2, "and", true, "write `and`"),
+            _ if starts("||") => self.slip(2, "or", true, "write `or`"),
+            '!' => self.slip(1, "not ", true, "write `not`"),
+            '^' if self.last() == Some(Token::Unit) => {
+                let digits = rest[1..].trim_start_matches('-').trim_start_matches(|c: char| c.is_ascii_digit());
+                self.push(Token::Unit, rest.len() - digits.len());
+            }
+            '^' | '*' if (first == '^' && self.last() != Some(Token::Unit)) || starts("**") => {
+                let sign = if first == '^' { 1 } else { 2 };
+                let digits =
+                    rest[sign..].trim_start_matches([' ', '-']).trim_start_matches(|c: char| c.is_ascii_digit());
+                self.slip(rest.len() - digits.len(), "", false, "there are no powers: multiply, as in `v_c * v_c`");
+            }
+            _ if starts("...") => self.slip(3, "..", true, "a range is written `low .. high`"),
+            _ if starts("..") => self.push(Token::Sign, 2),
+            '.' if rest[1..].starts_with(|next: char| next.is_ascii_digit()) => {
+                self.slip(1, "0.", true, "a number begins with a digit");
+                self.tokens.pop();
+            }
+            _ if first.is_ascii_digit() => {
+                let digits =
+                    |text: &str| text.bytes().take_while(|byte| byte.is_ascii_digit() || *byte == b'_').count();
+                let mut length = digits(rest);
+                if rest[length..].starts_with('.') && rest[length + 1..].starts_with(|next: char| next.is_ascii_digit())
+                {
+                    length += 1 + digits(&rest[length + 1..]);
+                }
+                self.push(Token::Number, length);
+            }
+            _ if first.is_ascii_alphabetic() || first == '_' => {
+                let length = rest.bytes().take_while(|byte| byte.is_ascii_alphanumeric() || *byte == b'_').count();
+                let word = &rest[..length];
+                let is_key = rest[length..].trim_start().starts_with(':');
+                let in_unit = joined && self.last() == Some(Token::Sign) && {
+                    let before = self.tokens.len().checked_sub(2).map(|place| self.tokens[place].0);
+                    before == Some(Token::Unit)
+                };
+                match word {
+                    "to" if self.behind_value()
+                        && !is_key
+                        && self.tokens.last().is_none_or(|(_, place)| !self.text[place.clone()].eq("from")) =>
+                    {
+                        self.slip(length, "..", true, "a range is written `low .. high`");
+                    }
+                    "AND" | "OR" | "NOT" => {
+                        self.slip(length, word.to_lowercase(), true, "the words of logic are `and`, `or`, `not`")
+                    }
+                    _ if self.last() == Some(Token::Number) || in_unit => self.push(Token::Unit, length),
+                    _ => self.push(Token::Word, length),
+                }
+            }
+            _ => self.push(Token::Sign, first.len_utf8()),
+        }
+    }
+}
+
+/// The text with what was meant in place of its slips.
+pub(super) fn without(text: &str, slips: &[Slip]) -> String {
+    let (mut repaired, mut last) = (String::new(), 0);
+    for slip in slips {
+        repaired.extend([&text[last..slip.place.start], &slip.instead]);
+        last = slip.place.end;
+    }
+    repaired.push_str(&text[last..]);
+    repaired
+}
+
+/// The words with points between them before a colon: no key, but what leads to one from outside.
+pub(super) fn dotted_key(text: &str) -> Option<&str> {
+    let is_part = |c: char| c == '_' || c.is_ascii_alphanumeric();
+    let path = &text[..text.find(|c: char| !is_part(c) && c != '.').unwrap_or(text.len())];
+    let words = path.split('.').filter(|word| word.starts_with(|c: char| c.is_ascii_alphabetic())).count();
+    let named = words > 1 && words == path.split('.').count();
+    (named && text[path.len()..].trim_start().starts_with(':')).then_some(path)
+}
+
+/// A number written with a comma, of which `text` begins with the digits behind it: how many bytes stand before and behind.
+pub(super) fn decimal_comma(before: &str, text: &str) -> Option<(usize, usize)> {
+    let digits = |text: &mut dyn Iterator<Item = u8>| text.take_while(u8::is_ascii_digit).count();
+    let whole = digits(&mut before.strip_suffix(',')?.bytes().rev());
+    let part = digits(&mut text.bytes());
+    (whole > 0 && part > 0).then_some((whole + 1, part))
 }
 
 #[cfg(test)]
@@ -84,9 +331,43 @@ mod tests {
     }
 
     #[test]
-    fn a_sign_of_equality_stands_behind_a_key() {
-        assert_eq!(equals_sign("ticks = 600"), Some(6));
-        assert_eq!(equals_sign("on hit => 1"), None);
-        assert_eq!(equals_sign("= 1"), None);
+    fn slips_are_found_where_they_are_slips() {
+        for (text, meant) in [
+            ("ticks = 600", "ticks : 600"),
+            ("ticks == 600", "ticks : 600"),
+            ("on hit: 1", "on hit=> 1"),
+            ("on hit(front) -> 1", "on hit(front) => 1"),
+            ("on hit = 1", "on hit => 1"),
+            ("hit(front) => 1", "on hit(front) => 1"),
+            ("(gamma=0.9, steps = 3)", "(gamma:0.9, steps : 3)"),
+            ("bearing: −60° .. 60 °", "bearing: -60 deg .. 60 deg"),
+            ("distance: 7 m to 30 m", "distance: 7 m .. 30 m"),
+            ("distance: 7 m ... 30 m", "distance: 7 m .. 30 m"),
+            ("file: 'a # b'", "file: \"a # b\""),
+            ("import \"std/paper.scn", "import \"std/paper.scn\""),
+            ("# a \"comment", "// a \"comment"),
+            ("miss: 50%", "miss: 50 percent"),
+            ("require: a && !b || c", "require: a and not b or c"),
+            ("on hit => v_c^2 * .5", "on hit => v_c * 0.5"),
+        ] {
+            assert_eq!(without(text, &slips(text, true)), meant);
+        }
+        for fine in [
+            "wall { from: (1 m, 2 m) to: (3 m, 4 m) }",
+            "// 50% of # 'these' are fine",
+            "a: \"60° == −60\"",
+            "b: 2 m/s^2 .. 3 m/s^2*kg^-1",
+            "on hit => max(1, 2)",
+            "spawn s = kind(a: 1 <= 2)",
+        ] {
+            assert!(slips(fine, true).is_empty(), "{fine}: {}", without(fine, &slips(fine, true)));
+        }
+    }
+
+    #[test]
+    fn a_comma_may_stand_in_a_number() {
+        assert_eq!(decimal_comma("gamma: 0,", "95, steps"), Some((2, 2)));
+        assert_eq!(decimal_comma("gamma: 0, ", "95"), None);
+        assert_eq!(decimal_comma("(a, ", "b"), None);
     }
 }

@@ -30,8 +30,13 @@ pub struct Setting {
 impl Setting {
     /// The setting as it is recorded.
     pub fn text(&self, sources: &Sources) -> String {
+        format!("{} = {}", self.words(), sources.text(self.value.span))
+    }
+
+    /// The words that lead to what is set.
+    pub fn words(&self) -> String {
         let path: Vec<&str> = self.path.iter().map(|word| word.text.as_str()).collect();
-        format!("{} = {}", path.join("."), sources.text(self.value.span))
+        path.join(".")
     }
 }
 
@@ -87,13 +92,20 @@ pub fn apply(settings: &[Setting], loaded: &mut Loaded) -> Vec<Diagnostic> {
         }
     }
     let mut said = Vec::new();
+    let mut done: BTreeMap<String, Span> = BTreeMap::new();
     for setting in settings {
+        let place = setting.path[0].span.to(setting.value.span);
+        if let Some(first) = done.insert(setting.words(), place) {
+            said.push(codes::repeated_setting(place, &setting.words(), first));
+        }
         let done = match setting.path.as_slice() {
             [] => unreachable!("a path has a word"),
             [name] => match params.get(&name.text) {
                 Some(places) => {
                     for (place, index) in places {
-                        loaded.files[*place].params[*index].value = setting.value.clone();
+                        let param = &mut loaded.files[*place].params[*index];
+                        param.value = setting.value.clone();
+                        param.setting = Some(name.span.to(setting.value.span));
                     }
                     Ok(())
                 }
@@ -193,7 +205,12 @@ fn enter(declaration: &mut Declaration, path: &[Name], value: &Expression) -> Re
 
 /// Takes the `matrix` blocks out of the declarations whose form they may multiply. A parameter that was set from outside keeps
 /// that one value.
-pub fn matrices(loaded: &mut Loaded, forms: &[Form], settings: &[Setting]) -> (Vec<Matrix>, Vec<Diagnostic>) {
+pub fn matrices(
+    loaded: &mut Loaded,
+    forms: &[Form],
+    settings: &[Setting],
+    sources: &Sources,
+) -> (Vec<Matrix>, Vec<Diagnostic>) {
     let (mut matrices, mut diagnostics) = (Vec::new(), Vec::new());
     let size: usize = loaded.files.iter().map(|file| file.params.len() + file.declarations.len()).sum();
     let mut left = MOST_COMBINATIONS.min(MOST_CHECKS / size.max(1));
@@ -211,7 +228,7 @@ pub fn matrices(loaded: &mut Loaded, forms: &[Form], settings: &[Setting]) -> (V
             let (mut axes, mut seen) = (Vec::new(), BTreeMap::new());
             for block in &taken {
                 let Entry::Child(block) = block else { continue };
-                axes_of(block, &mut axes, &mut seen, &mut diagnostics);
+                axes_of(block, &mut axes, &mut seen, sources, &mut diagnostics);
             }
             axes.retain(|axis| !settings.iter().any(|set| matches!(&*set.path, [name] if name.text == axis.key.text)));
             let found = axes.iter().map(|axis| members(axis).len()).fold(1_usize, usize::saturating_mul);
@@ -231,6 +248,7 @@ fn axes_of<'a>(
     block: &'a Declaration,
     axes: &mut Vec<&'a Property>,
     seen: &mut BTreeMap<&'a str, Span>,
+    sources: &Sources,
     diagnostics: &mut Vec<Diagnostic>,
 ) {
     for entry in &block.entries {
@@ -239,11 +257,19 @@ fn axes_of<'a>(
                 Some(first) => diagnostics.push(codes::duplicate_key(property.key.span, &property.key.text, *first)),
                 None if members(property).is_empty() => diagnostics.push(codes::empty_list(property.value.span)),
                 None => {
+                    let mut said: BTreeMap<&str, Span> = BTreeMap::new();
+                    for member in members(property) {
+                        let text = sources.text(member.span);
+                        if let Some(first) = said.insert(text, member.span) {
+                            diagnostics.push(codes::repeated_member(member.span, text, first));
+                        }
+                    }
                     seen.insert(&property.key.text, property.key.span);
                     axes.push(property);
                 }
             },
             Entry::Bare(value) => diagnostics.push(codes::bare_argument(value.span, &[])),
+            Entry::Unread(_) => {}
             Entry::Clause(clause) => diagnostics.push(codes::unexpected_clause(clause.event.span, MATRIX)),
             Entry::Child(child) => {
                 diagnostics.push(codes::unknown_block(child.form.span, MATRIX, &child.form.text, &[], &[]));

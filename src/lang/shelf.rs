@@ -70,6 +70,16 @@ pub(super) fn home(form: &str, name: &str) -> Option<&'static str> {
     HOMES.get(&(form, name)).copied()
 }
 
+/// The statements of the library that declare something of this name, each with its file.
+pub fn library_statements(name: &str) -> Vec<(&'static str, &'static str)> {
+    let mut found = Vec::new();
+    for (file, text) in library::files() {
+        let statements = named_statements(text).into_iter().filter(|statement| &text[statement.name.clone()] == name);
+        found.extend(statements.map(|statement| (file, &text[statement.whole])));
+    }
+    found
+}
+
 /// The words of a text without lines that are comments. In such a line, `*/` may end one that began before.
 fn words_of(text: &str) -> impl Iterator<Item = &[u8]> {
     let lines = text.split(['\n', '\r']).filter(|line| !line.trim_start().starts_with("//") || line.contains("*/"));

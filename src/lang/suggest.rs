@@ -26,7 +26,8 @@ pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
                 return None;
             }
             let distance = strsim::damerau_levenshtein(&lower, &other);
-            (distance <= most).then_some((candidate, distance))
+            // A word of which nothing is left is another word.
+            (distance <= most && distance < lower.len().max(other.len())).then_some((candidate, distance))
         })
         .min_by_key(|(_, distance)| *distance)
         .map(|(candidate, _)| candidate)
@@ -63,6 +64,7 @@ mod tests {
             let best = words
                 .into_iter()
                 .filter(|other| far(other) <= 1 + other.len().min(word.len()) / 4)
+                .filter(|other| far(other) < word.to_lowercase().len().max(other.to_lowercase().len()))
                 .min_by_key(|w| far(w));
             assert_eq!(nearest(word, words), best, "{word}");
         }

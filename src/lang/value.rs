@@ -7,12 +7,14 @@ use super::codes;
 use super::formula::{Scope, Sort, formula, is_function};
 use super::names::Names;
 use crate::diagnostic::{Diagnostic, Sources, Span};
-use crate::signature::{Distribution, Formula, Type, Value, VariableId, Vocabulary};
+use crate::signature::{Distribution, Form, Formula, Type, Value, VariableId, Vocabulary, bounds};
 use crate::units::Dimension;
 
 /// What a value is checked against.
 pub(super) struct Context<'a> {
     pub vocabulary: &'a Vocabulary,
+    /// The forms that there are, for suggestions.
+    pub forms: &'a [Form],
     pub names: &'a Names<'a>,
     pub sources: &'a Sources,
 }
@@ -68,8 +70,8 @@ pub(super) fn value(
             let (low, high) = drawn.support();
             let unbounded = low == f64::NEG_INFINITY && *min > low || high == f64::INFINITY && *max < high;
             if unbounded {
-                let bounds = bounds_text(*min, *max, *dimension);
-                diagnostics.push(codes::unbounded(span, context.sources.text(span), &bounds));
+                let allowed = bounds(*min, *max, *dimension);
+                diagnostics.push(codes::unbounded(span, context.sources.text(span), &allowed));
                 return None;
             }
             within(low, *min, *max, *dimension, span, context, diagnostics)?;
@@ -110,8 +112,13 @@ pub(super) fn value(
         (Type::Text | Type::Path, ExpressionKind::Text(text)) => Some(Value::Text(text.clone())),
         (Type::Reference(form), ExpressionKind::Name(word)) => match context.names.find(form, word) {
             Some(id) => Some(Value::Reference(id)),
+            None if context.names.may_be_unread(word) || context.names.has_form_beside(context.forms, word) => None,
             None => {
-                diagnostics.push(codes::unknown_name(span, form, word, context.names.of_form(form)));
+                let mut kinds = context.forms.iter().filter(|each| each.name == *form).flat_map(|each| &each.kinds);
+                diagnostics.push(match kinds.any(|kind| kind.name == word) {
+                    true => codes::kind_for_name(span, form, word),
+                    false => codes::unknown_name(span, form, word, context.names.of_form(form)),
+                });
                 None
             }
         },
@@ -130,10 +137,10 @@ pub(super) fn value(
             Some(Value::Pose(numbers[0]?, numbers[1]?, numbers[2]?))
         }
         (Type::Formula(event), _) => {
-            plain_number(expression, &scope_of(event, context), diagnostics).map(Value::Formula)
+            plain_number(expression, &scope_of(event, true, context), diagnostics).map(Value::Formula)
         }
         (Type::Condition(event), _) => {
-            let scope = scope_of(event, context);
+            let scope = scope_of(event, false, context);
             match formula(expression, &scope, diagnostics)? {
                 (formula, Sort::Truth) => Some(Value::Formula(formula)),
                 (_, Sort::Quantity(dimension)) => {
@@ -147,11 +154,14 @@ pub(super) fn value(
 }
 
 /// The scope of formulas about an event.
-fn scope_of<'a>(event: &'a str, context: &Context<'a>) -> Scope<'a> {
+fn scope_of<'a>(event: &'a str, whole: bool, context: &Context<'a>) -> Scope<'a> {
     let known = context.vocabulary.events.iter().find(|known| known.name == event);
     let available = known.map_or(&[][..], |event| event.variables);
-    Scope { vocabulary: context.vocabulary, available, event, names: context.names }
+    Scope { vocabulary: context.vocabulary, available, event, names: context.names, whole }
 }
+
+/// The most that a reward may be, or minus that: learners count in 32 bits, and add up.
+const MOST_PAID: f64 = 1e30;
 
 /// A formula whose value is a plain number, as rewards are.
 pub(super) fn plain_number(
@@ -160,7 +170,14 @@ pub(super) fn plain_number(
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Option<Formula> {
     match formula(expression, scope, diagnostics)? {
-        (formula, Sort::Quantity(Dimension::RATIO)) => Some(formula),
+        (formula, Sort::Quantity(Dimension::RATIO)) => {
+            let (low, high) = formula.bounds(&|id| scope.vocabulary.variables[id.0].bounds);
+            if low < -MOST_PAID || high > MOST_PAID {
+                diagnostics.push(codes::too_much(expression.span, MOST_PAID));
+                return None;
+            }
+            Some(formula)
+        }
         (_, Sort::Quantity(dimension)) => {
             let mut diagnostic = codes::wrong_unit(expression.span, Dimension::RATIO, dimension);
             let unit = dimension.usual_units().first();
@@ -221,6 +238,13 @@ fn distribution(
         ExpressionKind::Range(low, high) => {
             let (a, b) = ends(span, low, high, dimension, context, said)?;
             Some(Distribution::Uniform(a, b))
+        }
+        ExpressionKind::Known(Known::Distribution(known, found)) => {
+            if *found != dimension {
+                said.push(codes::wrong_unit(span, dimension, *found));
+                return None;
+            }
+            Some(known.clone())
         }
         ExpressionKind::Call { function, arguments } if !is_function(&function.text) => {
             let Some((name, takes)) = DISTRIBUTIONS.iter().find(|(name, _)| *name == function.text) else {
@@ -311,7 +335,7 @@ fn is_formula(expression: &Expression) -> bool {
         | ExpressionKind::Range(..)
         | ExpressionKind::List(_)
         | ExpressionKind::Name(_)
-        | ExpressionKind::Known(Known::Declaration(..)) => false,
+        | ExpressionKind::Known(Known::Declaration(..) | Known::Distribution(..)) => false,
         _ => true,
     }
 }
@@ -322,7 +346,8 @@ fn quantity(
     context: &Context,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Option<f64> {
-    let scope = Scope { vocabulary: context.vocabulary, available: &[], event: "compile time", names: context.names };
+    let Context { vocabulary, names, .. } = *context;
+    let scope = Scope { vocabulary, available: &[], event: "compile time", names, whole: false };
     let (formula, sort) = formula(expression, &scope, diagnostics)?;
     match sort {
         Sort::Truth => {
@@ -361,27 +386,9 @@ fn within(
     if number >= min && number <= max {
         return Some(());
     }
-    let bounds = bounds_text(min, max, dimension);
-    diagnostics.push(codes::out_of_range(span, context.sources.text(span).to_string(), bounds));
+    let written = context.sources.text(span).to_string();
+    diagnostics.push(codes::out_of_range(span, written, bounds(min, max, dimension)));
     None
-}
-
-/// Bounds as a user would write them.
-fn bounds_text(min: f64, max: f64, dimension: Dimension) -> String {
-    // Bounds are shown in degrees for angles, as a user would write them.
-    let (scale, name) = match dimension {
-        Dimension::RATIO => (1.0, ""),
-        Dimension::ANGLE => (std::f64::consts::PI / 180.0, " deg"),
-        _ => (1.0, dimension.usual_units().first().copied().unwrap_or("")),
-    };
-    let shown = |bound: f64| format!("{} {}", bound / scale, name.trim()).trim().to_string();
-    match (min, max) {
-        (min, f64::INFINITY) if min == f64::MIN_POSITIVE => format!("above {}", shown(0.0)),
-        (min, max) if min == f64::MIN_POSITIVE => format!("above {}, at most {}", shown(0.0), shown(max)),
-        (min, f64::INFINITY) => format!("{} or more", shown(min)),
-        (f64::NEG_INFINITY, max) => format!("{} or less", shown(max)),
-        (min, max) => format!("{} to {}", shown(min), shown(max)),
-    }
 }
 
 fn describe(expression: &Expression) -> String {
@@ -390,6 +397,7 @@ fn describe(expression: &Expression) -> String {
         ExpressionKind::Number { .. } => "a quantity".into(),
         ExpressionKind::Known(Known::Quantity(_, dimension)) => codes::one(dimension),
         ExpressionKind::Known(Known::Declaration(form, _)) => format!("the name of {}", codes::one(form)),
+        ExpressionKind::Known(Known::Distribution(_, dimension)) => format!("a distribution of {dimension}"),
         ExpressionKind::Known(Known::Wrong) => "a parameter".into(),
         ExpressionKind::Text(_) => "a text".into(),
         ExpressionKind::Name(word) => format!("the word `{word}`"),

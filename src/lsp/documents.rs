@@ -7,11 +7,14 @@ use std::str::FromStr;
 use lsp_types::{Position, Range, Uri};
 
 use crate::diagnostic::{self, Lines, Span};
+use crate::lang::library;
 
 /// The buffers an editor has open; they go before what is on disk.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Documents {
     open: BTreeMap<PathBuf, Document>,
+    /// Where the standard library is written for reading.
+    shelf: PathBuf,
 }
 
 /// An open buffer.
@@ -24,6 +27,11 @@ pub struct Document {
 }
 
 impl Documents {
+    /// Begins with no buffer; the standard library is written to this folder when it is to be shown.
+    pub fn new(shelf: PathBuf) -> Self {
+        Self { open: BTreeMap::new(), shelf }
+    }
+
     /// Takes over a buffer's text.
     pub fn set(&mut self, uri: Uri, text: String) {
         self.open.insert(path(&uri), Document { uri, text });
@@ -53,6 +61,23 @@ impl Documents {
             Some(document) => Ok(document.text.clone()),
             None => std::fs::read_to_string(path),
         }
+    }
+
+    /// The editor's name for a file that is to be shown, which may be one of the library inside this program.
+    pub fn uri_to_show(&self, path: &Path) -> Option<Uri> {
+        if !library::holds(path) {
+            return self.uri(path);
+        }
+        std::fs::create_dir_all(&self.shelf).ok()?;
+        for name in library::names() {
+            let (place, text) = (self.shelf.join(name), library::read(&library::place(&format!("std/{name}"))?).ok()?);
+            // They know each other, so all are written; one that is there already may be open.
+            if std::fs::read_to_string(&place).is_ok_and(|there| there == text) {
+                continue;
+            }
+            std::fs::write(&place, text).ok()?;
+        }
+        self.uri(&self.shelf.join(path.file_name()?))
     }
 
     /// The editor's name for a path; none for what is no file of the user's.

@@ -102,7 +102,7 @@ pub fn one_line(param: &Param) -> String {
         Some("") => "may be left out".into(),
         Some(text) => format!("default `{text}`"),
     };
-    format!("`{}`: {}; {default}", param.name, param.ty.describe())
+    format!("`{}`: {}; {default}", param.name, param.ty.describe_bounded())
 }
 
 fn key(param: &Param) -> String {

@@ -36,7 +36,7 @@ pub fn definition(
         _ => return None,
     };
     let source = sources.get(target.source);
-    Some(Location { uri: documents.uri(&source.path)?, range: range(&Lines::new(&source.text), target) })
+    Some(Location { uri: documents.uri_to_show(&source.path)?, range: range(&Lines::new(&source.text), target) })
 }
 
 /// The declarations and parameters of a file, in order.

@@ -1,21 +1,24 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{BufRead, Write};
 use std::panic::AssertUnwindSafe;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use lsp_server::{ErrorCode, Message, Notification, Request, Response};
 use lsp_types::notification::{
     DidChangeTextDocument, DidCloseTextDocument, DidOpenTextDocument, Notification as _, PublishDiagnostics,
 };
 use lsp_types::request::{
-    Completion, DocumentSymbolRequest, Formatting, GotoDefinition, HoverRequest, Initialize, Request as _, Shutdown,
+    CodeActionRequest, Completion, DocumentSymbolRequest, Formatting, GotoDefinition, HoverRequest, Initialize,
+    Request as _, Shutdown,
 };
 use lsp_types::{
-    CompletionOptions, CompletionParams, DidChangeTextDocumentParams, DidCloseTextDocumentParams,
-    DidOpenTextDocumentParams, DocumentFormattingParams, DocumentSymbolParams, DocumentSymbolResponse,
-    GotoDefinitionParams, HoverParams, HoverProviderCapability, InitializeResult, Location, OneOf, Position,
-    PublishDiagnosticsParams, Range, ServerCapabilities, ServerInfo, TextDocumentPositionParams,
-    TextDocumentSyncCapability, TextDocumentSyncKind, TextEdit, Uri,
+    CodeAction, CodeActionKind, CodeActionOrCommand, CodeActionParams, CodeActionProviderCapability, CompletionOptions,
+    CompletionParams, DidChangeTextDocumentParams, DidCloseTextDocumentParams, DidOpenTextDocumentParams,
+    DocumentFormattingParams, DocumentSymbolParams, DocumentSymbolResponse, GotoDefinitionParams, HoverParams,
+    HoverProviderCapability, InitializeResult, Location, OneOf, Position, PublishDiagnosticsParams, Range,
+    ServerCapabilities, ServerInfo, TextDocumentPositionParams, TextDocumentSyncCapability, TextDocumentSyncKind,
+    TextEdit, Uri, WorkspaceEdit,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -28,6 +31,7 @@ use super::{complete, hover, navigate};
 use crate::compile::{Catalog, compile};
 use crate::diagnostic::{Diagnostic, Lines, Severity, Sources};
 use crate::lang::{self, Loaded};
+use crate::process::ProcessOpener;
 
 /// Most diagnostics of a file that one root leads to; nobody reads more in an editor.
 const SHOWN: usize = 500;
@@ -44,11 +48,14 @@ pub enum Ending {
 /// Serves one editor until it says goodbye or its stream ends. A message that cannot be understood is answered with an error
 /// and does no harm.
 ///
+/// Programs that scenarios name are looked for and never started. `shelf` is a folder to which the standard library is written
+/// when somebody wants to read in it.
+///
 /// # Errors
 /// The stream failed, or went out of step.
-pub fn serve(mut input: impl BufRead, output: impl Write) -> Result<Ending, WireError> {
-    let mut server =
-        Server { catalog: Catalog::builtin(), documents: Documents::default(), shown: BTreeSet::new(), output };
+pub fn serve(mut input: impl BufRead, output: impl Write, shelf: PathBuf) -> Result<Ending, WireError> {
+    let catalog = Catalog::builtin().with_opener(Arc::new(ProcessOpener::default()));
+    let mut server = Server { catalog, documents: Documents::new(shelf), shown: BTreeSet::new(), output };
     let mut stopping = false;
     loop {
         match wire::read(&mut input) {
@@ -155,6 +162,10 @@ impl<W: Write> Server<W> {
                     Some(DocumentSymbolResponse::Nested(navigate::symbols(root, text)))
                 }))
             }
+            CodeActionRequest::METHOD => {
+                let params: CodeActionParams = read(params)?;
+                json(&self.repairs(&params.text_document.uri, params.range))
+            }
             Formatting::METHOD => {
                 let params: DocumentFormattingParams = read(params)?;
                 json(&self.layout(&params.text_document.uri))
@@ -226,6 +237,35 @@ impl<W: Write> Server<W> {
         let lines = Lines::new(text);
         let whole = Range { start: Position { line: 0, character: 0 }, end: position(&lines, text.len()) };
         Some(if laid_out == text { Vec::new() } else { vec![TextEdit { range: whole, new_text: laid_out }] })
+    }
+
+    /// What would repair the mistakes in a part of a document.
+    #[expect(clippy::mutable_key_type, reason = "the protocol's type")]
+    fn repairs(&self, uri: &Uri, part: Range) -> Vec<CodeActionOrCommand> {
+        let mut sources = Sources::default();
+        let root = path(uri);
+        let read = |path: &Path| self.documents.read(path);
+        let compiled = compile(std::slice::from_ref(&root), &self.catalog, &read, &mut sources);
+        let (Ok(compiled), Some((id, source))) = (compiled, sources.iter().next()) else { return Vec::new() };
+        let lines = Lines::new(&source.text);
+        let mut repairs = Vec::new();
+        for each in compiled.diagnostics.iter().filter(|each| each.primary.span.source == id) {
+            let (Some(fix), range) = (&each.fix, range(&lines, each.primary.span)) else { continue };
+            if range.end < part.start || range.start > part.end {
+                continue;
+            }
+            let edit = TextEdit { range, new_text: fix.clone() };
+            let edit = WorkspaceEdit { changes: Some([(uri.clone(), vec![edit])].into()), ..WorkspaceEdit::default() };
+            repairs.push(CodeActionOrCommand::CodeAction(CodeAction {
+                title: format!("write `{fix}`"),
+                kind: Some(CodeActionKind::QUICKFIX),
+                diagnostics: Some(vec![shown(each, &lines)]),
+                edit: Some(edit),
+                is_preferred: Some(true),
+                ..CodeAction::default()
+            }));
+        }
+        repairs
     }
 
     /// Checks all open documents and says what is wrong with them and with what they import.
@@ -311,6 +351,7 @@ fn capabilities() -> InitializeResult {
             definition_provider: Some(OneOf::Left(true)),
             document_symbol_provider: Some(OneOf::Left(true)),
             document_formatting_provider: Some(OneOf::Left(true)),
+            code_action_provider: Some(CodeActionProviderCapability::Simple(true)),
             ..ServerCapabilities::default()
         },
         server_info: Some(ServerInfo { name: "falsify".into(), version: Some(env!("CARGO_PKG_VERSION").into()) }),

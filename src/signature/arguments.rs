@@ -44,6 +44,12 @@ pub struct Arguments {
     values: Vec<(&'static str, Value)>,
 }
 
+impl FromIterator<(&'static str, Value)> for Arguments {
+    fn from_iter<I: IntoIterator<Item = (&'static str, Value)>>(values: I) -> Self {
+        Self { values: values.into_iter().collect() }
+    }
+}
+
 macro_rules! getter {
     ($(#[$doc:meta])* $name:ident, $pattern:pat => $value:expr, $ty:ty) => {
         $(#[$doc])*

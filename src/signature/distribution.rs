@@ -89,6 +89,32 @@ impl Distribution {
         }
     }
 
+    /// The distribution given that the value is not this one; none when it always is. Only what draws single values is changed.
+    pub fn without(&self, value: f64) -> Option<Self> {
+        match self {
+            Self::Constant(only) if *only == value => None,
+            Self::Uniform(low, high) if low == high && *low == value => None,
+            Self::Mixture(parts) => {
+                let kept = parts.iter().filter_map(|(weight, part)| {
+                    let weight = weight * (1.0 - part.mass(value, value));
+                    let part = part.without(value)?;
+                    (weight > 0.0).then_some((weight, part))
+                });
+                let kept: Vec<_> = kept.collect();
+                (!kept.is_empty()).then(|| Self::mixture(kept))
+            }
+            other => Some(other.clone()),
+        }
+    }
+
+    /// The least and the greatest value of each of the parts that it is made of.
+    pub fn pieces(&self) -> Vec<(f64, f64)> {
+        match self {
+            Self::Mixture(parts) => parts.iter().flat_map(|(_, part)| part.pieces()).collect(),
+            other => vec![other.support()],
+        }
+    }
+
     /// The value below which a share `u` of all values lies, `u` from 0 to 1.
     ///
     /// In a mixture the parts follow each other as they were written, so it rises with `u` within each part only.
@@ -162,6 +188,21 @@ mod tests {
             let middle = low + cut * width;
             prop_assert!((kept.mass(low, middle) - d.mass(low, middle) / d.mass(low, high)).abs() < 1e-9);
             prop_assert!((kept.mass(low, high) - 1.0).abs() < 1e-9);
+        }
+
+        #[test]
+        fn single_values_can_be_taken_out(d in any_distribution(), at in 0.0..1.0) {
+            let value = d.quantile(at);
+            let left = 1.0 - d.mass(value, value);
+            prop_assume!(!(1e-9..1e-3).contains(&left));
+            match d.without(value) {
+                None => prop_assert!(left < 1e-9),
+                Some(kept) => {
+                    prop_assert!(kept.mass(value, value) < 1e-9);
+                    let below = d.mass(-100.0, value) - d.mass(value, value);
+                    prop_assert!((kept.mass(-100.0, value) - below / left).abs() < 1e-9);
+                }
+            }
         }
 
         #[test]

@@ -112,17 +112,86 @@ impl Formula {
     }
 }
 
+/// Bounds of a value: the least and the greatest it can be.
+pub type Bounds = (f64, f64);
+
+/// Says nothing.
+const ANY: Bounds = (f64::NEG_INFINITY, f64::INFINITY);
+
+/// The bounds of a condition that always or never holds.
+fn truth(always: bool, never: bool) -> Bounds {
+    match (always, never) {
+        (true, _) => (1.0, 1.0),
+        (_, true) => (0.0, 0.0),
+        _ => (0.0, 1.0),
+    }
+}
+
+impl BinaryOperator {
+    /// Bounds of what it gives for two values within bounds.
+    pub fn bounds(self, (a, b): Bounds, (c, d): Bounds) -> Bounds {
+        let found = match self {
+            BinaryOperator::Add => (a + c, b + d),
+            BinaryOperator::Subtract => (a - d, b - c),
+            BinaryOperator::Multiply => hull([a * c, a * d, b * c, b * d]),
+            BinaryOperator::Divide if c > 0.0 || d < 0.0 => hull([a / c, a / d, b / c, b / d]),
+            BinaryOperator::Divide => ANY,
+            BinaryOperator::Less => truth(b < c, a >= d),
+            BinaryOperator::LessEqual => truth(b <= c, a > d),
+            BinaryOperator::Greater => truth(a > d, b <= c),
+            BinaryOperator::GreaterEqual => truth(a >= d, b < c),
+            BinaryOperator::And => truth(a > 0.0 && c > 0.0, (a == 0.0 && b == 0.0) || (c == 0.0 && d == 0.0)),
+            BinaryOperator::Or => truth(a > 0.0 || c > 0.0, a == 0.0 && b == 0.0 && c == 0.0 && d == 0.0),
+        };
+        if found.0.is_nan() || found.1.is_nan() { ANY } else { found }
+    }
+
+    /// Bounds of what it gives for a value within bounds and the same value again.
+    pub fn bounds_of_same(self, bounds: Bounds) -> Bounds {
+        let (low, high) = bounds;
+        let finite = low.is_finite() && high.is_finite();
+        match self {
+            BinaryOperator::Subtract if finite => (0.0, 0.0),
+            BinaryOperator::Divide if finite && (low > 0.0 || high < 0.0) => (1.0, 1.0),
+            BinaryOperator::Multiply => {
+                let (near, far) = Function::Abs.bounds(&[bounds]);
+                (near * near, far * far)
+            }
+            _ => self.bounds(bounds, bounds),
+        }
+    }
+}
+
+impl Function {
+    /// Bounds of what it gives for values within bounds.
+    ///
+    /// # Panics
+    /// There are fewer values than it takes.
+    pub fn bounds(self, values: &[Bounds]) -> Bounds {
+        let (low, high) = values[0];
+        match self {
+            Function::Min => values[1..].iter().fold((low, high), |(a, b), (c, d)| (a.min(*c), b.min(*d))),
+            Function::Max => values[1..].iter().fold((low, high), |(a, b), (c, d)| (a.max(*c), b.max(*d))),
+            Function::Abs if low >= 0.0 => (low, high),
+            Function::Abs if high <= 0.0 => (-high, -low),
+            Function::Abs => (0.0, high.max(-low)),
+            Function::Exp => (libm::exp(low), libm::exp(high)),
+            // Of a negative number there is none.
+            Function::Sqrt if low < 0.0 => ANY,
+            Function::Sqrt => (low.sqrt(), high.sqrt()),
+            Function::LogLikelihood => {
+                let apart = BinaryOperator::Subtract.bounds(values[0], values[1]);
+                let (near, far) = Function::Abs.bounds(&[BinaryOperator::Divide.bounds(apart, values[2])]);
+                (-0.5 * far * far, -0.5 * near * near)
+            }
+        }
+    }
+}
+
 impl Formula {
     /// Bounds of the value when the variables lie within bounds: the value is never outside, but the bounds may be wider than
     /// need be. A condition that is bounded by 0 above never holds, one that is bounded by 1 below always does.
-    pub fn bounds(&self, values: &impl Fn(VariableId) -> (f64, f64)) -> (f64, f64) {
-        const NEVER: (f64, f64) = (0.0, 0.0);
-        const ALWAYS: (f64, f64) = (1.0, 1.0);
-        let truth = |always: bool, never: bool| match (always, never) {
-            (true, _) => ALWAYS,
-            (_, true) => NEVER,
-            _ => (0.0, 1.0),
-        };
+    pub fn bounds(&self, values: &impl Fn(VariableId) -> Bounds) -> Bounds {
         match self {
             Formula::Constant(value) => (*value, *value),
             Formula::Variable(id) => values(*id),
@@ -134,47 +203,20 @@ impl Formula {
                 let (low, high) = inner.bounds(values);
                 truth(low == 0.0 && high == 0.0, low > 0.0 || high < 0.0)
             }
-            Formula::Binary(operator, left, right) => {
-                let (a, b) = left.bounds(values);
-                let (c, d) = right.bounds(values);
-                match operator {
-                    BinaryOperator::Add => (a + c, b + d),
-                    BinaryOperator::Subtract => (a - d, b - c),
-                    BinaryOperator::Multiply => hull([a * c, a * d, b * c, b * d]),
-                    BinaryOperator::Divide if c > 0.0 || d < 0.0 => hull([a / c, a / d, b / c, b / d]),
-                    BinaryOperator::Divide => (f64::NEG_INFINITY, f64::INFINITY),
-                    BinaryOperator::Less => truth(b < c, a >= d),
-                    BinaryOperator::LessEqual => truth(b <= c, a > d),
-                    BinaryOperator::Greater => truth(a > d, b <= c),
-                    BinaryOperator::GreaterEqual => truth(a >= d, b < c),
-                    BinaryOperator::And => truth(a > 0.0 && c > 0.0, (a == 0.0 && b == 0.0) || (c == 0.0 && d == 0.0)),
-                    BinaryOperator::Or => truth(a > 0.0 || c > 0.0, a == 0.0 && b == 0.0 && c == 0.0 && d == 0.0),
-                }
-            }
+            Formula::Binary(operator, left, right) if left == right => operator.bounds_of_same(left.bounds(values)),
+            Formula::Binary(operator, left, right) => operator.bounds(left.bounds(values), right.bounds(values)),
             Formula::Call(function, arguments) => {
-                let mut all = arguments.iter().map(|argument| argument.bounds(values));
-                let (low, high) = all.next().expect("checked: every function has an argument");
-                match function {
-                    Function::Min => all.fold((low, high), |(a, b), (c, d)| (a.min(c), b.min(d))),
-                    Function::Max => all.fold((low, high), |(a, b), (c, d)| (a.max(c), b.max(d))),
-                    Function::Abs if low >= 0.0 => (low, high),
-                    Function::Abs if high <= 0.0 => (-high, -low),
-                    Function::Abs => (0.0, high.max(-low)),
-                    Function::Exp => (libm::exp(low), libm::exp(high)),
-                    // Of a negative number there is none.
-                    Function::Sqrt if low < 0.0 => (f64::NEG_INFINITY, f64::INFINITY),
-                    Function::Sqrt => (low.sqrt(), high.sqrt()),
-                    Function::LogLikelihood => (f64::NEG_INFINITY, 0.0),
-                }
+                let bounds: Vec<Bounds> = arguments.iter().map(|argument| argument.bounds(values)).collect();
+                function.bounds(&bounds)
             }
         }
     }
 }
 
 /// The bounds of some numbers; infinite ones times zero say nothing.
-fn hull(corners: [f64; 4]) -> (f64, f64) {
+fn hull(corners: [f64; 4]) -> Bounds {
     if corners.iter().any(|corner| corner.is_nan()) {
-        return (f64::NEG_INFINITY, f64::INFINITY);
+        return ANY;
     }
     let low = corners.iter().fold(f64::INFINITY, |a, b| a.min(*b));
     (low, corners.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b)))
@@ -232,13 +274,22 @@ mod tests {
                 BinaryOperator::And,
                 Or,
             ]);
-            let function =
-                prop::sample::select(vec![Function::Min, Function::Max, Function::Abs, Function::Exp, Function::Sqrt]);
+            let operator_of_same = prop::sample::select(vec![Multiply, Divide, Subtract, Less]);
+            let function = prop::sample::select(vec![
+                Function::Min,
+                Function::Max,
+                Function::Abs,
+                Function::Exp,
+                Function::Sqrt,
+                Function::LogLikelihood,
+            ]);
             prop_oneof![
                 (operator, inner.clone(), inner.clone()).prop_map(|(o, a, b)| Formula::Binary(o, a.into(), b.into())),
                 inner.clone().prop_map(|a| Formula::Negate(a.into())),
                 inner.clone().prop_map(|a| Formula::Not(a.into())),
-                (function, prop::collection::vec(inner, 1..3))
+                // The same on both sides.
+                (operator_of_same, inner.clone()).prop_map(|(o, a)| Formula::Binary(o, a.clone().into(), a.into())),
+                (function, prop::collection::vec(inner, 3))
                     .prop_map(|(f, arguments)| Formula::Call(f, arguments.into())),
             ]
         })

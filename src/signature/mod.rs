@@ -12,6 +12,6 @@ mod shape;
 
 pub use arguments::{Arguments, DeclarationId, Value};
 pub use distribution::Distribution;
-pub use formula::{BinaryOperator, Formula, Function, VariableId};
-pub use param::{Param, Type};
+pub use formula::{BinaryOperator, Bounds, Formula, Function, VariableId};
+pub use param::{Param, Type, bounds};
 pub use shape::{Event, Form, Signature, Variable, Vocabulary};

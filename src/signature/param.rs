@@ -81,6 +81,21 @@ impl Type {
         Self::Quantity { dimension: Dimension::RATIO, min: 0.0, max: 1.0 }
     }
 
+    /// What a user calls it, with its bounds if it has any.
+    pub fn describe_bounded(&self) -> String {
+        match self {
+            Type::Quantity { dimension, min, max }
+            | Type::Range { dimension, min, max }
+            | Type::Distribution { dimension, min, max }
+                if *min > f64::NEG_INFINITY || *max < f64::INFINITY =>
+            {
+                format!("{}, {}", self.describe(), bounds(*min, *max, *dimension))
+            }
+            Type::List(item) => format!("list, each {}", item.describe_bounded()),
+            other => other.describe(),
+        }
+    }
+
     /// What a user calls it.
     pub fn describe(&self) -> String {
         match self {
@@ -103,6 +118,24 @@ impl Type {
             Type::Condition(_) => "condition".into(),
             Type::Formula(_) => "formula of a plain number".into(),
         }
+    }
+}
+
+/// Bounds in SI as a user would write them.
+pub fn bounds(min: f64, max: f64, dimension: Dimension) -> String {
+    // Bounds are shown in degrees for angles, as a user would write them.
+    let (scale, name) = match dimension {
+        Dimension::RATIO => (1.0, ""),
+        Dimension::ANGLE => (std::f64::consts::PI / 180.0, " deg"),
+        _ => (1.0, dimension.usual_units().first().copied().unwrap_or("")),
+    };
+    let shown = |bound: f64| format!("{} {}", bound / scale, name.trim()).trim().to_string();
+    match (min, max) {
+        (min, f64::INFINITY) if min == f64::MIN_POSITIVE => format!("above {}", shown(0.0)),
+        (min, max) if min == f64::MIN_POSITIVE => format!("above {}, at most {}", shown(0.0), shown(max)),
+        (min, f64::INFINITY) => format!("{} or more", shown(min)),
+        (f64::NEG_INFINITY, max) => format!("{} or less", shown(max)),
+        (min, max) => format!("{} to {}", shown(min), shown(max)),
     }
 }
 

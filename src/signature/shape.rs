@@ -14,6 +14,10 @@ pub struct Signature {
     pub children: Vec<Signature>,
     /// Whether `on event => formula` clauses may stand inside.
     pub clauses: bool,
+    /// Keys of which the first must not be above the second.
+    pub rising: Vec<[&'static str; 2]>,
+    /// The length of a tick that it is made for (s), if it is made for one.
+    pub tick: Option<f64>,
     /// If it stands in for something that it is not: what is real, what is assumed, what its numbers show. Empty for the real thing.
     pub surrogate: &'static str,
 }
@@ -21,7 +25,22 @@ pub struct Signature {
 impl Signature {
     /// A kind with keys and nothing inside.
     pub fn new(name: &'static str, doc: &'static str, params: Vec<Param>) -> Self {
-        Self { name, doc, params, children: Vec::new(), clauses: false, surrogate: "" }
+        Self { name, doc, params, children: Vec::new(), clauses: false, rising: Vec::new(), tick: None, surrogate: "" }
+    }
+
+    /// The same, and no value of these keys is above that of the next one.
+    ///
+    /// # Panics
+    /// One of them is no key.
+    pub fn rising(mut self, keys: &[&'static str]) -> Self {
+        assert!(keys.iter().all(|key| self.params.iter().any(|param| param.name == *key)), "no keys: {keys:?}");
+        self.rising.extend(keys.windows(2).map(|pair| [pair[0], pair[1]]));
+        self
+    }
+
+    /// The same, made for ticks of this length (s).
+    pub fn made_for(self, tick: f64) -> Self {
+        Self { tick: Some(tick), ..self }
     }
 
     /// The same, and it says of what it is a surrogate; reports repeat that.
@@ -52,6 +71,8 @@ pub struct Variable {
     pub name: &'static str,
     /// What it measures; its value is in SI.
     pub dimension: Dimension,
+    /// What its value lies between, in SI, whatever happens.
+    pub bounds: (f64, f64),
     /// One sentence for the reference.
     pub doc: &'static str,
 }

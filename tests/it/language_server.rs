@@ -1,11 +1,16 @@
 //! Whole sessions of the language server, message by message.
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use falsify::lsp::{Ending, WireError, serve};
 use serde_json::{Value, json};
+
+/// Where the library is written that somebody reads in.
+fn shelf() -> PathBuf {
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join("shelf")
+}
 
 /// A session that is written down first and held then.
 struct Session {
@@ -54,7 +59,7 @@ impl Session {
         self.ask("shutdown", Value::Null);
         self.tell("exit", Value::Null);
         let mut output = Vec::new();
-        assert_eq!(serve(&self.input[..], &mut output).unwrap(), Ending::Orderly);
+        assert_eq!(serve(&self.input[..], &mut output, shelf()).unwrap(), Ending::Orderly);
         messages(&output)
     }
 }
@@ -152,7 +157,7 @@ fn words_are_explained_where_they_stand() {
     for (mark, part) in [
         ("reward fast", "What the pedestrian is paid for"),
         ("idm(", "Intelligent Driver Model"),
-        ("time_headway", "time [s, ms]; default `1.5 s`"),
+        ("time_headway", "time [s, ms], above 0 s; default `1.5 s`"),
         ("s, limit", "time"),
         ("child", "one of"),
         ("hit(", "touch"),
@@ -292,7 +297,7 @@ fn malformed_messages_and_unknown_requests_do_no_harm() {
 
 #[test]
 fn a_stream_out_of_step_ends_the_session() {
-    let serve = |input: &[u8]| serve(input, &mut Vec::new());
+    let serve = |input: &[u8]| serve(input, &mut Vec::new(), shelf());
     assert!(matches!(serve(b""), Ok(Ending::Abrupt)));
     assert!(matches!(serve(b"GET / HTTP/1.1\r\n\r\n"), Err(WireError::Headers)));
     assert!(matches!(serve(b"Content-Length: 99999999999999\r\n\r\n"), Err(WireError::Headers)));

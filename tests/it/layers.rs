@@ -58,7 +58,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ),
     ("store", &["rl", "env", "compile", "falsifier", "campaign", "report"]),
     ("process", &["av"]),
-    ("lsp", &["diagnostic", "signature", "units", "lang", "compile"]),
+    ("lsp", &["diagnostic", "signature", "units", "lang", "compile", "process"]),
     (
         "cli",
         &[

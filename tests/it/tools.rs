@@ -161,7 +161,7 @@ import \"std/paper.scn\"
 import \"std/drivers.scn\"
 import harbour, village from \"std/towns.scn\"
 param least: angle = 1 deg
-spawn there { require: [facing > least and facing < 2 deg] }
+spawn there { require: [facing > least and facing < 1.01 deg] }
 campaign c {
   vehicle: model3 adversary: suicidal spawn: there episode: thirty_seconds training: ppo_paper
   train { towns: [harbour] policies: [behavior] rewards: [r1] runs: 1 }

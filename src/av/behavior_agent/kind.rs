@@ -47,6 +47,7 @@ impl BehaviorAgent {
                 quirk("rear_point", "An obstacle is measured at its back (Q10)."),
             ],
         )
+        .made_for(0.05)
     }
 
     /// Makes one from checked arguments.

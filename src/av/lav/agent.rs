@@ -99,6 +99,7 @@ impl Lav {
                 ),
             ],
         )
+        .made_for(0.05)
         .surrogate(
             "Exact: LAV's controller and rules. Assumed: its networks, which are not run; its route and what it perceives take the place of its plan, detections and forecasts, and the rules that labelled its training data that of its brake classifier. So its rates show the limits of LAV's rules and not the mistakes of its networks.",
         )

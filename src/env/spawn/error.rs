@@ -1,3 +1,5 @@
+use std::fmt;
+
 /// Why nobody can be placed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SpawnError {
@@ -31,17 +33,29 @@ pub enum SpawnError {
         room: f64,
     },
     /// Too few beginnings satisfy all constraints.
-    #[error(
-        "only {accepted} of {tried} beginnings satisfy all constraints; the one that fails most is `{worst}`, satisfied by {worst_passed}"
-    )]
-    Crowded {
-        /// Beginnings that satisfied all.
-        accepted: u32,
-        /// Beginnings that were tried.
-        tried: u32,
-        /// The constraint that most of them failed.
-        worst: String,
-        /// Beginnings that satisfied it.
-        worst_passed: u32,
-    },
+    #[error("{0}; at least about one in ten thousand must")]
+    Crowded(Rarity),
+}
+
+/// How few beginnings satisfy all constraints, and which constraint most of them fail.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Rarity {
+    /// Beginnings that satisfied all.
+    pub accepted: u32,
+    /// Beginnings that were tried.
+    pub tried: u32,
+    /// The constraint that most of them failed.
+    pub worst: String,
+    /// Beginnings that satisfied it.
+    pub worst_passed: u32,
+}
+
+impl fmt::Display for Rarity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { accepted, tried, worst, worst_passed } = self;
+        write!(
+            f,
+            "only {accepted} of {tried} beginnings satisfy all constraints; the one that fails most is `{worst}`, satisfied by {worst_passed}"
+        )
+    }
 }

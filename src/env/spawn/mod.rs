@@ -20,6 +20,6 @@ mod error;
 
 pub use constraint::{Constraint, Ground};
 pub use ego_start::{EgoStart, LanePiece, RoadShape};
-pub use error::SpawnError;
+pub use error::{Rarity, SpawnError};
 pub use rule::{Measure, Spawn, SpawnRule};
 pub use survey::Survey;

@@ -1,7 +1,7 @@
 use rand::RngExt;
 
 use super::constraint::placed;
-use super::{Constraint, EgoStart, RoadShape, SpawnError};
+use super::{Constraint, EgoStart, Rarity, RoadShape, SpawnError};
 use crate::env::FirstHeading;
 use crate::geometry::{Obstacles, Point, Pose, Vector, wrap_angle};
 use crate::road::Town;
@@ -51,10 +51,13 @@ pub struct Spawn {
     pub pedestrian: Pose,
 }
 
-/// Beginnings that [`SpawnRule::probe`] tries for each listed pose of the ego, or in all.
-const PROBES: u32 = 400;
-/// A probe passes when one beginning in so many is accepted.
-const ONE_IN: u32 = 100;
+/// Beginnings that must be accepted for [`SpawnRule::probe`] to pass.
+const ENOUGH: u32 = 4;
+/// Tries within which they are found unless they are rare.
+const FEW_PROBES: u32 = 400;
+/// Most tries for each listed pose of the ego, or in all, and most tries altogether where many poses are listed.
+const MOST_PROBES: u32 = 40_000;
+const ALL_PROBES: u32 = 400_000;
 /// Places that one [`SpawnRule::sample`] tries around one pose of the ego; then the ego moves on.
 const TRIES: u32 = 1000;
 /// Poses of the ego that one [`SpawnRule::sample`] tries.
@@ -65,8 +68,9 @@ const FEW_EGOS: u32 = 10;
 const NEAREST: f64 = 0.1;
 
 impl SpawnRule {
-    /// Makes sure that the rule can place somebody: at least one beginning in a hundred must satisfy all constraints, around
-    /// every pose that is listed, when pedestrians first look there.
+    /// Makes sure that the rule can place somebody: about one beginning in ten thousand must satisfy all constraints, around
+    /// every pose that is listed, when pedestrians first look there. Gives what is to be said where it is less than about one in a
+    /// hundred.
     ///
     /// # Errors
     /// Says what stands in the way.
@@ -76,20 +80,26 @@ impl SpawnRule {
         obstacles: &Obstacles,
         first: FirstHeading,
         stream: &mut Stream,
-    ) -> Result<(), SpawnError> {
+    ) -> Result<Option<Rarity>, SpawnError> {
         self.ego_start.check(town)?;
+        let poses = if let EgoStart::Poses(poses) = &self.ego_start { poses.len() as u32 } else { 1 };
+        let most = (ALL_PROBES / poses).clamp(FEW_PROBES, MOST_PROBES);
         let mut around = |ego: &mut dyn FnMut(&mut Stream) -> Pose| {
-            let count = (PROBES, PROBES / ONE_IN);
-            let survey = self.survey_from(ego, town, obstacles, first, count, stream);
-            if survey.accepted >= PROBES / ONE_IN {
-                return Ok(());
+            let mut survey = |most: u32| self.survey_from(ego, town, obstacles, first, (most, ENOUGH), stream);
+            if survey(FEW_PROBES).accepted >= ENOUGH {
+                return Ok(None);
             }
+            let survey = survey(most);
             let (worst, worst_passed) = survey.worst().unwrap_or_default();
             let (accepted, tried) = (survey.accepted, survey.tried);
-            Err(SpawnError::Crowded { accepted, tried, worst: worst.to_string(), worst_passed })
+            let rarity = Rarity { accepted, tried, worst: worst.to_string(), worst_passed };
+            if accepted >= ENOUGH { Ok(Some(rarity)) } else { Err(SpawnError::Crowded(rarity)) }
         };
         match &self.ego_start {
-            EgoStart::Poses(poses) => poses.iter().try_for_each(|pose| around(&mut |_| *pose)),
+            EgoStart::Poses(poses) => {
+                let rarities = poses.iter().map(|pose| around(&mut |_| *pose)).collect::<Result<Vec<_>, _>>()?;
+                Ok(rarities.into_iter().flatten().max_by_key(|rarity| rarity.tried))
+            }
             start => around(&mut |stream| start.sample(town, stream)),
         }
     }

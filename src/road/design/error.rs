@@ -155,3 +155,26 @@ pub enum DesignError {
         road: String,
     },
 }
+
+impl DesignError {
+    /// The names of the streets and nodes at fault, the one that says most about the place first.
+    pub fn names(&self) -> Vec<&str> {
+        match self {
+            Self::Measure { .. } | Self::BuildingMeasure { .. } => Vec::new(),
+            Self::FarNode { node, .. }
+            | Self::UnusedNode { node }
+            | Self::ManyLegs { node, .. }
+            | Self::LightsWithoutJunction { node } => vec![node],
+            Self::SpeedLimit { street, .. } | Self::ShortStreet { street, .. } | Self::UnknownNode { street, .. } => {
+                vec![street]
+            }
+            Self::RepeatedNode { street, node } => vec![street, node],
+            Self::SamePlace { first, second }
+            | Self::Crossing { first, second, .. }
+            | Self::Overlap { first, second, .. } => vec![first, second],
+            Self::SharpAngle { node, first, second, .. } => vec![first, second, node],
+            Self::ShortLeg { street, from, to, .. } => vec![street, from, to],
+            Self::BuildingOnLane { road, .. } => vec![road],
+        }
+    }
+}
