@@ -74,7 +74,11 @@ pub fn records(diagnostics: &[Diagnostic], sources: &Sources) -> Vec<Record> {
         label: each.primary.text.clone(),
         labels: each.labels.iter().map(placed).collect(),
         help: each.help.clone(),
-        fixes: each.fix.iter().map(|text| PlacedText { text: text.clone(), place: place(each.primary.span) }).collect(),
+        fixes: each
+            .fixes
+            .iter()
+            .map(|text| PlacedText { text: text.clone(), place: place(each.primary.span) })
+            .collect(),
     };
     diagnostics.iter().map(record).collect()
 }

@@ -18,6 +18,7 @@ pub fn render(diagnostic: &Diagnostic, sources: &Sources, colour: Colour) -> Str
         Severity::Warning => Level::WARNING,
     };
     let title = level.primary_title(&diagnostic.message).id(diagnostic.code);
+    let offer = diagnostic.offer();
     let mut main = Group::with_title(title);
     for source in sources_in_order(diagnostic) {
         main = main.element(snippet(diagnostic, sources, source));
@@ -25,8 +26,11 @@ pub fn render(diagnostic: &Diagnostic, sources: &Sources, colour: Colour) -> Str
     for help in &diagnostic.help {
         main = main.element(Level::HELP.message(help));
     }
+    if diagnostic.fixes.len() > 1 {
+        main = main.elements(offer.as_ref().map(|offer| Level::HELP.message(offer)));
+    }
     let mut groups = vec![main];
-    if let Some(fix) = &diagnostic.fix {
+    if let [fix] = diagnostic.fixes.as_slice() {
         let span = diagnostic.primary.span;
         let excerpt = Excerpt::new(sources, span.source, &[span]);
         let snippet = Snippet::source(excerpt.text)

@@ -34,8 +34,8 @@ pub struct Diagnostic {
     pub labels: Vec<Label>,
     /// What to do about it.
     pub help: Vec<String>,
-    /// A text that would repair the primary span when it stands there instead.
-    pub fix: Option<String>,
+    /// Texts each of which would repair the primary span when it stands there instead.
+    pub fixes: Vec<String>,
 }
 
 impl Diagnostic {
@@ -48,7 +48,7 @@ impl Diagnostic {
             primary: Label { span, text: String::new() },
             labels: Vec::new(),
             help: Vec::new(),
-            fix: None,
+            fixes: Vec::new(),
         }
     }
 
@@ -77,7 +77,19 @@ impl Diagnostic {
 
     /// Offers a text in place of the primary span.
     pub fn fix(mut self, text: impl Into<String>) -> Self {
-        self.fix = Some(text.into());
+        self.fixes.push(text.into());
         self
+    }
+
+    /// The repairs in words; none when there are none.
+    pub fn offer(&self) -> Option<String> {
+        match self.fixes.as_slice() {
+            [] => None,
+            [fix] => Some(format!("write `{fix}`")),
+            fixes => {
+                let quoted: Vec<String> = fixes.iter().map(|fix| format!("`{fix}`")).collect();
+                Some(format!("did you mean {}?", quoted.join(" or ")))
+            }
+        }
     }
 }

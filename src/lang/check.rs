@@ -200,7 +200,7 @@ impl<'f> Checker<'_, '_, 'f> {
                     None => {
                         let Name { text, span } = &property.key;
                         let unknown = codes::unknown_key(*span, signature.name, text, &keys);
-                        meant.extend(unknown.fix.clone());
+                        meant.extend(unknown.fixes.iter().cloned());
                         self.diagnostics.push(unknown);
                     }
                     Some(param) => {
@@ -208,7 +208,11 @@ impl<'f> Checker<'_, '_, 'f> {
                             self.diagnostics.push(codes::duplicate_key(property.key.span, param.name, first.span));
                             continue;
                         }
+                        let before = self.diagnostics.len();
                         let checked = value(&property.value, &param.ty, self.context, self.diagnostics);
+                        for said in &mut self.diagnostics[before..] {
+                            codes::show_key(said, property.key.span, param);
+                        }
                         self.whole &= checked.is_some();
                         given.push((&property.key, param.name, property.value.span, checked));
                         if matches!(param.ty, Type::List(_)) {

@@ -2,7 +2,7 @@
 
 use std::io::ErrorKind;
 
-use crate::diagnostic::{Diagnostic, Span};
+use crate::diagnostic::{Diagnostic, Label, Span};
 use crate::signature::{Param, Type};
 use crate::units::Dimension;
 
@@ -377,12 +377,17 @@ pub fn wrong_type(span: Span, expected: &Type, found: &str) -> Diagnostic {
 
 /// A bare number stands where a unit is needed.
 pub fn missing_unit(span: Span, dimension: Dimension, written: &str) -> Diagnostic {
-    let offers: Vec<String> = dimension.usual_units().iter().map(|unit| format!("`{written} {unit}`")).collect();
     let diagnostic = Diagnostic::error("missing-unit", span, format!("{} needs a unit", one(dimension)));
-    match offers.as_slice() {
-        [] => diagnostic,
-        [one] => diagnostic.help(format!("write {one}")),
-        many => diagnostic.help(format!("did you mean {}?", many.join(" or "))),
+    let plain = written.trim_start_matches('-').chars().all(|c| c.is_ascii_digit() || matches!(c, '.' | '_'));
+    let offer = |unit: &&str| if plain { format!("{written} {unit}") } else { format!("({written}) * 1 {unit}") };
+    dimension.usual_units().iter().map(offer).fold(diagnostic, Diagnostic::fix)
+}
+
+/// Shows what the key of a value with a wrong unit, or with none, measures.
+pub fn show_key(said: &mut Diagnostic, key: Span, param: &Param) {
+    if matches!(said.code, "missing-unit" | "wrong-unit") && said.labels.is_empty() {
+        let text = format!("`{}` is {}", param.name, one(param.ty.describe()));
+        said.labels.push(Label { span: key, text });
     }
 }
 

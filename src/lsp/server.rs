@@ -250,19 +250,22 @@ impl<W: Write> Server<W> {
         let lines = Lines::new(&source.text);
         let mut repairs = Vec::new();
         for each in compiled.diagnostics.iter().filter(|each| each.primary.span.source == id) {
-            let (Some(fix), range) = (&each.fix, range(&lines, each.primary.span)) else { continue };
+            let range = range(&lines, each.primary.span);
             if range.end < part.start || range.start > part.end {
                 continue;
             }
-            let edit = TextEdit { range, new_text: fix.clone() };
-            let edit = WorkspaceEdit { changes: Some([(uri.clone(), vec![edit])].into()), ..WorkspaceEdit::default() };
-            repairs.push(CodeActionOrCommand::CodeAction(CodeAction {
-                title: format!("write `{fix}`"),
-                kind: Some(CodeActionKind::QUICKFIX),
-                diagnostics: Some(vec![shown(each, &lines)]),
-                edit: Some(edit),
-                is_preferred: Some(true),
-                ..CodeAction::default()
+            repairs.extend(each.fixes.iter().map(|fix| {
+                let edit = TextEdit { range, new_text: fix.clone() };
+                let changes = Some([(uri.clone(), vec![edit])].into());
+                CodeActionOrCommand::CodeAction(CodeAction {
+                    title: format!("write `{fix}`"),
+                    kind: Some(CodeActionKind::QUICKFIX),
+                    diagnostics: Some(vec![shown(each, &lines)]),
+                    edit: Some(WorkspaceEdit { changes, ..WorkspaceEdit::default() }),
+                    // Among several it takes a decision.
+                    is_preferred: Some(each.fixes.len() == 1),
+                    ..CodeAction::default()
+                })
             }));
         }
         repairs
@@ -320,7 +323,7 @@ fn above(text: &str, byte: usize) -> &str {
 /// A diagnostic as an editor shows it.
 fn shown(each: &Diagnostic, lines: &Lines) -> lsp_types::Diagnostic {
     let mut message = each.message.clone();
-    let fix = each.fix.as_ref().map(|fix| format!("write `{fix}`"));
+    let fix = each.offer();
     for part in std::iter::once(&each.primary.text).chain(&each.help).chain(&fix).filter(|part| !part.is_empty()) {
         message.push('\n');
         message.push_str(part);

@@ -53,6 +53,7 @@ mod searches;
 mod shards;
 mod shipped;
 mod spawns;
+mod stepping;
 mod stopping;
 mod suite;
 mod tables_elsewhere;

@@ -84,10 +84,9 @@ fn section(folder: &Path, body: &str) -> Result<(), String> {
         let span = each.primary.span;
         let (line, _) = sources.line_column(span.source, span.start);
         let severity = if each.severity == Severity::Error { "error" } else { "warning" }.to_string();
-        let everything =
-            [&each.message, &each.primary.text, &each.help.join(" "), &each.fix.clone().unwrap_or_default()]
-                .map(String::as_str)
-                .join(" ");
+        let everything = [&each.message, &each.primary.text, &each.help.join(" "), &each.offer().unwrap_or_default()]
+            .map(String::as_str)
+            .join(" ");
         found.push((Said { line, severity, code: each.code.to_string() }, everything));
     }
     let mut wanted = expectations(body);
