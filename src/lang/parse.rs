@@ -317,7 +317,11 @@ impl Reader {
     fn value(&mut self, pair: Pair<Rule>) -> Expression {
         let span = self.span(&pair);
         let pairs = pair.into_inner();
-        if pairs.len() > MAX_TERMS {
+        let counts = |pair: &Pair<Rule>| {
+            let beside = [Rule::prefix, Rule::unit, Rule::arguments, Rule::conversion];
+            !beside.contains(&pair.as_rule())
+        };
+        if pairs.len() > MAX_TERMS && pairs.clone().filter(counts).count() > MAX_TERMS {
             self.diagnostics.push(codes::too_long(span, MAX_TERMS));
             return Expression { kind: ExpressionKind::Number { value: 0.0, unit: None }, span };
         }
@@ -333,7 +337,7 @@ impl Reader {
     }
 
     fn expression(&mut self, pairs: &mut Peekable<Pairs<Rule>>) -> Expression {
-        let first = self.term(pairs.next().expect("an expression has a term"));
+        let first = self.term(pairs);
         self.operations(first, pairs, 0)
     }
 
@@ -343,7 +347,7 @@ impl Reader {
         let binds = |pair: &Pair<Rule>| operator(pair).filter(|(_, tightness)| *tightness >= least);
         while let Some((operator, tightness)) = pairs.peek().and_then(binds) {
             pairs.next();
-            let right = self.term(pairs.next().expect("a term follows an operator"));
+            let right = self.term(pairs);
             let right = self.operations(right, pairs, tightness + 1);
             let span = left.span.to(right.span);
             let kind = ExpressionKind::Binary { operator, left: left.into(), right: right.into() };
@@ -352,22 +356,18 @@ impl Reader {
         left
     }
 
-    fn term(&mut self, pair: Pair<Rule>) -> Expression {
+    /// Signs, what they stand before, and the unit that it is counted in.
+    fn term(&mut self, pairs: &mut Peekable<Pairs<Rule>>) -> Expression {
         let mut prefixes = Vec::new();
-        let mut result = None;
-        for part in pair.into_inner() {
-            match part.as_rule() {
-                Rule::prefix => prefixes.push((part.as_str() == "-", self.span(&part))),
-                Rule::conversion => {
-                    let unit = self.name(part.into_inner().next().expect("a conversion has a unit"));
-                    let inner: Expression = result.take().expect("a conversion follows a value");
-                    let span = inner.span.to(unit.span);
-                    result = Some(Expression { kind: ExpressionKind::Conversion(inner.into(), unit), span });
-                }
-                _ => result = Some(self.primary(part)),
-            }
+        while let Some(prefix) = pairs.next_if(|pair| pair.as_rule() == Rule::prefix) {
+            prefixes.push((prefix.as_str() == "-", self.span(&prefix)));
         }
-        let mut expression = result.expect("a term has a value");
+        let mut expression = self.primary(pairs);
+        if let Some(conversion) = pairs.next_if(|pair| pair.as_rule() == Rule::conversion) {
+            let unit = self.name(conversion.into_inner().next().expect("a conversion has a unit"));
+            let span = expression.span.to(unit.span);
+            expression = Expression { kind: ExpressionKind::Conversion(expression.into(), unit), span };
+        }
         if prefixes.len() > MAX_TERMS {
             self.diagnostics.push(codes::too_long(prefixes[0].1, MAX_TERMS));
             return expression;
@@ -384,21 +384,24 @@ impl Reader {
         expression
     }
 
-    fn primary(&mut self, pair: Pair<Rule>) -> Expression {
+    /// A number with its unit, a word or a call, a text, a group, a list.
+    fn primary(&mut self, pairs: &mut Peekable<Pairs<Rule>>) -> Expression {
+        let pair = pairs.next().expect("a term has a value");
         let span = self.span(&pair);
         let kind = match pair.as_rule() {
-            Rule::quantity => {
-                let mut inner = pair.into_inner();
-                let value = read_number(inner.next().expect("a quantity has a number").as_str());
-                ExpressionKind::Number { value, unit: inner.next().map(|unit| self.name(unit)) }
+            Rule::number => {
+                let value = read_number(pair.as_str());
+                let unit = pairs.next_if(|pair| pair.as_rule() == Rule::unit).map(|unit| self.name(unit));
+                let span = unit.as_ref().map_or(span, |unit| span.to(unit.span));
+                return Expression { kind: ExpressionKind::Number { value, unit }, span };
             }
             Rule::text => ExpressionKind::Text(inner_text(&pair)),
-            Rule::call => {
-                let mut inner = pair.into_inner();
-                let function = self.name(inner.next().expect("a call has a name"));
-                let Some(list) = inner.next() else {
-                    return Expression { kind: ExpressionKind::Name(function.text), span: function.span };
+            Rule::name => {
+                let function = self.name(pair);
+                let Some(list) = pairs.next_if(|pair| pair.as_rule() == Rule::arguments) else {
+                    return Expression { kind: ExpressionKind::Name(function.text), span };
                 };
+                let span = span.to(self.span(&list));
                 let mut arguments = Vec::new();
                 for argument in list.into_inner() {
                     match self.argument(argument) {
@@ -407,10 +410,12 @@ impl Reader {
                             self.diagnostics.push(codes::named_argument(property.key.span, &property.key.text));
                             arguments.push(property.value);
                         }
-                        Entry::Clause(_) | Entry::Child(_) | Entry::Unread(_) => unreachable!("an argument is a value"),
+                        Entry::Clause(_) | Entry::Child(_) | Entry::Unread(_) => {
+                            unreachable!("an argument is a value")
+                        }
                     }
                 }
-                ExpressionKind::Call { function, arguments }
+                return Expression { kind: ExpressionKind::Call { function, arguments }, span };
             }
             Rule::group => ExpressionKind::Group(pair.into_inner().map(|value| self.value(value)).collect()),
             Rule::list => ExpressionKind::List(pair.into_inner().map(|value| self.value(value)).collect()),

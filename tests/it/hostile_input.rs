@@ -94,6 +94,18 @@ fn lines(count: usize, line: &str) -> String {
 }
 
 #[test]
+fn streets_that_all_cross_each_other_are_told_in_time() {
+    let street = |number: i32, along: bool| {
+        let (a, b) = (number * 40 - 4000, 9000);
+        let ends = if along { [(-b, a), (b, a)] } else { [(a, -b), (a, b)] };
+        format!("street {{ through: [({} m, {} m), ({} m, {} m)] }}\n", ends[0].0, ends[0].1, ends[1].0, ends[1].1)
+    };
+    let streets: String = (0..400).map(|number| street(number / 2, number % 2 == 0)).collect();
+    let text = format!("edition 1\ntown t {{\n{streets}}}\n");
+    assert_eq!(survive_in_time("crossings", text), Some("unbuildable-town"));
+}
+
+#[test]
 fn a_hundred_thousand_declarations_are_checked() {
     let text = format!("edition 1\n{}", lines(100_000, "reward r# { on hit => # }"));
     let (sender, receiver) = mpsc::channel();

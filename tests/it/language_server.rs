@@ -259,6 +259,68 @@ fn names_and_imports_lead_to_their_declarations() {
 }
 
 #[test]
+fn what_the_library_declares_can_be_read() {
+    let mut session = Session::new();
+    session.open(FILE, SCENARIO);
+    let town = session.ask_at("textDocument/definition", FILE, SCENARIO, "harbour]");
+    let import = session.ask_at("textDocument/definition", FILE, SCENARIO, "std/paper.scn");
+    let answers = session.hold();
+    for (id, name) in [(town, "towns.scn"), (import, "paper.scn")] {
+        let uri = result(&answers, id)["uri"].as_str().unwrap();
+        let file = shelf().join(name);
+        assert_eq!(uri, format!("file://{}", file.display()));
+        let text = std::fs::read_to_string(file).unwrap();
+        let start = &result(&answers, id)["range"]["start"];
+        let line = text.lines().nth(start["line"].as_u64().unwrap() as usize).unwrap();
+        assert!(id == import || line.starts_with("town harbour"), "{line}");
+        // What stands there can be opened and asked about in turn.
+        let mut inside = Session::new();
+        inside.open(uri, &text);
+        assert_eq!(diagnostics(&inside.hold(), uri), &Vec::<Value>::new());
+    }
+}
+
+#[test]
+fn repairs_are_offered_where_the_mistake_is() {
+    let text = "edition 1\nspwan s { bearing: -60 .. 60 deg }\nspawn t { bearing: -60 .. 60 deg }\n";
+    let mut session = Session::new();
+    session.open(FILE, text);
+    let line = |number: u32, to: u32| json!({ "start": { "line": number, "character": 0 }, "end": { "line": number, "character": to } });
+    let mut ask = |range: Value| {
+        let params = json!({ "textDocument": { "uri": FILE }, "range": range, "context": { "diagnostics": [] } });
+        session.ask("textDocument/codeAction", params)
+    };
+    let (none, word, unit) = (ask(line(0, 3)), ask(line(1, 3)), ask(line(2, 40)));
+    let answers = session.hold();
+    let texts = |id: u64| -> Vec<String> {
+        let actions = result(&answers, id).as_array().unwrap();
+        let text = |action: &Value| action["edit"]["changes"][FILE][0]["newText"].as_str().unwrap().to_string();
+        actions.iter().map(text).collect()
+    };
+    assert_eq!(texts(none), Vec::<String>::new());
+    assert_eq!(texts(word), ["spawn"]);
+    assert_eq!(texts(unit), ["-60 deg", "-60 rad"]);
+    let action = &result(&answers, word)[0];
+    assert_eq!((&action["kind"], &action["isPreferred"]), (&json!("quickfix"), &json!(true)));
+    assert_eq!(action["diagnostics"][0]["code"], "unknown-form");
+    assert_eq!(
+        action["edit"]["changes"][FILE][0]["range"],
+        json!({ "start": { "line": 1, "character": 0 }, "end": { "line": 1, "character": 5 } })
+    );
+}
+
+#[test]
+fn a_program_as_driver_is_no_mistake_and_is_not_started() {
+    let mut session = Session::new();
+    let mark = tempfile::tempdir().unwrap();
+    let file = mark.path().join("started");
+    let text = format!("edition 1\npolicy p = external(command: \"touch {}\")\n", file.display());
+    session.open(FILE, &text);
+    assert_eq!(diagnostics(&session.hold(), FILE), &Vec::<Value>::new());
+    assert!(!file.exists());
+}
+
+#[test]
 fn a_file_is_laid_out_unless_it_cannot_be_read() {
     let mut session = Session::new();
     session.open(FILE, "edition 1 reward r{on hit=>1}");

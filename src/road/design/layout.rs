@@ -232,6 +232,9 @@ fn find_unused_nodes(design: &TownDesign, faults: &mut Vec<DesignError>) {
     faults.extend(unused.map(|(node, _)| DesignError::UnusedNode { node: node.name.clone() }));
 }
 
+/// Where streets cross or overlap is told of so many pairs at most: each may be at fault with each.
+pub(super) const MOST_FAULTS: usize = 100;
+
 fn find_crossings(design: &TownDesign, edges: &[Edge], faults: &mut Vec<DesignError>) {
     let ends = |edge: &Edge| edge.nodes.map(|node| design.nodes[node].position);
     let name = |edge: &Edge| design.streets[edge.street].name.clone();
@@ -241,6 +244,9 @@ fn find_crossings(design: &TownDesign, edges: &[Edge], faults: &mut Vec<DesignEr
                 continue;
             }
             if let Some(place) = crossing(ends(first), ends(second)) {
+                if faults.len() >= MOST_FAULTS {
+                    return;
+                }
                 faults.push(DesignError::Crossing { first: name(first), second: name(second), x: place.x, y: place.y });
             }
         }

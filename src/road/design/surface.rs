@@ -1,4 +1,4 @@
-use super::layout::{Joint, Layout};
+use super::layout::{Joint, Layout, MOST_FAULTS};
 use super::network::Network;
 use super::{DesignError, TownDesign};
 use crate::geometry::{OrientedBox, Point, Pose, Vector};
@@ -85,6 +85,9 @@ impl Surfaces {
                 if let Some(place) = common_place(&self.roads[first], &self.roads[second])
                     && !is_known(faults, names)
                 {
+                    if faults.len() >= MOST_FAULTS {
+                        return;
+                    }
                     let [first, second] = names.map(str::to_owned);
                     faults.push(DesignError::Overlap { first, second, x: place.x, y: place.y });
                 }
