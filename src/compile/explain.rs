@@ -4,8 +4,8 @@ use super::Catalog;
 use crate::lang::mistakes::{Mistake, mistakes};
 use crate::lang::nearest;
 use crate::lang::words::{WORDS, Word};
-use crate::lang::{DIMENSIONS, library_statements};
-use crate::signature::{Event, Param, Signature, Type, Variable};
+use crate::lang::{DIMENSIONS, functions, library_statements};
+use crate::signature::{Event, Param, Signature, Type, Variable, bounds};
 use crate::units::{Dimension, UNIT_NAMES, parse_unit};
 
 impl Catalog {
@@ -26,6 +26,8 @@ impl Catalog {
                 "events" => return Ok(self.events()),
                 "variables" => return Ok(self.variables()),
                 "units" => return Ok(units()),
+                "functions" => return Ok(all_functions()),
+                "forms" => return Ok(self.topics()),
                 _ => {}
             }
         }
@@ -33,7 +35,7 @@ impl Catalog {
             return Ok(page);
         }
         if let [word] = words.as_slice() {
-            let pages: Vec<String> = [unit(word), dimension(word)].into_iter().flatten().collect();
+            let pages: Vec<String> = [unit(word), dimension(word), function(word)].into_iter().flatten().collect();
             if !pages.is_empty() {
                 return Ok(pages.join("\n"));
             }
@@ -64,7 +66,8 @@ impl Catalog {
             return Ok(found.join("\n"));
         }
         let mut known: Vec<&str> = mistakes.iter().map(|mistake| mistake.code).collect();
-        known.extend(["events", "variables", "units"]);
+        known.extend(["events", "variables", "functions", "units"]);
+        known.extend(functions().map(|(name, _)| name));
         known.extend(WORDS.iter().map(|word| word.name));
         known.extend(self.vocabulary.events.iter().map(|event| event.name));
         known.extend(self.vocabulary.variables.iter().map(|variable| variable.name));
@@ -128,7 +131,7 @@ impl Catalog {
         let words: Vec<&str> = WORDS.iter().map(|word| word.name).collect();
         let _ = writeln!(page, "\nWords; `falsify explain WORD`:\n\n  {}", words.join(", "));
         page.push_str("\n  events      what rewards answer to\n  variables   what formulas can name\n");
-        page.push_str("  units       what quantities are written in\n\n");
+        page.push_str("  functions   what formulas can call\n  units       what quantities are written in\n\n");
         page.push_str("Diagnostics; `falsify explain CODE`:\n\n");
         for mistake in mistakes() {
             let _ = writeln!(page, "  {:22}  {}", mistake.code, first_sentence(mistake.text));
@@ -198,7 +201,9 @@ impl Catalog {
 }
 
 fn event(event: &Event) -> String {
-    let mut page = format!("on {}\n    {}\n", event.name, event.doc);
+    let head =
+        if event.answered { format!("on {}", event.name) } else { format!("{} (for conditions alone)", event.name) };
+    let mut page = format!("{head}\n    {}\n", event.doc);
     if !event.words.is_empty() {
         let _ = writeln!(page, "    words: {}", event.words.join(", "));
     }
@@ -207,7 +212,9 @@ fn event(event: &Event) -> String {
 }
 
 fn variable(variable: &Variable) -> String {
-    format!("{} ({})\n    {}\n", variable.name, variable.dimension, variable.doc)
+    let (low, high) = variable.bounds;
+    let within = bounds(low, high, variable.dimension);
+    format!("{} ({}, {within})\n    {}\n", variable.name, variable.dimension, variable.doc)
 }
 
 fn explain_word(word: &Word) -> String {
@@ -250,6 +257,17 @@ fn dimension(word: &str) -> Option<String> {
     Some(format!(
         "param name: {name} = …\n    A {dimension}, {units}; a range or a distribution may stand for it as well.\n"
     ))
+}
+
+/// What a function gives.
+fn function(word: &str) -> Option<String> {
+    functions().find(|(name, _)| *name == word).map(|(name, doc)| format!("{name}(…)\n    {doc}\n"))
+}
+
+fn all_functions() -> String {
+    std::iter::once("Functions of formulas.\n\n".to_string())
+        .chain(functions().filter_map(|(name, _)| function(name)))
+        .collect()
 }
 
 /// What the standard library declares under a name.

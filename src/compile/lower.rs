@@ -174,6 +174,9 @@ fn variants(
         }
         let name = &variants[0].program.get(id).name;
         let axes = matrix.combinations.iter().take(1).flatten().map(|axis| &axis.path[0]);
+        // What nothing hangs on at all is told of where it is declared.
+        let used = |name: &str| variants[0].program.params.iter().any(|param| param.name == name && param.used);
+        let axes = axes.filter(|axis| used(&axis.text));
         idle.extend(
             axes.filter(|axis| !hung_on.contains(&axis.text)).map(|axis| codes::idle_axis(axis.span, &axis.text, name)),
         );
@@ -340,6 +343,9 @@ fn named(name: &str, settings: &[String]) -> String {
     parts.join("-")
 }
 
+/// The longest name of a combination (bytes): folders and files are named after it.
+const LONGEST_CAMPAIGN: usize = 150;
+
 /// Campaigns of different files may share a name as far as the language goes, but their reports may not.
 fn forbid_equal_names(program: &Program, plan: &Plan, said: &mut Vec<Diagnostic>) {
     let mut seen: BTreeMap<&str, &Declaration> = BTreeMap::new();
@@ -351,6 +357,12 @@ fn forbid_equal_names(program: &Program, plan: &Plan, said: &mut Vec<Diagnostic>
     }
     let (mut names, distinct) = (BTreeSet::new(), seen.len() == program.of_form("campaign").count());
     for campaign in &plan.campaigns {
+        if campaign.name.len() > LONGEST_CAMPAIGN {
+            let source = program.of_form("campaign").find(|each| campaign.name.starts_with(&each.name));
+            let head = source.expect("a campaign is made from a declaration").block.head;
+            said.push(codes::long_combination(head, &campaign.name, LONGEST_CAMPAIGN));
+            return;
+        }
         if distinct && !names.insert(&campaign.name) {
             let source = program.of_form("campaign").find(|each| campaign.name.starts_with(&each.name));
             let head = source.expect("a campaign is made from a declaration").block.head;

@@ -79,10 +79,16 @@ impl<'a> Sector<'a> {
         let (a, b) = drawn.distribution.support();
         let upper = matches!(operator, BinaryOperator::Less | BinaryOperator::LessEqual);
         let (low, high) = if upper { (a, bound) } else { (bound, b) };
+        let rare = low <= b && a <= high;
         let kept = drawn.distribution.truncated(low, high);
         let strict = matches!(operator, BinaryOperator::Less | BinaryOperator::Greater);
         let Some(kept) = kept.and_then(|kept| if strict { kept.without(bound) } else { Some(kept) }) else {
-            return Err(self.contradiction(condition, span).into());
+            let mut diagnostic = self.contradiction(condition, span);
+            if rare && low < high {
+                diagnostic.message = "this is never drawn".into();
+                diagnostic.primary.text = "its share of the distribution is too small to be counted with".into();
+            }
+            return Err(diagnostic.into());
         };
         drawn.distribution = kept;
         *(if upper { &mut drawn.high } else { &mut drawn.low }) = span;
@@ -208,16 +214,14 @@ impl<'a> Sector<'a> {
             let through = names.iter().any(|name| derived(name)) && drawn.variable != "ego_speed";
             if names.contains(&drawn.variable) || through {
                 let (low, high) = drawn.distribution.support();
-                let text = format!(
-                    "{} is {} .. {}",
-                    drawn.variable,
-                    shown(low, drawn.dimension),
-                    shown(high, drawn.dimension)
-                );
-                diagnostic = diagnostic.label(drawn.low, text.clone());
-                if drawn.high != drawn.low {
-                    diagnostic = diagnostic.label(drawn.high, text);
-                }
+                let (low, high) = (shown(low, drawn.dimension), shown(high, drawn.dimension));
+                // A key that one condition has narrowed says no more than the other end.
+                diagnostic = match drawn.low == drawn.high {
+                    true => diagnostic.label(drawn.low, format!("{} is {low} .. {high}", drawn.variable)),
+                    false => diagnostic
+                        .label(drawn.low, format!("{} is {low} or more", drawn.variable))
+                        .label(drawn.high, format!("{} is {high} or less", drawn.variable)),
+                };
             }
         }
         for id in named {
@@ -252,8 +256,8 @@ impl Region {
             "bearing" => bearing,
             "distance" => distance,
             "ego_speed" => ego_speed,
-            "ahead" => product(distance, cosine(bearing)),
-            "aside" => product(distance, cosine((bearing.0 - QUARTER, bearing.1 - QUARTER))),
+            "ahead" => rounded(product(distance, cosine(bearing))),
+            "aside" => rounded(product(distance, cosine((bearing.0 - QUARTER, bearing.1 - QUARTER)))),
             "facing" => self.facing,
             _ => (f64::NEG_INFINITY, f64::INFINITY),
         }
@@ -300,6 +304,12 @@ fn cosine((low, high): (f64, f64)) -> (f64, f64) {
     let holds = |at: f64| low <= at + ((high - at) / TAU).floor() * TAU;
     let (a, b) = (libm::cos(low), libm::cos(high));
     (if holds(PI) { -1.0 } else { a.min(b) }, if holds(0.0) { 1.0 } else { a.max(b) })
+}
+
+/// Bounds with room for what is lost in counting: the cosine of a right angle is not quite 0.
+fn rounded((low, high): Bounds) -> Bounds {
+    const LOST: f64 = 1e-9;
+    (low - LOST, high + LOST)
 }
 
 fn product((a, b): (f64, f64), (c, d): (f64, f64)) -> (f64, f64) {

@@ -4,7 +4,7 @@ use super::sensor_suites::{SUITES, Suite};
 use crate::av::senses::{Field, Seam, Sector, SensorModel};
 use crate::geometry::Vector;
 use crate::lang::hir::Block;
-use crate::signature::{Form, Param, Signature, Type};
+use crate::signature::{Form, MOST, Param, Signature, Type};
 use crate::units::Dimension;
 
 /// Where misses begin to change with the distance, and where they end to.
@@ -58,7 +58,7 @@ fn blocks() -> Vec<Signature> {
 
 fn params() -> Vec<Param> {
     let (length, time) = (|| Type::non_negative(Dimension::LENGTH), || Type::non_negative(Dimension::TIME));
-    let least = |dimension, min| Type::Quantity { dimension, min, max: f64::INFINITY };
+    let least = |dimension, min| Type::Quantity { dimension, min, max: MOST };
     let no_time = |name, doc| Param::with_default(name, time(), "0 s", doc);
     let never = |name, doc| Param::with_default(name, Type::share(), "0", doc);
     vec![
@@ -66,7 +66,12 @@ fn params() -> Vec<Param> {
         Param::optional("behind", length(), "Nothing farther behind it is found."),
         Param::optional("aside", length(), "Nothing farther to either side of it is found."),
         Param::optional("range", length(), "Nothing farther from the eye is found."),
-        Param::with_default("eye", Type::any(Dimension::LENGTH), "0 m", "Place of the eye ahead of the ego's middle."),
+        Param::with_default(
+            "eye",
+            Type::Quantity { dimension: Dimension::LENGTH, min: -100.0, max: 100.0 },
+            "0 m",
+            "Place of the eye ahead of the ego's middle.",
+        ),
         Param::optional(
             "update_rate",
             least(Dimension::FREQUENCY, 0.1),

@@ -43,12 +43,17 @@ pub fn form() -> Form {
 }
 
 fn designed() -> Signature {
-    let length = || Type::positive(Dimension::LENGTH);
+    // As `road::design` has them.
+    let length = |min, max| Type::Quantity { dimension: Dimension::LENGTH, min, max };
     let street = Signature::new(
         "street",
         "A two-lane street with sidewalks along straight lines. Where streets share a point they meet: two bend, three make a T-junction, four a crossing.",
         vec![
-            Param::required("through", Type::List(Box::new(Type::Point)), "The points it leads through, at least two."),
+            Param::required(
+                "through",
+                Type::List(Box::new(Type::Point)),
+                "The points it leads through, at least two, within 10 km of the origin.",
+            ),
             Param::optional("speed_limit", Type::positive(Dimension::SPEED), "What the signs at its beginnings say."),
         ],
     );
@@ -56,20 +61,10 @@ fn designed() -> Signature {
         "row_houses",
         "Houses along both sides of all straight streets.",
         vec![
-            Param::with_default(
-                "setback",
-                Type::non_negative(Dimension::LENGTH),
-                "1 m",
-                "Distance of the fronts from the sidewalk.",
-            ),
-            Param::with_default("depth", length(), "10 m", "Extent away from the street."),
-            Param::with_default(
-                "length",
-                Type::Quantity { dimension: Dimension::LENGTH, min: 3.0, max: 1000.0 },
-                "16 m",
-                "Extent along the street.",
-            ),
-            Param::with_default("gap", Type::non_negative(Dimension::LENGTH), "4 m", "Distance between two houses."),
+            Param::with_default("setback", length(0.0, 1000.0), "1 m", "Distance of the fronts from the sidewalk."),
+            Param::with_default("depth", length(1.0, 1000.0), "10 m", "Extent away from the street."),
+            Param::with_default("length", length(3.0, 1000.0), "16 m", "Extent along the street."),
+            Param::with_default("gap", length(0.0, 1000.0), "4 m", "Distance between two houses."),
         ],
     );
     let mut children = vec![street, row_houses];
@@ -82,26 +77,26 @@ fn designed() -> Signature {
             vec![
                 Param::with_default(
                     "lane_width",
-                    length(),
+                    length(2.0, 20.0),
                     "3.5 m",
                     "Width of a driving lane; one in either direction.",
                 ),
                 Param::with_default(
                     "shoulder",
-                    Type::non_negative(Dimension::LENGTH),
+                    length(0.0, 20.0),
                     "0.3 m",
                     "Width of the strip between lane and sidewalk.",
                 ),
-                Param::with_default("sidewalk", length(), "3 m", "Width of the sidewalks."),
+                Param::with_default("sidewalk", length(0.5, 20.0), "3 m", "Width of the sidewalks."),
                 Param::with_default(
                     "bend_radius",
-                    length(),
+                    length(3.0, 1000.0),
                     "12 m",
-                    "Radius of the middle of a street where it bends.",
+                    "Radius of the middle of a street where it bends: 0.5 m more than half its width at least.",
                 ),
                 Param::with_default(
                     "corner_radius",
-                    length(),
+                    length(0.5, 100.0),
                     "2 m",
                     "Radius of the sidewalk's outer edge at the corner of a junction.",
                 ),

@@ -1,5 +1,5 @@
 use crate::rl::{PpoConfig, Schedule};
-use crate::signature::{Arguments, Form, Param, Signature, Type};
+use crate::signature::{Arguments, Form, LEAST, Param, Signature, Type};
 use crate::units::Dimension;
 
 const SCHEDULES: &[&str] = &["constant", "linear"];
@@ -34,23 +34,13 @@ fn params() -> Vec<Param> {
         Param::with_default("environments", count(4096), "1", "Environments that are stepped side by side."),
         Param::with_default("epochs", count(10_000), "10", "Passes over the decisions of an update."),
         Param::with_default("batch_size", Type::Integer { min: 2, max: 10_000_000 }, "64", "Decisions of a minibatch."),
-        Param::with_default(
-            "learning_rate",
-            ratio(f64::MIN_POSITIVE, 1.0),
-            "3e-4",
-            "Adam's step size, for actor and critic.",
-        ),
+        Param::with_default("learning_rate", ratio(LEAST, 1.0), "3e-4", "Adam's step size, for actor and critic."),
         Param::with_default("gamma", Type::share(), "0.98", "Discount of the future, a decision."),
         Param::with_default("gae_lambda", Type::share(), "0.95", "Decay of generalised advantage estimation."),
-        Param::with_default(
-            "clip",
-            ratio(f64::MIN_POSITIVE, 100.0),
-            "0.2",
-            "Half width of the interval of the probability ratio.",
-        ),
-        Param::with_default("value_coefficient", ratio(0.0, 1e6), "0.5", "Weight of the critic's error."),
-        Param::with_default("entropy_coefficient", ratio(0.0, 1e6), "0.01", "Weight of the entropy."),
-        Param::with_default("max_gradient_norm", ratio(f64::MIN_POSITIVE, 1e6), "0.5", "Greatest norm of a gradient."),
+        Param::with_default("clip", ratio(LEAST, 100.0), "0.2", "Half width of the interval of the probability ratio."),
+        Param::with_default("value_coefficient", ratio(0.0, 1e3), "0.5", "Weight of the critic's error."),
+        Param::with_default("entropy_coefficient", ratio(0.0, 1e3), "0.01", "Weight of the entropy."),
+        Param::with_default("max_gradient_norm", ratio(LEAST, 1e6), "0.5", "Greatest norm of a gradient."),
         Param::with_default(
             "normalize_advantages",
             Type::Boolean,
@@ -75,14 +65,10 @@ fn params() -> Vec<Param> {
             "constant",
             "Whether the clip falls to 0 over the training.",
         ),
-        Param::optional(
-            "target_kl",
-            ratio(f64::MIN_POSITIVE, 1e6),
-            "Ends an update early when policies differ by 1.5 times this.",
-        ),
+        Param::optional("target_kl", ratio(LEAST, 1e6), "Ends an update early when policies differ by 1.5 times this."),
         Param::optional(
             "value_clip",
-            ratio(f64::MIN_POSITIVE, 1e6),
+            ratio(LEAST, 1e6),
             "How far the critic's values may move in an update and still be corrected, in units of the reward.",
         ),
         Param::with_default(

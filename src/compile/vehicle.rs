@@ -19,51 +19,51 @@ pub fn form() -> Form {
 }
 
 fn params() -> Vec<Param> {
-    let positive = Type::positive;
+    let within = |dimension, min, max| Type::Quantity { dimension, min, max };
     vec![
         Param::optional(
             "length",
-            positive(Dimension::LENGTH),
+            within(Dimension::LENGTH, 0.5, 30.0),
             "Its length. model3 4.792 m, mkz_2017 4.902 m (B); generic 4.7 m.",
         ),
         Param::optional(
             "width",
-            positive(Dimension::LENGTH),
+            within(Dimension::LENGTH, 0.3, 10.0),
             "Its width, mirrors included. model3 2.163 m, mkz_2017 2.128 m (B); generic 1.85 m.",
         ),
         Param::optional(
             "wheelbase",
-            positive(Dimension::LENGTH),
+            within(Dimension::LENGTH, 0.2, 30.0),
             "Distance between its axles. model3 3.005 m, mkz_2017 2.871 m (C); generic 2.8 m.",
         ),
         Param::optional(
             "full_brake",
-            positive(Dimension::ACCELERATION),
+            within(Dimension::ACCELERATION, 0.1, 100.0),
             "Deceleration at full brake. model3 8.79 m/s^2, mkz_2017 9.8 m/s^2 (C); generic 9 m/s^2.",
         ),
         Param::optional(
             "low_speed",
-            Type::non_negative(Dimension::SPEED),
+            within(Dimension::SPEED, 0.0, 100.0),
             "Below this speed CARLA's cars brake harder: 5 m/s (that they do B, the value D).",
         ),
         Param::optional(
             "low_speed_braking",
-            positive(Dimension::RATIO),
+            within(Dimension::RATIO, 0.01, 100.0),
             "By this factor; a report nobody has explained: 2 (D); generic 1.",
         ),
         Param::optional(
             "start_up_pause",
-            Type::non_negative(Dimension::TIME),
+            within(Dimension::TIME, 0.0, 10_000.0),
             "How long it stands after it has appeared at rest: 1.5 s (1 to 2 s, B); generic 0 s.",
         ),
         Param::optional(
             "throttle_response",
-            Type::Quantity { dimension: Dimension::RATIO, min: 0.01, max: 10.0 },
+            within(Dimension::RATIO, 0.01, 10.0),
             "By how much faster than the model it drives off at the same pedal: 1 (C; the model 3 does 4.7 m/s^2 with the pedal down).",
         ),
         Param::optional(
             "steering_response",
-            Type::Quantity { dimension: Dimension::RATIO, min: 0.01, max: 1.1 },
+            within(Dimension::RATIO, 0.01, 1.1),
             "Share of the wheel angle that the tyres follow: 0.7 (C); generic 1.",
         ),
     ]

@@ -51,17 +51,20 @@ const AT_HIT: &[&str] = &[
 const ALWAYS: &[&str] = AT_HIT.split_at(1).1;
 const AT_BEGIN: &[&str] = &["bearing", "distance", "ahead", "aside", "ego_speed", "facing"];
 
-/// What the value of a variable lies between, whatever happens: an episode has at most a million ticks of 0.1 s, and nobody
-/// moves at 100 m/s.
+/// What the value of a variable lies between, whatever happens: an episode has at most a million ticks of 0.1 s, no walker is
+/// faster than 40.96 m/s, and no car reaches 1000 m/s. Whoever touches a car is not in its middle.
 fn bounds_of(name: &str) -> (f64, f64) {
     use std::f64::consts::PI;
-    const FASTEST: f64 = 100.0;
+    const FASTEST: f64 = 1000.0;
+    const WALKING: f64 = 41.0;
     const LONGEST: f64 = 1e5;
     const FARTHEST: f64 = FASTEST * LONGEST;
     match name {
-        "v_c" | "ego_speed" | "walking_speed" | "pace" => (0.0, FASTEST),
+        "v_c" | "ego_speed" => (0.0, FASTEST),
+        "walking_speed" | "pace" => (0.0, WALKING),
         "elapsed" => (0.0, LONGEST),
-        "distance" | "miss_distance" => (0.0, FARTHEST),
+        "distance" => (0.1, FARTHEST),
+        "miss_distance" => (0.0, FARTHEST),
         "ahead" | "aside" => (-FARTHEST, FARTHEST),
         "bearing" | "facing" | "turn" => (-PI, PI),
         other => unreachable!("`{other}` is no variable"),

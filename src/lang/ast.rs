@@ -77,6 +77,8 @@ pub struct Declaration {
     pub entries: Vec<Entry>,
     /// From the form to the name or kind, for messages.
     pub head: Span,
+    /// All of it.
+    pub span: Span,
 }
 
 /// Something inside a declaration.

@@ -71,12 +71,18 @@ pub fn scan(source: SourceId, text: &str) -> Result<(), Box<Diagnostic>> {
     let mut open: Vec<(u8, usize)> = Vec::new();
     // The last text that does not end on its line, which may have swallowed a bracket.
     let mut unended = None;
+    // The last comment that holds a closing bracket.
+    let mut commented: Option<Span> = None;
     let mut index = 0;
     while index < bytes.len() {
         match bytes[index] {
             b'/' if bytes.get(index + 1) == Some(&b'/') => {
+                let begun = index;
                 index =
                     bytes[index..].iter().position(|b| matches!(b, b'\n' | b'\r')).map_or(bytes.len(), |n| index + n);
+                if bytes[begun..index].iter().any(|byte| matches!(byte, b'}' | b')' | b']')) {
+                    commented = Some(at(begun));
+                }
             }
             b'/' if bytes.get(index + 1) == Some(&b'*') => {
                 let opened = index;
@@ -113,7 +119,9 @@ pub fn scan(source: SourceId, text: &str) -> Result<(), Box<Diagnostic>> {
     match open.pop() {
         Some((opening, place)) => {
             let unended = unended.filter(|text| text.start > place);
-            Err(Box::new(codes::unclosed_bracket(at(place), opening as char, unended)))
+            let line = text[place..].find(['\n', '\r']).map_or(text.len(), |end| place + end);
+            let commented = commented.filter(|comment| (place..line).contains(&comment.start));
+            Err(Box::new(codes::unclosed_bracket(at(place), opening as char, unended, commented)))
         }
         None => Ok(()),
     }

@@ -23,6 +23,9 @@ pub struct Checked<'f> {
     faultless: BTreeMap<DeclarationId, Faultless>,
 }
 
+/// The longest name of a declaration (bytes): files are named after several of them.
+const LONGEST_NAME: usize = 50;
+
 /// A declaration with nothing wrong, and what came of it.
 #[derive(Debug)]
 struct Faultless {
@@ -161,6 +164,9 @@ impl<'f> Checker<'_, '_, 'f> {
             }
         };
         let name = written.name.as_ref().map_or_else(String::new, |name| name.text.clone());
+        if let Some(long) = written.name.as_ref().filter(|name| name.text.len() > LONGEST_NAME) {
+            self.diagnostics.push(codes::long_name(long.span, LONGEST_NAME));
+        }
         let docs = written.docs.clone();
         Declaration { id, source, form, kind: block.word, name, docs, params: Vec::new(), block }
     }
@@ -226,7 +232,11 @@ impl<'f> Checker<'_, '_, 'f> {
                         }
                     }
                 },
-                Entry::Bare(expression) => self.bare(expression.span, &keys),
+                Entry::Bare(expression) => {
+                    // It may be the value of any key that is missing.
+                    meant.extend(keys.iter().map(|key| (*key).to_string()));
+                    self.bare(expression.span, &keys);
+                }
                 Entry::Unread(words) => {
                     self.whole = false;
                     meant.extend(words.iter().cloned());
@@ -309,6 +319,11 @@ impl<'f> Checker<'_, '_, 'f> {
         let name = &written.event;
         let Some(event) = events().find(|event| event.name == name.text) else {
             self.diagnostics.push(codes::unknown_event(name.span, &name.text, &known));
+            // What is paid is looked at all the same.
+            let Context { vocabulary, names, .. } = *self.context;
+            let every: Vec<&'static str> = vocabulary.variables.iter().map(|variable| variable.name).collect();
+            let scope = Scope { vocabulary, available: &every, event: "this event", names, whole: true };
+            plain_number(&written.formula, &scope, self.diagnostics);
             return None;
         };
         let word = match &written.word {

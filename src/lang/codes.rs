@@ -74,9 +74,31 @@ pub fn slip(span: Span, said: &str, meant: Option<&str>) -> Diagnostic {
 
 /// A number is written with a comma.
 pub fn decimal_comma(span: Span, written: &str) -> Diagnostic {
+    let diagnostic = Diagnostic::error("syntax", span, "this statement cannot be read");
+    let thousands = written.split_once(',').is_some_and(|(whole, part)| part.len() == 3 && !whole.starts_with('0'));
+    if thousands {
+        return diagnostic
+            .here("no comma stands in a number")
+            .fix(written.replace(',', "_"))
+            .fix(written.replace(',', "."));
+    }
+    diagnostic.here("the sign before the fraction of a number is a point").fix(written.replace(',', "."))
+}
+
+/// Several values stand side by side.
+pub fn unbracketed_list(span: Span, written: &str) -> Diagnostic {
     Diagnostic::error("syntax", span, "this statement cannot be read")
-        .here("the sign before the fraction of a number is a point")
-        .fix(written.replace(',', "."))
+        .here("several values stand in brackets")
+        .fix(format!("[{written}]"))
+}
+
+/// A parameter has no type.
+pub fn untyped_param(span: Span, name: &str, ty: Option<&str>) -> Diagnostic {
+    let diagnostic = Diagnostic::error("syntax", span, "this statement cannot be read").here("a parameter has a type");
+    match ty {
+        Some(ty) => diagnostic.fix(format!("{name}: {ty}")),
+        None => diagnostic.help("types are the dimensions (`length`, `speed`, …), `number`, `integer`, `boolean`, `text`, `word` and the forms"),
+    }
 }
 
 /// Two values follow each other inside parentheses or brackets.
@@ -85,12 +107,13 @@ pub fn missing_comma(span: Span) -> Diagnostic {
 }
 
 /// A bracket is never closed.
-pub fn unclosed_bracket(span: Span, bracket: char, unended: Option<Span>) -> Diagnostic {
+pub fn unclosed_bracket(span: Span, bracket: char, unended: Option<Span>, commented: Option<Span>) -> Diagnostic {
     let diagnostic =
         Diagnostic::error("unclosed-bracket", span, format!("`{bracket}` is never closed")).here("opened here");
-    match unended {
-        Some(text) => diagnostic.label(text, "this text is not closed on its line"),
-        None => diagnostic,
+    match (unended, commented) {
+        (Some(text), _) => diagnostic.label(text, "this text is not closed on its line"),
+        (None, Some(comment)) => diagnostic.label(comment, "from here on this line is a comment"),
+        (None, None) => diagnostic,
     }
 }
 
@@ -116,6 +139,22 @@ pub fn too_deep(span: Span, limit: usize) -> Diagnostic {
 /// An expression is too long.
 pub fn too_long(span: Span, limit: usize) -> Diagnostic {
     Diagnostic::error("too-long", span, format!("this expression has more than {limit} terms and signs"))
+}
+
+/// A name is too long for the files that are named after it.
+pub fn long_name(span: Span, limit: usize) -> Diagnostic {
+    Diagnostic::error("too-long", span, format!("this name has more than {limit} letters"))
+        .help("files of the report are named after it")
+}
+
+/// The name of a combination is too long for the files that are named after it.
+pub fn long_combination(span: Span, name: &str, limit: usize) -> Diagnostic {
+    Diagnostic::error(
+        "too-long",
+        span,
+        format!("a combination's name would have more than {limit} letters: `{}`", cut(name)),
+    )
+    .help("give its parameters shorter names, or fewer of them")
 }
 
 /// A comment is never closed.
@@ -155,6 +194,10 @@ pub fn import_not_found(span: Span, path: &str, error: &std::io::Error) -> Diagn
     let diagnostic = Diagnostic::error("import-not-found", span, format!("cannot import `{path}`: {}", reason(error)));
     let library: Vec<String> = library::names().map(|name| format!("std/{name}")).collect();
     if path.starts_with("std/") {
+        let whole = format!("{path}.scn");
+        if library.contains(&whole) {
+            return diagnostic.here(format!("did you mean `{whole}`?")).fix(format!("\"{whole}\""));
+        }
         return match nearest(path, library.iter().map(String::as_str)) {
             Some(near) => diagnostic.here(format!("did you mean `{near}`?")).fix(format!("\"{near}\"")),
             None => diagnostic,
@@ -211,7 +254,13 @@ pub fn reserved_word(span: Span, name: &str) -> Diagnostic {
 
 /// The type of a parameter is not known.
 pub fn unknown_type(span: Span, word: &str, known: &[&str]) -> Diagnostic {
-    unknown("unknown-type", span, format!("unknown type `{}`", cut(word)), word, known.iter().copied())
+    let message = format!("unknown type `{}`", cut(word));
+    match elsewhere(word).filter(|own| known.contains(own)) {
+        Some(own) => {
+            Diagnostic::error("unknown-type", span, message).here(format!("here it is called `{own}`")).fix(own)
+        }
+        None => unknown("unknown-type", span, message, word, known.iter().copied()),
+    }
 }
 
 /// A setting is not written as `name=value`.
@@ -267,6 +316,10 @@ pub fn too_many_combinations(span: Span, found: usize, limit: usize) -> Diagnost
 
 /// The first word of a declaration is no form.
 pub fn unknown_form(span: Span, word: &str, forms: &[&str]) -> Diagnostic {
+    if matches!(word, "param" | "let" | "def" | "const" | "var" | "val") {
+        return Diagnostic::error("unknown-form", span, "this statement cannot be read")
+            .help("a value with a name has a type: `param far: length = 30 m`");
+    }
     unknown("unknown-form", span, format!("unknown declaration `{}`", cut(word)), word, forms.iter().copied())
 }
 
@@ -286,9 +339,54 @@ pub fn missing_name(span: Span, form: &str) -> Diagnostic {
     Diagnostic::error("missing-name", span, format!("this {form} has no name")).help(format!("write `{form} name …`"))
 }
 
+/// What a word of other languages and libraries is called here: of stable-baselines3, Scenic, OpenSCENARIO, Python, C.
+pub(super) fn elsewhere(word: &str) -> Option<&'static str> {
+    Some(match word {
+        "n_steps" => "steps_per_update",
+        "total_timesteps" | "timesteps" => "steps",
+        "n_epochs" => "epochs",
+        "n_envs" | "num_envs" => "environments",
+        "batch" | "minibatch_size" => "batch_size",
+        "lr" | "step_size" => "learning_rate",
+        "clip_range" | "clip_param" => "clip",
+        "clip_range_vf" => "value_clip",
+        "ent_coef" => "entropy_coefficient",
+        "vf_coef" => "value_coefficient",
+        "max_grad_norm" => "max_gradient_norm",
+        "normalize_advantage" => "normalize_advantages",
+        "stats_window_size" => "statistics_window",
+        "lam" | "lambda" => "gae_lambda",
+        "discount" => "gamma",
+        "max_speed" | "speeds" => "speed",
+        "dt" | "timestep" | "delta" => "tick",
+        "max_steps" | "max_ticks" => "ticks",
+        "angle" => "bearing",
+        "radius" | "range" => "distance",
+        "float" | "double" | "real" | "f64" => "number",
+        "int" | "uint" | "i64" => "integer",
+        "bool" => "boolean",
+        "string" | "str" => "text",
+        "collision" | "crash" | "collide" => "hit",
+        "Range" | "Uniform" => "uniform",
+        "Normal" | "Gaussian" | "gaussian" => "normal",
+        "TruncatedNormal" => "truncated",
+        "Options" | "Choice" | "uniform_choice" => "choice",
+        "Discrete" => "weighted",
+        "True" | "yes" | "TRUE" => "true",
+        "False" | "no" | "FALSE" => "false",
+        _ => return None,
+    })
+}
+
 /// A key is not in the signature.
 pub fn unknown_key(span: Span, owner: &str, word: &str, keys: &[&str]) -> Diagnostic {
-    unknown("unknown-key", span, format!("`{owner}` has no key `{}`", cut(word)), word, keys.iter().copied())
+    let message = format!("`{owner}` has no key `{}`", cut(word));
+    match elsewhere(word).filter(|own| keys.contains(own)) {
+        Some(own) => {
+            Diagnostic::error("unknown-key", span, message).here(format!("here it is called `{own}`")).fix(own)
+        }
+        None => unknown("unknown-key", span, message, word, keys.iter().copied()),
+    }
 }
 
 /// A key stands twice.
@@ -355,6 +453,20 @@ pub fn unknown_name<'a>(span: Span, form: &str, word: &str, known: impl IntoIter
     }
 }
 
+/// A reference names something of another form.
+pub fn other_form<'a>(
+    span: Span,
+    form: &str,
+    word: &str,
+    other: &str,
+    known: impl IntoIterator<Item = &'a str>,
+) -> Diagnostic {
+    let diagnostic = Diagnostic::error("unknown-name", span, format!("unknown {form} `{}`", cut(word)))
+        .here(format!("this is {}", one(other)));
+    let known: Vec<&str> = known.into_iter().collect();
+    if known.is_empty() { diagnostic } else { diagnostic.help(format!("known here: {}", quoted(known))) }
+}
+
 /// A reference names a kind.
 pub fn kind_for_name(span: Span, form: &str, word: &str) -> Diagnostic {
     if shelf::home(form, word).is_some() {
@@ -373,6 +485,13 @@ pub fn unused(span: Span, form: &str, name: &str) -> Diagnostic {
 /// A value has another type than its key.
 pub fn wrong_type(span: Span, expected: &Type, found: &str) -> Diagnostic {
     Diagnostic::error("wrong-type", span, format!("expected {}, found {found}", one(expected.describe())))
+}
+
+/// A value has another type than its key, and there is something to be said about how it is written.
+pub fn written_otherwise(expected: &Type, found: &str, span: Span, fix: Option<String>, help: &str) -> Diagnostic {
+    let diagnostic = wrong_type(span, expected, found);
+    let diagnostic = if help.is_empty() { diagnostic } else { diagnostic.help(help) };
+    fix.into_iter().fold(diagnostic, Diagnostic::fix)
 }
 
 /// A bare number stands where a unit is needed.
@@ -432,11 +551,20 @@ pub fn unknown_unit(span: Span, written: &str, part: Option<&str>, units: &[&str
     let diagnostic = Diagnostic::error("unknown-unit", span, format!("`{part}` is no unit"));
     let diagnostic = match abbreviated(part).or_else(|| nearest(part, units.iter().copied())) {
         Some(near) if part == written => diagnostic.here(format!("did you mean `{near}`?")).fix(near),
-        Some(near) => diagnostic.here(format!("did you mean `{near}`?")),
-        None => diagnostic.help(format!("units: {}", quoted(units.iter().copied()))),
+        Some(near) if !part.ends_with(|last: char| last.is_ascii_digit()) => {
+            diagnostic.here(format!("did you mean `{near}`?")).fix(written.replace(part, near))
+        }
+        _ => match part.split_at(part.len() - 1) {
+            // `m/s2` is `m/s^2`.
+            (base, power @ ("2" | "3")) if units.contains(&base) => {
+                let meant = format!("{base}^{power}");
+                diagnostic.here(format!("did you mean `{meant}`?")).fix(written.replace(part, &meant))
+            }
+            _ => diagnostic.help(format!("units: {}", quoted(units.iter().copied()))),
+        },
     };
     if part == written {
-        diagnostic
+        diagnostic.help("the word behind a number is its unit; put a comma or a line end before one that is not")
     } else {
         diagnostic.help(format!("to divide or multiply by something named `{part}`, put spaces round the sign"))
     }
@@ -475,6 +603,7 @@ pub fn maybe_nothing(span: Span, why: &str, help: &str) -> Diagnostic {
 pub fn too_much(span: Span, limit: f64) -> Diagnostic {
     Diagnostic::error("no-value", span, "this may be more than can be counted with")
         .here(format!("a reward lies within -{limit:e} and {limit:e}"))
+        .help("scale it, or hold what it is made of: `min(…, 100)`")
 }
 
 /// A distribution reaches beyond the bounds of its key.
@@ -486,7 +615,17 @@ pub fn unbounded(span: Span, written: &str, bounds: &str) -> Diagnostic {
 
 /// A function that makes distributions is not known.
 pub fn unknown_distribution(span: Span, word: &str, known: &[&str]) -> Diagnostic {
-    unknown("unknown-distribution", span, format!("unknown distribution `{}`", cut(word)), word, known.iter().copied())
+    let message = format!("unknown distribution `{}`", cut(word));
+    let low_to_high = "all values of a range: `low .. high`";
+    match elsewhere(word).or_else(|| (word == "range").then_some("uniform")).filter(|own| known.contains(own)) {
+        Some(own) => {
+            let said =
+                Diagnostic::error("unknown-distribution", span, message).here(format!("here it is called `{own}`"));
+            let said = if own == "uniform" { said.help(low_to_high) } else { said };
+            said.fix(own)
+        }
+        None => unknown("unknown-distribution", span, message, word, known.iter().copied()),
+    }
 }
 
 /// Nothing of a distribution lies within a range.
@@ -539,6 +678,14 @@ pub fn unknown_variable<'a>(span: Span, word: &str, known: impl IntoIterator<Ite
 
 /// A formula names a variable that has no value at this event.
 pub fn unavailable_variable(span: Span, word: &str, event: &str, known: &[&str]) -> Diagnostic {
+    if event == "begin" {
+        return Diagnostic::error(
+            "unavailable-variable",
+            span,
+            format!("`{word}` has no value before an episode begins"),
+        )
+        .help(format!("there are {}", quoted(known.iter().copied())));
+    }
     Diagnostic::error("unavailable-variable", span, format!("`{word}` has no value at `{event}`"))
         .help(format!("at `{event}` there are {}", quoted(known.iter().copied())))
 }
@@ -575,7 +722,13 @@ pub fn not_a(span: Span, wanted: &str, found: &str) -> Diagnostic {
 
 /// A clause answers to an unknown event.
 pub fn unknown_event(span: Span, word: &str, known: &[&str]) -> Diagnostic {
-    unknown("unknown-event", span, format!("unknown event `{}`", cut(word)), word, known.iter().copied())
+    let message = format!("unknown event `{}`", cut(word));
+    match elsewhere(word).filter(|own| known.contains(own)) {
+        Some(own) => {
+            Diagnostic::error("unknown-event", span, message).here(format!("here it is called `{own}`")).fix(own)
+        }
+        None => unknown("unknown-event", span, message, word, known.iter().copied()),
+    }
 }
 
 /// An event's word is unknown.

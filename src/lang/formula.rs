@@ -28,23 +28,27 @@ pub(super) struct Scope<'a> {
     pub whole: bool,
 }
 
-/// The names of the functions that formulas may call.
-pub fn functions() -> impl Iterator<Item = &'static str> {
-    FUNCTIONS.iter().map(|(name, _)| *name)
+/// The names of the functions that formulas may call, and what they give.
+pub fn functions() -> impl Iterator<Item = (&'static str, &'static str)> {
+    FUNCTIONS.iter().map(|(name, _, doc)| (*name, *doc))
 }
 
-const FUNCTIONS: &[(&str, Function)] = &[
-    ("min", Function::Min),
-    ("max", Function::Max),
-    ("abs", Function::Abs),
-    ("exp", Function::Exp),
-    ("sqrt", Function::Sqrt),
-    ("log_likelihood", Function::LogLikelihood),
+const FUNCTIONS: &[(&str, Function, &str)] = &[
+    ("min", Function::Min, "The least of one or more quantities."),
+    ("max", Function::Max, "The greatest of one or more quantities."),
+    ("abs", Function::Abs, "The size of a quantity, without its sign."),
+    ("exp", Function::Exp, "The exponential of a plain number."),
+    ("sqrt", Function::Sqrt, "The square root of a plain number, which must not be below 0."),
+    (
+        "log_likelihood",
+        Function::LogLikelihood,
+        "log_likelihood(x, mean, sd): the logarithm of the normal density at x relative to its peak, -((x - mean) / sd)^2 / 2.",
+    ),
 ];
 
 /// Whether formulas have a function of this name.
 pub(super) fn is_function(name: &str) -> bool {
-    FUNCTIONS.iter().any(|(known, _)| *known == name)
+    FUNCTIONS.iter().any(|(known, ..)| *known == name)
 }
 
 /// Checks an expression as a formula; `None` when something was wrong and has been said.
@@ -175,7 +179,7 @@ impl Checker<'_> {
         }
         let scope = self.scope;
         match scope.vocabulary.variables.iter().position(|variable| variable.name == word) {
-            None if scope.names.may_be_unread(word) => None,
+            None if scope.names.may_be_unread(word, scope.available.iter().copied()) => None,
             None => {
                 let known = scope.available.iter().copied().chain(scope.names.params());
                 self.say(codes::unknown_variable(span, word, known))
@@ -234,11 +238,7 @@ impl Checker<'_> {
         if operator == Divide {
             self.away_from_zero(right.span, &b)?;
         }
-        let bounds = if a.formula == b.formula {
-            operator.bounds_of_same(a.bounds)
-        } else {
-            operator.bounds(a.bounds, b.bounds)
-        };
+        let bounds = operator.bounds_between(&a.formula, a.bounds, &b.formula, b.bounds);
         let formula = Formula::Binary(operator, a.formula.into(), b.formula.into());
         self.finite(Part { formula, sort, bounds }, span)
     }
@@ -271,11 +271,11 @@ impl Checker<'_> {
     }
 
     fn call(&mut self, name: &Name, arguments: &[Expression], span: Span) -> Option<Part> {
-        let known: Vec<&str> = FUNCTIONS.iter().map(|(name, _)| *name).collect();
-        let checked: Vec<Option<Quantity>> = arguments.iter().map(|each| self.quantity(each)).collect();
-        let Some((_, function)) = FUNCTIONS.iter().find(|(known, _)| *known == name.text) else {
+        let known: Vec<&str> = FUNCTIONS.iter().map(|(name, ..)| *name).collect();
+        let Some((_, function, _)) = FUNCTIONS.iter().find(|(known, ..)| *known == name.text) else {
             return self.say(codes::unknown_function(name.span, &name.text, &known));
         };
+        let checked: Vec<Option<Quantity>> = arguments.iter().map(|each| self.quantity(each)).collect();
         let (fits, expected) = match function {
             Function::Min | Function::Max => (!arguments.is_empty(), "one argument or more"),
             Function::LogLikelihood => (arguments.len() == 3, "a value, a mean and a standard deviation"),

@@ -6,6 +6,7 @@ use std::ops::Bound;
 use super::ast::{File, Import, Name};
 use super::codes;
 use super::hir::ParamId;
+use super::suggest::nearest;
 use crate::diagnostic::{Diagnostic, SourceId, Span};
 use crate::signature::{DeclarationId, Form};
 
@@ -44,6 +45,11 @@ impl<'a> Names<'a> {
         self.params.keys().copied()
     }
 
+    /// Another form of which something has this name.
+    pub fn other_form(&self, forms: &'a [Form], name: &str) -> Option<&'a str> {
+        forms.iter().map(|form| form.name).find(|form| self.known.contains_key(&(*form, name)))
+    }
+
     /// Whether something of this name is declared whose form is none of these, which has been said.
     pub fn has_form_beside(&self, forms: &[Form], name: &str) -> bool {
         let mut after = Bound::Unbounded;
@@ -58,8 +64,9 @@ impl<'a> Names<'a> {
     }
 
     /// Whether a name that is not known may be one of those in what could not be read, of which enough has been said.
-    pub fn may_be_unread(&self, name: &str) -> bool {
-        self.torn || self.unread.contains(name)
+    /// One that is like a known name is probably that.
+    pub fn may_be_unread<'b>(&self, name: &str, known: impl IntoIterator<Item = &'b str>) -> bool {
+        self.unread.contains(name) || self.torn && nearest(name, known).is_none()
     }
 
     pub fn has_params(&self) -> bool {
@@ -89,7 +96,7 @@ impl<'a> Names<'a> {
             other.known.keys().map(|(_, name)| *name).chain(other.params.keys().copied()).collect();
         let missing = |name: &&Name| !offered.contains(name.text.as_str());
         for name in import.names.iter().filter(missing) {
-            if other.may_be_unread(&name.text) {
+            if other.may_be_unread(&name.text, offered.iter().copied()) {
                 self.unread.insert(&name.text);
                 continue;
             }

@@ -184,6 +184,9 @@ impl<'a> Params<'a> {
         if self.vocabulary.variables.iter().any(|variable| variable.name == param.name.text) {
             diagnostics.push(codes::reserved_name(param.name.span, &param.name.text));
         }
+        if matches!(param.name.text.as_str(), "true" | "false") {
+            diagnostics.push(codes::reserved_word(param.name.span, &param.name.text));
+        }
         let mut needed = Vec::new();
         mentioned(&param.value, &self.names[place], &mut needed);
         needed.reverse();

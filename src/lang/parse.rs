@@ -170,8 +170,10 @@ impl Reader {
     fn item(&mut self, pair: Pair<Rule>, file: &mut File) {
         match pair.as_rule() {
             Rule::edition => {
-                let span = self.span(&pair);
-                let number = pair.into_inner().nth(1).expect("edition has a number");
+                let mut inner = pair.into_inner().skip_while(|part| part.as_rule() == Rule::doc);
+                let word = inner.next().expect("edition has a word");
+                let number = inner.next().expect("edition has a number");
+                let span = self.span(&word).to(self.span(&number));
                 let before = file.edition.map(|(_, span)| span);
                 if before.is_some()
                     || !(file.imports.is_empty() && file.params.is_empty() && file.declarations.is_empty())
@@ -237,6 +239,7 @@ impl Reader {
     }
 
     fn declaration(&mut self, pair: Pair<Rule>) -> Declaration {
+        let span = self.span(&pair);
         let mut docs = Vec::new();
         let mut names = Vec::new();
         let mut kind = None;
@@ -261,7 +264,7 @@ impl Reader {
         let form = names.next().expect("a declaration begins with a name");
         let name = names.next();
         let last = kind.as_ref().or(name.as_ref()).unwrap_or(&form);
-        Declaration { docs, head: form.span.to(last.span), form, name, kind, entries }
+        Declaration { docs, head: form.span.to(last.span), span, form, name, kind, entries }
     }
 
     fn argument(&mut self, pair: Pair<Rule>) -> Entry {
@@ -441,9 +444,18 @@ impl Reader {
         let line = source[..start].rfind(['\n', '\r']).map_or(0, |end| end + 1);
         // What stands on the line of another statement may be left over from it.
         let goes_on = !source[line..start].trim().is_empty();
+        if let Some((name, ty)) = repair::untyped_param(text).filter(|_| rule == Rule::whole_item) {
+            let from = start + name.start;
+            let span = self.place(from, start + name.end);
+            return self.diagnostics.push(codes::untyped_param(span, &text[name], ty));
+        }
         if let Some((whole, part)) = repair::decimal_comma(&source[line..start], text) {
             let span = self.place(start - whole, start + part);
             return self.diagnostics.push(codes::decimal_comma(span, &source[start - whole..start + part]));
+        }
+        if let Some(values) = repair::unbracketed(&source[line..start], text).filter(|_| rule == Rule::whole_entry) {
+            let (from, to) = (start - values.0, start + values.1);
+            return self.diagnostics.push(codes::unbracketed_list(self.place(from, to), &source[from..to]));
         }
         // So may parentheses, of a declaration that can do without, and what cannot begin a statement.
         let before = match rule {
@@ -457,7 +469,9 @@ impl Reader {
         }
         let reads = |text: &str| ScenarioParser::parse(rule, text).is_ok();
         let slips = repair::slips(text, rule == Rule::whole_entry);
-        if !slips.is_empty() {
+        // A value that follows a word right away may lack the colon between.
+        let also = (rule == Rule::whole_entry).then(|| repair::missing_colon(text)).flatten();
+        for slips in [Some(slips), also].into_iter().flatten().filter(|slips| !slips.is_empty()) {
             let repaired = repair::without(text, &slips);
             let all = reads(&repaired) || !before.is_empty() && reads(&format!("{before}{repaired}"));
             for slip in slips.iter().filter(|slip| all || slip.foreign) {
@@ -473,7 +487,13 @@ impl Reader {
         let diagnostic = match ScenarioParser::parse(rule, &whole) {
             Err(error) => match self.with_commas(&whole, before.len(), start, rule) {
                 Some(diagnostic) => diagnostic,
-                None => self.syntax_error(&error, before.len(), start),
+                None => {
+                    let said = self.syntax_error(&error, before.len(), start);
+                    match text.starts_with("import") || text.starts_with("from") {
+                        true => said.help("write `import \"path\"`, or `import a, b from \"path\"`"),
+                        false => said,
+                    }
+                }
             },
             Ok(_) => codes::syntax(self.span(pair), "this cannot stand here".into()),
         };

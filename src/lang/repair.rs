@@ -3,10 +3,15 @@
 
 use std::ops::Range;
 
+use super::params::DIMENSIONS;
+use crate::units::parse_unit;
+
 /// Where commas may be missing: the ends of values inside parentheses and brackets that another value follows.
 pub(super) fn missing_commas(text: &str) -> Vec<usize> {
     let bytes = text.as_bytes();
     let mut open: Vec<u8> = Vec::new();
+    // Whether parentheses hold values alone, and no arguments.
+    let mut groups: Vec<bool> = Vec::new();
     let mut found = Vec::new();
     // The end of the last token, when it may end a value, and whether it is a number.
     let mut value: Option<(usize, bool)> = None;
@@ -32,6 +37,7 @@ pub(super) fn missing_commas(text: &str) -> Vec<usize> {
         let token = &rest[..length];
         let starts = word > 0 && !token.starts_with('.') || matches!(bytes[at], b'"' | b'[');
         let operator = matches!(token, "and" | "or" | "not" | "in");
+        let grouped = groups.last() == Some(&true);
         if let Some((end, number)) = value
             && (starts || bytes[at] == b'(' && !called)
             && !operator
@@ -40,13 +46,23 @@ pub(super) fn missing_commas(text: &str) -> Vec<usize> {
             // The word after a number is its unit, unless it is a key.
             let is_key = rest[length..].trim_start().starts_with(':');
             let is_unit = number && token.starts_with(|first: char| first.is_ascii_alphabetic()) && !is_key;
+            if grouped && !number && !is_key && token.starts_with(|first: char| first.is_ascii_alphabetic()) {
+                // Words side by side within plain parentheses are a sentence.
+                return Vec::new();
+            }
             if !is_unit {
                 found.push(end);
             }
         }
         match bytes[at] {
-            bracket @ (b'(' | b'[' | b'{') => open.push(bracket),
-            b')' | b']' | b'}' => drop(open.pop()),
+            bracket @ (b'(' | b'[' | b'{') => {
+                open.push(bracket);
+                groups.push(bracket == b'(' && !called);
+            }
+            b')' | b']' | b'}' => {
+                open.pop();
+                groups.pop();
+            }
             _ => {}
         }
         let ends = starts && !operator && bytes[at] != b'[' || matches!(bytes[at], b')' | b']');
@@ -134,6 +150,16 @@ impl Scan<'_> {
             && self.open.is_empty()
     }
 
+    /// Whether what was read last may be a key: the first word, or one behind a value.
+    fn behind_key(&self) -> bool {
+        self.open.is_empty()
+            && match self.tokens.as_slice() {
+                [(Token::Word, _)] => true,
+                [.., (before, _), (Token::Word, _)] => matches!(before, Token::Number | Token::Unit | Token::Closing),
+                _ => false,
+            }
+    }
+
     /// Whether what was read last may be the end of a value.
     fn behind_value(&self) -> bool {
         matches!(self.last(), Some(Token::Number | Token::Unit | Token::Word | Token::Closing))
@@ -149,7 +175,7 @@ impl Scan<'_> {
         let joined = self.tokens.last().is_some_and(|(_, place)| place.end == self.at);
         let blank = if joined { " " } else { "" };
         match first {
-            _ if first.is_whitespace() => self.at += first.len_utf8(),
+            _ if first.is_whitespace() && first.is_ascii() => self.at += first.len_utf8(),
             _ if starts("//") => self.at += line,
             _ if starts("/*") => self.at += rest.find("*/").map_or(rest.len(), |end| end + 2),
             '"' => match rest[1..line].find('"') {
@@ -181,6 +207,14 @@ impl Scan<'_> {
             '“' | '”' | '„' | '«' | '»' => {
                 self.slip(first.len_utf8(), "\"", true, "a text stands in straight quotes")
             }
+            '\u{a0}' | '\u{2009}' | '\u{202f}' | '\u{200b}' | '\u{feff}' => {
+                self.slip(first.len_utf8(), " ", true, "this is no ordinary blank");
+            }
+            '²' | '³' => {
+                let power = if first == '²' { "^2" } else { "^3" };
+                self.slip(first.len_utf8(), power, true, "powers of units are written `^2`");
+            }
+            '±' => self.slip(first.len_utf8(), "", false, "write both ends: `-60 deg .. 60 deg`"),
             '×' | '·' => self.slip(first.len_utf8(), "*", true, "the sign for times is `*`"),
             '≤' => self.slip(first.len_utf8(), "<=", true, "at most is written `<=`"),
             '≥' => self.slip(first.len_utf8(), ">=", true, "at least is written `>=`"),
@@ -218,14 +252,32 @@ impl Scan<'_> {
             }
             _ if starts("<=") || starts(">=") => self.push(Token::Sign, 2),
             _ if starts("->") && self.after_event() => self.slip(2, "=>", true, "an event is followed by `=>`"),
-            '=' | ':' if self.after_event() => self.slip(1, "=>", true, "an event is followed by `=>`"),
-            '=' if self.key_first && self.tokens.len() == 1
+            '=' | ':' if self.after_event() => {
+                self.slip(1, format!("{blank}=>"), true, "an event is followed by `=>`");
+            }
+            '=' | ':' if self.tokens.len() == 1 && self.word(0) == "edition" => {
+                self.slip(1, "", true, "the number stands right behind the word");
+            }
+            '=' if self.tokens.len() == 2 && rest[1..].trim_start().starts_with('{') => {
+                self.slip(1, "", true, "a block stands right behind the name");
+            }
+            ':' if !self.key_first && self.tokens.len() == 2 && self.open.is_empty() && self.word(0) != "param" => {
+                self.slip(1, format!("{blank}="), true, "a kind stands behind `=`");
+            }
+            '-' if !self.key_first && joined && self.tokens.len() == 2 && self.last() == Some(Token::Word) => {
+                self.slip(1, "_", true, "names are letters, digits and `_`");
+                // What follows belongs to the name.
+                self.at += self.rest().bytes().take_while(|byte| *byte == b'_' || byte.is_ascii_alphanumeric()).count();
+                self.tokens.pop();
+            }
+            '=' if self.key_first && self.behind_key()
                 || self.open.last() == Some(&b'(') && self.last() == Some(Token::Word) =>
             {
                 self.slip(1, ":", true, "a key is followed by `:`");
             }
             _ if starts("&&") => self.slip(2, "and", true, "write `and`"),
             _ if starts("||") => self.slip(2, "or", true, "write `or`"),
+            '|' => self.slip(1, "", false, "the size of a number is `abs(…)`"),
             '!' => self.slip(1, "not ", true, "write `not`"),
             '^' if self.last() == Some(Token::Unit) => {
                 let digits = rest[1..].trim_start_matches('-').trim_start_matches(|c: char| c.is_ascii_digit());
@@ -246,6 +298,10 @@ impl Scan<'_> {
             _ if first.is_ascii_digit() => {
                 let digits =
                     |text: &str| text.bytes().take_while(|byte| byte.is_ascii_digit() || *byte == b'_').count();
+                if let Some(length) = path(rest) {
+                    let quoted = format!("\"{}\"", &rest[..length]);
+                    return self.slip(length, quoted, true, "a text stands in quotes");
+                }
                 let mut length = digits(rest);
                 if rest[length..].starts_with('.') && rest[length + 1..].starts_with(|next: char| next.is_ascii_digit())
                 {
@@ -254,6 +310,10 @@ impl Scan<'_> {
                 self.push(Token::Number, length);
             }
             _ if first.is_ascii_alphabetic() || first == '_' => {
+                if let Some(length) = path(rest) {
+                    let quoted = format!("\"{}\"", &rest[..length]);
+                    return self.slip(length, quoted, true, "a text stands in quotes");
+                }
                 let length = rest.bytes().take_while(|byte| byte.is_ascii_alphanumeric() || *byte == b'_').count();
                 let word = &rest[..length];
                 let is_key = rest[length..].trim_start().starts_with(':');
@@ -280,6 +340,16 @@ impl Scan<'_> {
     }
 }
 
+/// The length of a path or a release that stands where a text does begin, with a point within but no number and no range.
+fn path(text: &str) -> Option<usize> {
+    let part = |c: char| c.is_ascii_alphanumeric() || "_./-".contains(c);
+    let whole = &text[..text.find(|c: char| !part(c)).unwrap_or(text.len())];
+    let points = whole.matches('.').count();
+    let number = whole.parse::<f64>().is_ok() || whole.starts_with(|c: char| c.is_ascii_digit()) && points < 2;
+    let plain = whole.contains("..") || whole.ends_with(['.', '/', '-']) || whole.contains("//");
+    (points > 0 && !number && !plain).then_some(whole.len())
+}
+
 /// The text with what was meant in place of its slips.
 pub(super) fn without(text: &str, slips: &[Slip]) -> String {
     let (mut repaired, mut last) = (String::new(), 0);
@@ -289,6 +359,63 @@ pub(super) fn without(text: &str, slips: &[Slip]) -> String {
     }
     repaired.push_str(&text[last..]);
     repaired
+}
+
+/// A slip of its own: a key without the colon before its value.
+pub(super) fn missing_colon(text: &str) -> Option<Vec<Slip>> {
+    let word = |text: &str| text.bytes().take_while(|byte| *byte == b'_' || byte.is_ascii_alphanumeric()).count();
+    let key = word(text);
+    let value = text[key..].trim_start();
+    let follows = text[key..].starts_with([' ', '\t']) && !value.is_empty() && !value.starts_with(['{', '=', ':', '(']);
+    if key == 0 || !follows || &text[..key] == "on" {
+        return None;
+    }
+    let (place, instead) = (0..key, format!("{}:", &text[..key]));
+    let mut all = vec![Slip { place, instead, meant: true, said: "a key is followed by `:`", foreign: false }];
+    all.extend(slips(text, true).into_iter().filter(|slip| slip.place.start >= key));
+    Some(all)
+}
+
+/// Values side by side, of which `text` begins with one behind a comma: how many bytes stand before and behind.
+pub(super) fn unbracketed(before: &str, text: &str) -> Option<(usize, usize)> {
+    let part = |byte: &u8| *byte == b'_' || byte.is_ascii_alphanumeric();
+    let listed = before.trim_end().strip_suffix(',')?;
+    // Between the colon of the key and the comma stands one value, without a bracket.
+    let first = listed.rfind(':').map(|colon| &listed[colon + 1..])?;
+    let fine = |value: &str| !value.trim().is_empty() && !value.contains(['{', '}', '(', ')', '[', ']', ',', ';', '"']);
+    let next = text.bytes().take_while(part).count();
+    let behind = text[next..].trim_start();
+    let more =
+        behind.starts_with(',').then(|| behind[1..].bytes().take_while(|byte| part(byte) || *byte == b' ').count() + 1);
+    let end = next + more.map_or(0, |more| text[next..].len() - behind.len() + more);
+    let start = before.len() - (listed.len() - first.len()) - (first.len() - first.trim_start().len());
+    let is_value = next > 0 && !behind.starts_with([':', '=', '{']);
+    (fine(first) && is_value).then_some((start, text[..end].trim_end().len()))
+}
+
+/// The name of a parameter without a type, and the word for the type that its value has.
+pub(super) fn untyped_param(text: &str) -> Option<(Range<usize>, Option<&'static str>)> {
+    let rest = text.strip_prefix("param")?;
+    let name = rest.trim_start();
+    let start = text.len() - name.len();
+    let length = name.bytes().take_while(|byte| *byte == b'_' || byte.is_ascii_alphanumeric()).count();
+    let value = name[length..].trim_start().strip_prefix('=')?.trim();
+    if length == 0 || start == text.len() - rest.len() || value.starts_with('=') {
+        return None;
+    }
+    let number =
+        value.trim_start_matches('-').bytes().take_while(|byte| byte.is_ascii_digit() || *byte == b'.').count();
+    let unit = value.trim_start_matches('-')[number..].split_whitespace().next();
+    let ty = match unit {
+        _ if value == "true" || value == "false" => Some("boolean"),
+        _ if value.starts_with('"') => Some("text"),
+        _ if number == 0 => None,
+        None => Some("number"),
+        Some(unit) => parse_unit(unit).ok().and_then(|unit| {
+            DIMENSIONS.iter().find(|(_, dimension)| *dimension == unit.dimension).map(|(name, _)| *name)
+        }),
+    };
+    Some((start..start + length, ty))
 }
 
 /// The words with points between them before a colon: no key, but what leads to one from outside.
@@ -335,7 +462,7 @@ mod tests {
         for (text, meant) in [
             ("ticks = 600", "ticks : 600"),
             ("ticks == 600", "ticks : 600"),
-            ("on hit: 1", "on hit=> 1"),
+            ("on hit: 1", "on hit => 1"),
             ("on hit(front) -> 1", "on hit(front) => 1"),
             ("on hit = 1", "on hit => 1"),
             ("hit(front) => 1", "on hit(front) => 1"),

@@ -7,7 +7,7 @@ use super::codes;
 use super::formula::{Scope, Sort, formula, is_function};
 use super::names::Names;
 use crate::diagnostic::{Diagnostic, Sources, Span};
-use crate::signature::{Distribution, Form, Formula, Type, Value, VariableId, Vocabulary, bounds};
+use crate::signature::{Distribution, Form, Formula, LEAST, MOST, Type, Value, VariableId, Vocabulary, bounds};
 use crate::units::Dimension;
 
 /// What a value is checked against.
@@ -28,7 +28,7 @@ pub(super) fn value(
 ) -> Option<Value> {
     let span = expression.span;
     let wrong = |diagnostics: &mut Vec<Diagnostic>| {
-        diagnostics.push(codes::wrong_type(span, ty, &describe(expression)));
+        diagnostics.push(otherwise(expression, ty, context));
         None
     };
     match (ty, &expression.kind) {
@@ -58,12 +58,20 @@ pub(super) fn value(
             }
             Some(Value::List(values))
         }
+        (Type::List(item), ExpressionKind::Group(members))
+            if members.len() > 1 && !matches!(**item, Type::Point | Type::Pose) =>
+        {
+            wrong(diagnostics)
+        }
         (Type::List(item), _) => value(expression, item, context, diagnostics).map(|one| Value::List(vec![one])),
         (Type::Range { dimension, min, max }, ExpressionKind::Range(low, high)) => {
             let (a, b) = ends(span, low, high, *dimension, context, diagnostics)?;
             within(a, *min, *max, *dimension, low.span, context, diagnostics)?;
             within(b, *min, *max, *dimension, high.span, context, diagnostics)?;
             Some(Value::Range(a, b))
+        }
+        (Type::Distribution { .. }, ExpressionKind::List(_) | ExpressionKind::Group(_)) if !is_formula(expression) => {
+            wrong(diagnostics)
         }
         (Type::Distribution { dimension, min, max }, _) => {
             let drawn = distribution(expression, *dimension, context, diagnostics)?;
@@ -112,12 +120,18 @@ pub(super) fn value(
         (Type::Text | Type::Path, ExpressionKind::Text(text)) => Some(Value::Text(text.clone())),
         (Type::Reference(form), ExpressionKind::Name(word)) => match context.names.find(form, word) {
             Some(id) => Some(Value::Reference(id)),
-            None if context.names.may_be_unread(word) || context.names.has_form_beside(context.forms, word) => None,
+            None if context.names.may_be_unread(word, context.names.of_form(form))
+                || context.names.has_form_beside(context.forms, word) =>
+            {
+                None
+            }
             None => {
                 let mut kinds = context.forms.iter().filter(|each| each.name == *form).flat_map(|each| &each.kinds);
-                diagnostics.push(match kinds.any(|kind| kind.name == word) {
-                    true => codes::kind_for_name(span, form, word),
-                    false => codes::unknown_name(span, form, word, context.names.of_form(form)),
+                let other = context.names.other_form(context.forms, word);
+                diagnostics.push(match (kinds.any(|kind| kind.name == word), other) {
+                    (true, _) => codes::kind_for_name(span, form, word),
+                    (false, Some(other)) => codes::other_form(span, form, word, other, context.names.of_form(form)),
+                    (false, None) => codes::unknown_name(span, form, word, context.names.of_form(form)),
                 });
                 None
             }
@@ -161,7 +175,10 @@ fn scope_of<'a>(event: &'a str, whole: bool, context: &Context<'a>) -> Scope<'a>
 }
 
 /// The most that a reward may be, or minus that: learners count in 32 bits, and add up.
-const MOST_PAID: f64 = 1e30;
+const MOST_PAID: f64 = 1e12;
+
+/// How large variables are on ordinary days (SI): what is paid at greater distances hardly ever is.
+const EVERYDAY: f64 = 1e3;
 
 /// A formula whose value is a plain number, as rewards are.
 pub(super) fn plain_number(
@@ -171,7 +188,11 @@ pub(super) fn plain_number(
 ) -> Option<Formula> {
     match formula(expression, scope, diagnostics)? {
         (formula, Sort::Quantity(Dimension::RATIO)) => {
-            let (low, high) = formula.bounds(&|id| scope.vocabulary.variables[id.0].bounds);
+            let everyday = |id: VariableId| {
+                let (low, high) = scope.vocabulary.variables[id.0].bounds;
+                (low.max(-EVERYDAY), high.min(EVERYDAY))
+            };
+            let (low, high) = formula.bounds(&everyday);
             if low < -MOST_PAID || high > MOST_PAID {
                 diagnostics.push(codes::too_much(expression.span, MOST_PAID));
                 return None;
@@ -264,7 +285,7 @@ fn distribution(
                 ("normal", [mean, deviation]) => {
                     let mean = quantity(mean, dimension, context, said);
                     let spread = quantity(deviation, dimension, context, said)?;
-                    within(spread, f64::MIN_POSITIVE, f64::INFINITY, dimension, deviation.span, context, said)?;
+                    within(spread, LEAST, MOST, dimension, deviation.span, context, said)?;
                     let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);
                     Some(Distribution::Normal { mean: mean?, deviation: spread, low, high })
                 }
@@ -320,10 +341,21 @@ fn weighted(
         said.push(codes::not_a(pair.span, "pair `(weight, distribution)`", &describe(pair)));
         return None;
     };
+    if let (
+        ExpressionKind::Number { unit: Some(_), .. } | ExpressionKind::Range(..),
+        ExpressionKind::Number { unit: None, .. },
+    ) = (&weight.kind, &part.kind)
+        && dimension != Dimension::RATIO
+    {
+        let text = |span: Span| context.sources.text(span);
+        let found = codes::not_a(pair.span, "pair `(weight, distribution)`", "pair the other way round");
+        said.push(found.fix(format!("({}, {})", text(part.span), text(weight.span))));
+        return None;
+    }
     let number = quantity(weight, Dimension::RATIO, context, said);
     let part = distribution(part, dimension, context, said);
     let number = number?;
-    within(number, f64::MIN_POSITIVE, 1e9, Dimension::RATIO, weight.span, context, said)?;
+    within(number, LEAST, MOST, Dimension::RATIO, weight.span, context, said)?;
     Some((number, part?))
 }
 
@@ -387,8 +419,44 @@ fn within(
         return Some(());
     }
     let written = context.sources.text(span).to_string();
-    diagnostics.push(codes::out_of_range(span, written, bounds(min, max, dimension)));
+    // What is told of as no bound is one all the same.
+    let allowed = match number {
+        _ if min == LEAST && 0.0 < number && number < LEAST => format!("{LEAST:e} or more, in SI"),
+        _ if max == MOST && number > MOST => format!("{MOST:e} or less, in SI"),
+        _ => bounds(min, max, dimension),
+    };
+    diagnostics.push(codes::out_of_range(span, written, allowed));
     None
+}
+
+/// Says that a value has another type than its key, and how it would be written if it is plain what was meant.
+fn otherwise(expression: &Expression, ty: &Type, context: &Context) -> Diagnostic {
+    let text = |span: Span| context.sources.text(span);
+    let said = |fix: Option<String>, help: &str| {
+        codes::written_otherwise(ty, &describe(expression), expression.span, fix, help)
+    };
+    let ranged = matches!(ty, Type::Range { .. } | Type::Distribution { .. });
+    match (ty, &expression.kind) {
+        (_, ExpressionKind::List(members) | ExpressionKind::Group(members)) if ranged => match members.as_slice() {
+            [range @ Expression { kind: ExpressionKind::Range(..), .. }] => said(Some(text(range.span).into()), ""),
+            [low, high] => said(Some(format!("{} .. {}", text(low.span), text(high.span))), ""),
+            _ => said(None, "a range is written `low .. high`"),
+        },
+        (Type::Range { .. }, _) => said(None, "a range is written `low .. high`"),
+        (Type::List(_), ExpressionKind::Group(members)) => match (members.first(), members.last()) {
+            (Some(first), Some(last)) => said(Some(format!("[{}]", text(first.span.to(last.span)))), ""),
+            _ => said(None, ""),
+        },
+        (Type::Reference(_), ExpressionKind::Text(word)) => said(Some(word.clone()), "names have no quotes"),
+        (Type::Text | Type::Path, ExpressionKind::Name(word)) => said(Some(format!("\"{word}\"")), ""),
+        (Type::Boolean, ExpressionKind::Name(word)) => {
+            said(codes::elsewhere(word).filter(|own| matches!(*own, "true" | "false")).map(str::to_string), "")
+        }
+        (_, ExpressionKind::Name(word)) if word == "None" || word == "null" => {
+            said(None, "what may be left out is left out: take the key away")
+        }
+        _ => said(None, ""),
+    }
 }
 
 fn describe(expression: &Expression) -> String {

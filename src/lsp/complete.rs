@@ -58,8 +58,8 @@ pub fn complete(cursor: &Cursor, catalog: &Catalog, visible: Visible) -> Vec<Com
             named.collect()
         }
         Place::Event => {
-            let events = &catalog.vocabulary.events;
-            events.iter().map(|event| item(event.name, CompletionItemKind::EVENT, event.doc)).collect()
+            let events = catalog.vocabulary.events.iter().filter(|event| event.answered);
+            events.map(|event| item(event.name, CompletionItemKind::EVENT, event.doc)).collect()
         }
         Place::EventWord(event) => {
             let words = catalog.vocabulary.events.iter().filter(|each| each.name == event).flat_map(|each| each.words);
@@ -143,7 +143,9 @@ fn values(param: &Param, catalog: &Catalog, visible: Visible) -> Vec<CompletionI
 fn units(param: Option<&Param>) -> Vec<CompletionItem> {
     let dimension = param.and_then(|param| dimension(&param.ty));
     let usual = dimension.map_or(&[][..], Dimension::usual_units);
-    let rest = UNIT_NAMES.iter().map(|(name, _)| *name).filter(|name| !usual.contains(name));
+    // Behind `in` any quantity may stand.
+    let compound = ["m/s", "km/h", "m/s^2", "deg/s"].into_iter().filter(|_| param.is_none());
+    let rest = compound.chain(UNIT_NAMES.iter().map(|(name, _)| *name)).filter(|name| !usual.contains(name));
     let all = usual.iter().copied().chain(rest).enumerate();
     let sorted = all.map(|(index, name)| CompletionItem {
         sort_text: Some(format!("{index:03}")),
@@ -169,7 +171,7 @@ fn formula(catalog: &Catalog) -> Vec<CompletionItem> {
         detail: Some(variable.dimension.to_string()),
         ..item(variable.name, CompletionItemKind::VARIABLE, variable.doc)
     });
-    let functions = functions().map(|name| item(name, CompletionItemKind::FUNCTION, ""));
+    let functions = functions().map(|(name, doc)| item(name, CompletionItemKind::FUNCTION, doc));
     let words = ["and", "or", "not", "in"].map(|word| item(word, CompletionItemKind::KEYWORD, ""));
     variables.chain(functions).chain(words).collect()
 }

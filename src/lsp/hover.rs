@@ -3,8 +3,8 @@ use lsp_types::{Hover, HoverContents, MarkupContent, MarkupKind};
 use super::cursor::{Cursor, Place};
 use super::visible::Visible;
 use crate::compile::Catalog;
-use crate::lang::{DIMENSIONS, ast};
-use crate::signature::{Param, Type};
+use crate::lang::{DIMENSIONS, ast, functions};
+use crate::signature::{Param, Type, bounds};
 use crate::units::{UNIT_NAMES, parse_unit};
 
 /// What is to be said about the word at the cursor.
@@ -66,10 +66,14 @@ fn describe(cursor: &Cursor, catalog: &Catalog, visible: Visible) -> Option<Stri
             Some(format!("**{word}**: {}", unit.dimension)).filter(|_| UNIT_NAMES.iter().any(|(name, _)| *name == word))
         }
         Place::Formula => {
+            if let Some((_, doc)) = functions().find(|(name, _)| *name == word) {
+                return Some(format!("**{word}(…)** {doc}"));
+            }
             let Some(variable) = catalog.vocabulary.variables.iter().find(|variable| variable.name == word) else {
                 return param();
             };
-            Some(format!("**{word}** ({}): {}", variable.dimension, variable.doc))
+            let within = bounds(variable.bounds.0, variable.bounds.1, variable.dimension);
+            Some(format!("**{word}** ({}, {within}): {}", variable.dimension, variable.doc))
         }
         Place::Event => {
             let event = catalog.vocabulary.events.iter().find(|event| event.name == word)?;

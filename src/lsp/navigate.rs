@@ -44,7 +44,7 @@ pub fn definition(
 pub fn symbols(file: &ast::File, text: &str) -> Vec<DocumentSymbol> {
     let lines = Lines::new(text);
     let symbol = |declaration: &Arc<ast::Declaration>| {
-        let place = range(&lines, declaration.head);
+        let (place, head) = (range(&lines, declaration.span), range(&lines, declaration.head));
         let name = declaration.name.as_ref().unwrap_or(&declaration.form);
         DocumentSymbol {
             name: name.text.clone(),
@@ -53,7 +53,7 @@ pub fn symbols(file: &ast::File, text: &str) -> Vec<DocumentSymbol> {
             tags: None,
             deprecated: None,
             range: place,
-            selection_range: place,
+            selection_range: head,
             children: None,
         }
     };

@@ -6,7 +6,10 @@ use std::fmt;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum TrainError {
     /// A number was infinite or not a number.
-    #[error("the {quantity} was not finite in update {update}")]
+    #[error(
+        "the {quantity} was not finite in update {update}: the training has come apart; a smaller `learning_rate`, fewer `epochs` or \
+         smaller rewards may help"
+    )]
     NonFinite {
         /// The update, from 1.
         update: u64,

@@ -146,8 +146,21 @@ impl BinaryOperator {
         if found.0.is_nan() || found.1.is_nan() { ANY } else { found }
     }
 
+    /// Bounds of what it gives for two formulas whose values lie within bounds: closer where both are the same.
+    pub fn bounds_between(self, left: &Formula, a: Bounds, right: &Formula, b: Bounds) -> Bounds {
+        let negates = |one: &Formula, other: &Formula| matches!(one, Formula::Negate(inner) if **inner == *other);
+        if left == right {
+            self.bounds_of_same(a)
+        } else if self == BinaryOperator::Multiply && (negates(left, right) || negates(right, left)) {
+            let (low, high) = self.bounds_of_same(a);
+            (-high, -low)
+        } else {
+            self.bounds(a, b)
+        }
+    }
+
     /// Bounds of what it gives for a value within bounds and the same value again.
-    pub fn bounds_of_same(self, bounds: Bounds) -> Bounds {
+    fn bounds_of_same(self, bounds: Bounds) -> Bounds {
         let (low, high) = bounds;
         let finite = low.is_finite() && high.is_finite();
         match self {
@@ -203,8 +216,9 @@ impl Formula {
                 let (low, high) = inner.bounds(values);
                 truth(low == 0.0 && high == 0.0, low > 0.0 || high < 0.0)
             }
-            Formula::Binary(operator, left, right) if left == right => operator.bounds_of_same(left.bounds(values)),
-            Formula::Binary(operator, left, right) => operator.bounds(left.bounds(values), right.bounds(values)),
+            Formula::Binary(operator, left, right) => {
+                operator.bounds_between(left, left.bounds(values), right, right.bounds(values))
+            }
             Formula::Call(function, arguments) => {
                 let bounds: Vec<Bounds> = arguments.iter().map(|argument| argument.bounds(values)).collect();
                 function.bounds(&bounds)
@@ -287,7 +301,10 @@ mod tests {
                 (operator, inner.clone(), inner.clone()).prop_map(|(o, a, b)| Formula::Binary(o, a.into(), b.into())),
                 inner.clone().prop_map(|a| Formula::Negate(a.into())),
                 inner.clone().prop_map(|a| Formula::Not(a.into())),
-                // The same on both sides.
+                // The same on both sides, or but for the sign.
+                inner
+                    .clone()
+                    .prop_map(|a| { Formula::Binary(Multiply, Formula::Negate(a.clone().into()).into(), a.into()) }),
                 (operator_of_same, inner.clone()).prop_map(|(o, a)| Formula::Binary(o, a.clone().into(), a.into())),
                 (function, prop::collection::vec(inner, 3))
                     .prop_map(|(f, arguments)| Formula::Call(f, arguments.into())),

@@ -1,5 +1,10 @@
 use crate::units::Dimension;
 
+/// What counts as above zero, in SI: what is smaller makes quotients that nobody can count with.
+pub const LEAST: f64 = 1e-12;
+/// What counts as of any size, in SI.
+pub const MOST: f64 = 1e9;
+
 /// The type of a value in the language.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Type {
@@ -68,12 +73,12 @@ impl Type {
 
     /// A quantity that is not negative.
     pub fn non_negative(dimension: Dimension) -> Self {
-        Self::Quantity { dimension, min: 0.0, max: f64::INFINITY }
+        Self::Quantity { dimension, min: 0.0, max: MOST }
     }
 
     /// A quantity above zero.
     pub fn positive(dimension: Dimension) -> Self {
-        Self::Quantity { dimension, min: f64::MIN_POSITIVE, max: f64::INFINITY }
+        Self::Quantity { dimension, min: LEAST, max: MOST }
     }
 
     /// A plain number from 0 to 1.
@@ -129,13 +134,23 @@ pub fn bounds(min: f64, max: f64, dimension: Dimension) -> String {
         Dimension::ANGLE => (std::f64::consts::PI / 180.0, " deg"),
         _ => (1.0, dimension.usual_units().first().copied().unwrap_or("")),
     };
-    let shown = |bound: f64| format!("{} {}", bound / scale, name.trim()).trim().to_string();
+    let shown = |bound: f64| format!("{} {}", short(bound / scale), name.trim()).trim().to_string();
     match (min, max) {
-        (min, f64::INFINITY) if min == f64::MIN_POSITIVE => format!("above {}", shown(0.0)),
-        (min, max) if min == f64::MIN_POSITIVE => format!("above {}, at most {}", shown(0.0), shown(max)),
-        (min, f64::INFINITY) => format!("{} or more", shown(min)),
-        (f64::NEG_INFINITY, max) => format!("{} or less", shown(max)),
+        (LEAST, max) if max >= MOST => format!("above {}", shown(0.0)),
+        (LEAST, max) => format!("above {}, at most {}", shown(0.0), shown(max)),
+        (min, max) if max >= MOST => format!("{} or more", shown(min)),
+        (min, max) if min <= -MOST => format!("{} or less", shown(max)),
         (min, max) => format!("{} to {}", shown(min), shown(max)),
+    }
+}
+
+/// A number in few digits.
+fn short(number: f64) -> String {
+    let size = number.abs();
+    if size != 0.0 && !(1e-4..1e7).contains(&size) {
+        format!("{number:e}")
+    } else {
+        format!("{}", (number * 1e9).round() / 1e9)
     }
 }
 

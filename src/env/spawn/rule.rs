@@ -55,6 +55,8 @@ pub struct Spawn {
 const ENOUGH: u32 = 4;
 /// Tries within which they are found unless they are rare.
 const FEW_PROBES: u32 = 400;
+/// Beginnings by which their rate is told when they are rare.
+const RARE: u32 = 40;
 /// Most tries for each listed pose of the ego, or in all, and most tries altogether where many poses are listed.
 const MOST_PROBES: u32 = 40_000;
 const ALL_PROBES: u32 = 400_000;
@@ -85,11 +87,14 @@ impl SpawnRule {
         let poses = if let EgoStart::Poses(poses) = &self.ego_start { poses.len() as u32 } else { 1 };
         let most = (ALL_PROBES / poses).clamp(FEW_PROBES, MOST_PROBES);
         let mut around = |ego: &mut dyn FnMut(&mut Stream) -> Pose| {
-            let mut survey = |most: u32| self.survey_from(ego, town, obstacles, first, (most, ENOUGH), stream);
-            if survey(FEW_PROBES).accepted >= ENOUGH {
+            let mut survey = |most: u32, enough| self.survey_from(ego, town, obstacles, first, (most, enough), stream);
+            if survey(FEW_PROBES, ENOUGH).accepted >= ENOUGH {
                 return Ok(None);
             }
-            let survey = survey(most);
+            let survey = survey(most, RARE);
+            if survey.accepted * FEW_PROBES >= survey.tried * ENOUGH {
+                return Ok(None);
+            }
             let (worst, worst_passed) = survey.worst().unwrap_or_default();
             let (accepted, tried) = (survey.accepted, survey.tried);
             let rarity = Rarity { accepted, tried, worst: worst.to_string(), worst_passed };
