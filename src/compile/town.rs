@@ -5,7 +5,7 @@ use crate::geometry::{OrientedBox, Point, Pose, Vector};
 use crate::lang::codes;
 use crate::lang::hir::{Block, Declaration};
 use crate::road::design::{BuildingRow, DesignError, Node, Street, StreetProfile, TownDesign};
-use crate::road::{LaneFilter, SpeedSign, Town, TownParts, opendrive};
+use crate::road::{LaneFilter, Road, Shape, SpeedSign, Town, TownParts, opendrive};
 use crate::signature::{Form, Param, Signature, Type, Value};
 use crate::units::Dimension;
 
@@ -225,7 +225,11 @@ pub fn lower(
         return Some(Town::new(parts));
     }
     let town = Town::new(parts);
-    for (place, own) in &standing {
+    let drawn = declaration.kind != "opendrive";
+    // The first question for a lane is dear, and in a town of one's own most things stand far from every street.
+    let reach = UNDER_SLACK + if drawn { profile(block).half_width() } else { f64::INFINITY };
+    let near = |own: &OrientedBox| town.roads.iter().any(|road| comes_near(road, own, reach));
+    for (place, own) in standing.iter().filter(|(_, own)| near(own)) {
         if let Some(road) = road_under(&town, own) {
             said.push(codes::unbuildable_town(*place, &format!("this stands on a driving lane of road {road}")));
         }
@@ -359,6 +363,19 @@ fn standing(block: &Block, said: &mut Vec<Diagnostic>) -> Vec<(Span, OrientedBox
     all
 }
 
+/// Whether the middle of a road may come so near to a box (m); it may where that cannot be told at once.
+fn comes_near(road: &Road, own: &OrientedBox, reach: f64) -> bool {
+    let (middle, reach) = (own.pose.position(), reach + own.half.norm());
+    road.plan_view.pieces().iter().any(|piece| {
+        let from_start = middle - piece.start.position();
+        if from_start.norm() > reach + piece.length || piece.shape != Shape::Line {
+            return from_start.norm() <= reach + piece.length;
+        }
+        let forward = piece.start.axes()[0];
+        (from_start - forward * from_start.dot(&forward).clamp(0.0, piece.length)).norm() <= reach
+    })
+}
+
 /// The road on one of whose driving lanes a box stands: places less than a metre apart are asked, beginning with whole parts of
 /// the box that lie far from all lanes.
 fn road_under(town: &Town, own: &OrientedBox) -> Option<u32> {
@@ -391,6 +408,11 @@ fn pose(value: &Value) -> Pose {
         Value::Pose(x, y, yaw) => Pose::new(*x, *y, *yaw),
         other => panic!("checked: a pose, not {other:?}"),
     }
+}
+
+fn profile(block: &Block) -> StreetProfile {
+    let number = |key: &str| block.arguments.number(key);
+    StreetProfile { lane_width: number("lane_width"), shoulder: number("shoulder"), sidewalk: number("sidewalk") }
 }
 
 fn design(declaration: &Declaration) -> TownDesign {
@@ -432,11 +454,7 @@ fn design(declaration: &Declaration) -> TownDesign {
         name: declaration.name.clone(),
         nodes,
         streets,
-        profile: StreetProfile {
-            lane_width: number("lane_width"),
-            shoulder: number("shoulder"),
-            sidewalk: number("sidewalk"),
-        },
+        profile: profile(block),
         bend_radius: number("bend_radius"),
         corner_radius: number("corner_radius"),
         block_buildings: row,
