@@ -365,14 +365,15 @@ fn standing(block: &Block, said: &mut Vec<Diagnostic>) -> Vec<(Span, OrientedBox
 
 /// Whether the middle of a road may come so near to a box (m); it may where that cannot be told at once.
 fn comes_near(road: &Road, own: &OrientedBox, reach: f64) -> bool {
-    let (middle, reach) = (own.pose.position(), reach + own.half.norm());
     road.plan_view.pieces().iter().any(|piece| {
-        let from_start = middle - piece.start.position();
-        if from_start.norm() > reach + piece.length || piece.shape != Shape::Line {
-            return from_start.norm() <= reach + piece.length;
-        }
-        let forward = piece.start.axes()[0];
-        (from_start - forward * from_start.dot(&forward).clamp(0.0, piece.length)).norm() <= reach
+        // How far the piece strays from the straight line between its ends.
+        let sag = match piece.shape {
+            Shape::Line => 0.0,
+            Shape::Arc(curvature) => curvature.abs() * piece.length * piece.length / 8.0,
+            _ => piece.length,
+        };
+        let around = OrientedBox::new(own.pose, own.half.x + reach + sag, own.half.y + reach + sag);
+        around.is_crossed_by(piece.start.position(), piece.pose(piece.length).position())
     })
 }
 

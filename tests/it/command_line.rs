@@ -33,6 +33,13 @@ fn a_missing_file_is_named() {
         assert_eq!(output.status.code(), Some(2), "{output:?}");
         assert_eq!(error(&output), "error: cannot read `nowhere.scn`: there is no such file\n");
     }
+    // All that are missing are named, and what is wrong with the others is told.
+    std::fs::write(folder.path().join("bad.scn"), "edition 1\nrewrd r {}\n").unwrap();
+    let output = falsify(&["check", "nowhere.scn", "bad.scn", "gone.scn"], folder.path());
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    for part in ["cannot read `nowhere.scn`", "cannot read `gone.scn`", "error[unknown-form]"] {
+        assert!(error(&output).contains(part), "{}", error(&output));
+    }
 }
 
 #[test]
@@ -227,7 +234,11 @@ fn a_map_of_a_scenario_is_drawn_and_its_waypoints_listed() {
 #[test]
 fn settings_change_values_and_reach_the_manifest() {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("tiny.scn"), campaign()).unwrap();
+    let text = campaign().replace("runs: 2", "runs: tries").replace(
+        "campaign tiny",
+        "/// How often.\nparam tries: integer = 2\n/// Who is asked?\nparam idle: integer = 2\ncampaign tiny",
+    );
+    std::fs::write(folder.path().join("tiny.scn"), text).unwrap();
     let listed = falsify(&["run", "--list", "--set", "tiny.train.runs=1", "tiny.scn"], folder.path());
     let text = String::from_utf8(listed.stdout).unwrap();
     assert_eq!(text.matches("  train  r1").count(), 1, "{text}");
@@ -237,7 +248,8 @@ fn settings_change_values_and_reach_the_manifest() {
     assert!(manifest.contains("settings = [\"ahead.distance = 8 m .. 9 m\"]"), "{manifest}");
     let summary = std::fs::read_to_string(folder.path().join("reports/tiny-smoke/summary.md")).unwrap();
     assert!(summary.contains("- reward **r1**: Equation R1: any hit pays."), "{summary}");
-    assert!(!summary.contains("**r2**"), "what is not used is not spoken of");
+    assert!(summary.contains("- param **tries**: How often."), "{summary}");
+    assert!(!summary.contains("**r2**") && !summary.contains("**idle**"), "what is not used is not spoken of");
     let wrong = falsify(&["check", "--set", "ahead.distance=8 .. 9 m", "tiny.scn"], folder.path());
     assert_eq!(wrong.status.code(), Some(3));
     assert!(error(&wrong).contains("a length needs a unit"), "{}", error(&wrong));

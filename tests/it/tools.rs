@@ -142,6 +142,7 @@ fn every_step_of_a_file_can_be_looked_at() {
         ("ast", ["text: \"hurried\"", "value: 0.8", "unit: Some"]),
         ("hir", ["kind: \"idm\"", "\"limit_share\"", "0.8"]),
         ("plan", ["campaign first", "training: dangerous in harbour against hurried, run 0", "total_steps: 15000"]),
+        ("plan", ["driver hurried: idm", "time_headway: Number(0.8)", "sensors perfect"]),
     ] {
         let output = falsify(&["debug", tree, "a.scn"], folder.path());
         let (text, errors) = said(&output);
