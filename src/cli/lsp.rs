@@ -1,9 +1,21 @@
+use std::path::PathBuf;
+
 use super::{ExitCode, front};
 use crate::lsp::{Ending, serve};
 
+/// The user's folder for what can be made again.
+///
+/// # Source
+/// XDG Base Directory Specification 0.8.
+fn cache() -> PathBuf {
+    let folder = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|folder| folder.is_absolute());
+    let own = folder("XDG_CACHE_HOME").or_else(|| Some(folder("HOME")?.join(".cache")));
+    own.unwrap_or_else(std::env::temp_dir)
+}
+
 /// `falsify lsp`
 pub fn lsp() -> ExitCode {
-    let shelf = std::env::temp_dir().join(concat!("falsify-", env!("CARGO_PKG_VERSION"), "-std"));
+    let shelf = cache().join("falsify").join(concat!("std-", env!("CARGO_PKG_VERSION")));
     match serve(std::io::stdin().lock(), std::io::stdout().lock(), shelf) {
         Ok(Ending::Orderly) => ExitCode::Done,
         Ok(Ending::Abrupt) => ExitCode::Internal,

@@ -77,9 +77,9 @@ impl<'a> Params<'a> {
     /// These parameters and those that they are defined by, each once.
     pub fn hung_on(&self, mentioned: &[(ParamId, Option<ExpressionKind>)]) -> Vec<ParamId> {
         let mut open: Vec<ParamId> = mentioned.iter().rev().map(|(id, _)| *id).collect();
-        let mut found = Vec::new();
+        let (mut found, mut seen) = (Vec::new(), BTreeSet::new());
         while let Some(id) = open.pop() {
-            if !found.contains(&id) {
+            if seen.insert(id) {
                 found.push(id);
                 self::mentioned(&self.param(id).value, &self.names[self.place(id.0)], &mut open);
             }

@@ -87,10 +87,13 @@ pub(super) struct Slip {
     pub foreign: bool,
 }
 
+/// Most slips of a statement that are told; what holds more is no statement.
+const MOST_SLIPS: usize = 100;
+
 /// The slips in a statement; `key_first` when it may be `key: value`.
 pub(super) fn slips(text: &str, key_first: bool) -> Vec<Slip> {
     let mut scan = Scan { text, at: 0, open: Vec::new(), tokens: Vec::new(), found: Vec::new(), key_first };
-    while scan.at < text.len() {
+    while scan.at < text.len() && scan.found.len() < MOST_SLIPS {
         scan.step();
     }
     scan.found
@@ -125,7 +128,7 @@ impl Scan<'_> {
         self.tokens.last().map(|(token, _)| *token)
     }
 
-    /// The words that a place of the statement begins with.
+    /// A token of the statement by its number; empty where there is none.
     fn word(&self, number: usize) -> &str {
         self.tokens.get(number).map_or("", |(_, place)| &self.text[place.clone()])
     }
@@ -136,8 +139,9 @@ impl Scan<'_> {
     }
 
     fn slip(&mut self, length: usize, instead: impl Into<String>, meant: bool, said: &'static str) {
-        let foreign = !self.rest().is_ascii() && !self.rest().starts_with(|first: char| first.is_ascii())
-            || self.rest().starts_with(['#', '%', '\'', '!', '&', '|', '"']);
+        let foreign = self
+            .rest()
+            .starts_with(|first: char| !first.is_ascii() || matches!(first, '#' | '%' | '\'' | '!' | '&' | '|' | '"'));
         let place = self.at..self.at + length;
         self.found.push(Slip { place, instead: instead.into(), meant, said, foreign });
         self.push(Token::Sign, length);
@@ -170,22 +174,23 @@ impl Scan<'_> {
         let rest = self.rest();
         let first = rest.chars().next().expect("there is more to read");
         let starts = |sign: &str| rest.starts_with(sign);
-        let line = rest.find(['\n', '\r']).unwrap_or(rest.len());
+        let line = || rest.find(['\n', '\r']).unwrap_or(rest.len());
         // The sign of a unit touches what stands before it.
         let joined = self.tokens.last().is_some_and(|(_, place)| place.end == self.at);
         let blank = if joined { " " } else { "" };
         match first {
             _ if first.is_whitespace() && first.is_ascii() => self.at += first.len_utf8(),
-            _ if starts("//") => self.at += line,
+            _ if starts("//") => self.at += line(),
             _ if starts("/*") => self.at += rest.find("*/").map_or(rest.len(), |end| end + 2),
-            '"' => match rest[1..line].find('"') {
+            '"' => match rest[1..].find(['"', '\n', '\r']).filter(|end| rest[1 + end..].starts_with('"')) {
                 Some(end) => self.push(Token::Closing, end + 2),
                 None => {
+                    let line = line();
                     let instead = format!("{}\"", rest[..line].trim_end());
                     self.slip(line, instead, true, "this text is not closed on its line");
                 }
             },
-            '\'' => match rest[1..line].find('\'') {
+            '\'' => match rest[1..].find(['\'', '\n', '\r']).filter(|end| rest[1 + end..].starts_with('\'')) {
                 Some(end) => {
                     let instead = format!("\"{}\"", &rest[1..end + 1]);
                     self.slip(end + 2, instead, true, "a text stands in double quotes");
@@ -193,6 +198,7 @@ impl Scan<'_> {
                 None => self.push(Token::Sign, 1),
             },
             '#' => {
+                let line = line();
                 self.slip(1, "//", true, "a comment begins with `//`");
                 self.at += line - 1;
             }

@@ -66,6 +66,14 @@ fn huge_and_deep_files_get_an_answer() {
             Some("syntax"),
         ),
         ("no line ends", "a".repeat(1 << 18), Some("syntax")),
+        ("words without end", format!("{edition}? {}", "a b' 1 = ".repeat(1 << 18)), Some("syntax")),
+        ("foreign signs without end", format!("{edition}? {}", "% ° ".repeat(1 << 18)), Some("syntax")),
+        (
+            "brackets that never match",
+            format!("{edition}{}", "reward r { (}\n".repeat(1 << 15)),
+            Some("mismatched-bracket"),
+        ),
+        ("lists without brackets", format!("{edition}campaign c {{ {} }}", "a: b, c ".repeat(1 << 15)), Some("syntax")),
     ] {
         assert_eq!(survive_in_time(name, text), code, "{name}");
     }
