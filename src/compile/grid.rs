@@ -19,6 +19,10 @@ use crate::sim::VehicleBlueprint;
 
 /// Most decisions between two updates, over all environments.
 const MOST_DECISIONS: usize = 1 << 22;
+/// Most components of all states between two updates.
+const MOST_SEEN: usize = 1 << 27;
+/// Most weights of a network.
+const MOST_WEIGHTS: usize = 1 << 24;
 /// Most trainings, evaluations or searches that one block may ask for.
 const MOST_CELLS: usize = 200_000;
 
@@ -352,6 +356,18 @@ impl Lowering<'_> {
         if config.rollout_steps.saturating_mul(environments) > MOST_DECISIONS {
             let message = format!("an update of more than {MOST_DECISIONS} decisions does not fit in memory");
             self.said.push(codes::contradiction(block.place("steps_per_update"), message));
+        }
+        let seen = config.rollout_steps.saturating_mul(environments).saturating_mul(4 * config.frame_stack as usize);
+        if seen > MOST_SEEN {
+            let message =
+                format!("an update of {seen} numbers of states does not fit in memory; at most {MOST_SEEN} do");
+            self.said.push(codes::contradiction(block.place("frame_stack"), message));
+        }
+        let widths = [&[4 * config.frame_stack as usize], config.hidden.as_slice(), &[2]].concat();
+        let weights: usize = widths.windows(2).map(|pair| pair[0] * pair[1]).sum();
+        if weights > MOST_WEIGHTS {
+            let message = format!("networks of {weights} weights do not fit in memory; at most {MOST_WEIGHTS} do");
+            self.said.push(codes::contradiction(block.place("hidden"), message));
         }
         Axis { id, name: declaration.name.clone(), value: (config, environments) }
     }

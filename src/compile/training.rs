@@ -49,7 +49,7 @@ fn params() -> Vec<Param> {
         ),
         Param::with_default(
             "initial_log_std",
-            ratio(-20.0, 5.0),
+            ratio(-10.0, 5.0),
             "0",
             "First logarithm of the action's standard deviation.",
         ),

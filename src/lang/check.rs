@@ -13,7 +13,7 @@ use super::params::Params;
 use super::value::{Context, plain_number, value};
 use super::{Loaded, codes, repair};
 use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
-use crate::signature::{Arguments, DeclarationId, Form, Signature, Type, Value, Vocabulary};
+use crate::signature::{Arguments, DeclarationId, Form, Param, Signature, Type, Value, Vocabulary};
 
 /// What has been checked, for further variants of the same files: the same files with other settings.
 #[derive(Debug)]
@@ -200,7 +200,9 @@ impl<'f> Checker<'_, '_, 'f> {
         let mut named: BTreeMap<(&str, &str), Span> = BTreeMap::new();
         // Keys that were probably meant, which has been said: nothing more is to be said of their absence.
         let mut meant: BTreeSet<String> = BTreeSet::new();
-        for entry in &written.entries {
+        // Where the values end that have been told of as one.
+        let mut told = 0;
+        for (place, entry) in written.entries.iter().enumerate() {
             match entry {
                 Entry::Property(property) => match signature.params.iter().find(|p| p.name == property.key.text) {
                     None => {
@@ -212,6 +214,16 @@ impl<'f> Checker<'_, '_, 'f> {
                     Some(param) => {
                         if let Some((first, ..)) = given.iter().find(|(_, name, ..)| *name == param.name) {
                             self.diagnostics.push(codes::duplicate_key(property.key.span, param.name, first.span));
+                            continue;
+                        }
+                        let bare = written.entries[place + 1..].iter().map_while(|entry| match entry {
+                            Entry::Bare(value) => Some(value.span),
+                            _ => None,
+                        });
+                        if let Some(end) = self.torn(property.value.span, bare, param) {
+                            self.whole = false;
+                            given.push((&property.key, param.name, property.value.span, None));
+                            told = end;
                             continue;
                         }
                         let before = self.diagnostics.len();
@@ -232,10 +244,11 @@ impl<'f> Checker<'_, '_, 'f> {
                         }
                     }
                 },
+                Entry::Bare(expression) if expression.span.start < told => {}
                 Entry::Bare(expression) => {
                     // It may be the value of any key that is missing.
                     meant.extend(keys.iter().map(|key| (*key).to_string()));
-                    self.bare(expression.span, &keys);
+                    self.diagnostics.push(codes::bare_argument(expression.span, &keys));
                 }
                 Entry::Unread(words) => {
                     self.whole = false;
@@ -300,17 +313,29 @@ impl<'f> Checker<'_, '_, 'f> {
         Block { word: signature.name, name, arguments, places, members, children, clauses, head: written.head }
     }
 
-    /// A value without a key, unless it is the fraction of a number that was written with a comma.
-    fn bare(&mut self, span: Span, keys: &[&str]) {
-        let text = &self.context.sources.get(span.source).text;
-        let comma = repair::decimal_comma(&text[..span.start], &text[span.start..]);
-        self.diagnostics.push(match comma {
-            Some((whole, part)) => {
-                let (start, end) = (span.start - whole, span.start + part);
-                codes::decimal_comma(Span { start, end, ..span }, &text[start..end])
+    /// Tells of a value that goes on in those behind it, which have no key: a number with commas, a list without brackets. Gives
+    /// where that ends.
+    fn torn(&mut self, value: Span, mut bare: impl Iterator<Item = Span>, param: &Param) -> Option<usize> {
+        let text = &self.context.sources.get(value.source).text;
+        let first = bare.next()?;
+        let comma = repair::decimal_comma(&text[..first.start], &text[first.start..]);
+        let listed = matches!(param.ty, Type::List(_));
+        let (start, end, diagnostic) = match comma {
+            Some((whole, part)) if !listed => {
+                let (start, end) = (first.start - whole, first.start + part);
+                (start, end, codes::decimal_comma(Span { start, end, ..first }, &text[start..end]))
             }
-            None => codes::bare_argument(span, keys),
-        });
+            _ if listed => {
+                let span = value.to(bare.last().unwrap_or(first));
+                (span.start, span.end, codes::unbracketed_list(span, self.context.sources.text(span)))
+            }
+            _ => return None,
+        };
+        if start < value.start {
+            return None;
+        }
+        self.diagnostics.push(diagnostic);
+        Some(end)
     }
 
     fn clause(&mut self, written: &ast::Clause, earlier: &[Clause]) -> Option<Clause> {

@@ -4,7 +4,7 @@ use std::io::ErrorKind;
 
 use crate::diagnostic::{Diagnostic, Label, Span};
 use crate::signature::{Param, Type};
-use crate::units::Dimension;
+use crate::units::{Dimension, parse_unit};
 
 use super::suggest::nearest;
 use super::{library, reason, shelf};
@@ -75,7 +75,10 @@ pub fn slip(span: Span, said: &str, meant: Option<&str>) -> Diagnostic {
 /// A number is written with a comma.
 pub fn decimal_comma(span: Span, written: &str) -> Diagnostic {
     let diagnostic = Diagnostic::error("syntax", span, "this statement cannot be read");
-    let thousands = written.split_once(',').is_some_and(|(whole, part)| part.len() == 3 && !whole.starts_with('0'));
+    let thousands = written.split(',').skip(1).all(|part| part.len() == 3) && !written.starts_with('0');
+    if written.matches(',').count() > 1 {
+        return diagnostic.here("no comma stands in a number").fix(written.replace(',', "_"));
+    }
     if thousands {
         return diagnostic
             .here("no comma stands in a number")
@@ -170,7 +173,8 @@ pub fn too_large(span: Span, bytes: usize, limit: usize) -> Diagnostic {
 /// The file does not say which edition of the language it is written in.
 pub fn missing_edition(span: Span) -> Diagnostic {
     Diagnostic::error("missing-edition", span, "the file does not name its edition")
-        .help("begin the file with `edition 1`, so that later versions of the language read it as you meant it")
+        .here("write `edition 1` before all else, so that later versions of the language read it as you meant it")
+        .fix("edition 1\n")
 }
 
 /// The edition is not one this program reads.
@@ -523,6 +527,11 @@ pub fn wrong_unit(span: Span, expected: Dimension, found: Dimension) -> Diagnost
 /// The unit that a word in full stands for, or an abbreviation that other languages have.
 fn abbreviated(word: &str) -> Option<&'static str> {
     let lower = word.to_lowercase();
+    match lower.as_str() {
+        "mps" => return Some("m/s"),
+        "mi/h" | "mile/h" | "miles/h" | "miles/hour" => return Some("mph"),
+        _ => {}
+    }
     Some(match lower.strip_suffix('s').filter(|rest| rest.len() > 1).unwrap_or(&lower) {
         "meter" | "metre" => "m",
         "kilometer" | "kilometre" => "km",
@@ -537,7 +546,6 @@ fn abbreviated(word: &str) -> Option<&'static str> {
         "hertz" => "Hz",
         "kilogram" => "kg",
         "kmh" | "kmph" => "km/h",
-        "mps" => "m/s",
         _ => return None,
     })
 }
@@ -549,7 +557,12 @@ pub fn unknown_unit(span: Span, written: &str, part: Option<&str>, units: &[&str
             .help("a power is a whole number from -9 to 9, as in `m/s^2`");
     };
     let diagnostic = Diagnostic::error("unknown-unit", span, format!("`{part}` is no unit"));
-    let diagnostic = match abbreviated(part).or_else(|| nearest(part, units.iter().copied())) {
+    if let Some(whole) = abbreviated(written).filter(|_| part != written) {
+        return diagnostic.here(format!("did you mean `{whole}`?")).fix(whole);
+    }
+    // Of one letter nothing can be guessed.
+    let like = |word: &&str| word.len() > 1 && part.len() > 1;
+    let diagnostic = match abbreviated(part).or_else(|| nearest(part, units.iter().copied().filter(like))) {
         Some(near) if part == written => diagnostic.here(format!("did you mean `{near}`?")).fix(near),
         Some(near) if !part.ends_with(|last: char| last.is_ascii_digit()) => {
             diagnostic.here(format!("did you mean `{near}`?")).fix(written.replace(part, near))
@@ -635,9 +648,10 @@ pub fn nothing_left(span: Span, distribution: Span, range: Span) -> Diagnostic {
         .label(range, "lies in this range")
 }
 
-/// A range's low end lies above its high end.
-pub fn empty_range(span: Span, swapped: String) -> Diagnostic {
-    Diagnostic::error("empty-range", span, "this range is empty: its low end lies above its high end").fix(swapped)
+/// A range's low end lies above its high end; it may have been meant to go round the back.
+pub fn empty_range(span: Span, swapped: String, around: Option<String>) -> Diagnostic {
+    let said = Diagnostic::error("empty-range", span, "this range is empty: its low end lies above its high end");
+    around.into_iter().fold(said.fix(swapped), Diagnostic::fix)
 }
 
 /// A whole number has a fraction.
@@ -662,6 +676,12 @@ pub fn unknown_choice(span: Span, word: &str, words: &[&str]) -> Diagnostic {
         word.starts_with(|c: char| c.is_ascii_alphabetic())
             && !word.contains(|c: char| c != '_' && !c.is_ascii_alphanumeric())
     };
+    // Of releases and versions none is meant for another.
+    let stem = |word: &str| word.trim_end_matches(|last: char| last.is_ascii_digit() || last == '.').to_string();
+    if words.iter().any(|known| stem(known) == stem(word) && known.ends_with(|last: char| last.is_ascii_digit())) {
+        return Diagnostic::error("unknown-choice", span, message)
+            .help(format!("known here: {}", quoted(words.iter().copied())));
+    }
     match nearest(word, words.iter().copied()) {
         // What is no name stands in quotes.
         Some(near) if !is_name(near) => Diagnostic::error("unknown-choice", span, message)
@@ -673,6 +693,11 @@ pub fn unknown_choice(span: Span, word: &str, words: &[&str]) -> Diagnostic {
 
 /// A formula names an unknown variable.
 pub fn unknown_variable<'a>(span: Span, word: &str, known: impl IntoIterator<Item = &'a str>) -> Diagnostic {
+    if parse_unit(word).is_ok() {
+        return Diagnostic::error("unknown-variable", span, format!("unknown variable or parameter `{}`", cut(word)))
+            .here("a unit stands behind a number")
+            .fix(format!("1 {word}"));
+    }
     unknown("unknown-variable", span, format!("unknown variable or parameter `{}`", cut(word)), word, known)
 }
 
@@ -698,6 +723,11 @@ pub fn unknown_function(span: Span, word: &str, known: &[&str]) -> Diagnostic {
 /// A function has the wrong number of arguments.
 pub fn wrong_arity(span: Span, function: &str, expected: &str, found: usize) -> Diagnostic {
     Diagnostic::error("wrong-arity", span, format!("`{function}` takes {expected}, found {found}"))
+}
+
+/// A plain number is compared with a quantity, or added to one.
+pub fn bare_number(span: Span, dimension: Dimension, written: &str, other: Span) -> Diagnostic {
+    missing_unit(span, dimension, written).label(other, format!("this is {}", one(dimension)))
 }
 
 /// Two sides of an operator, or two arguments, have different dimensions.
@@ -798,6 +828,7 @@ pub fn unplaceable(span: Span, town: &str, reason: &str) -> Diagnostic {
 /// Few beginnings satisfy all constraints.
 pub fn rare_beginnings(span: Span, town: &str, found: &str) -> Diagnostic {
     Diagnostic::warning("rare-beginnings", span, format!("beginnings in `{town}` are rare: {found}"))
+        .help("what bounds `bearing`, `distance` or `ego_speed` alone, as `distance > 10 m` does, is drawn directly")
         .help("drawing one takes long; `falsify check --sample 1000` shows what each constraint leaves")
 }
 

@@ -57,7 +57,12 @@ pub(super) fn formula(
     scope: &Scope,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Option<(Formula, Sort)> {
-    let part = Checker { scope, diagnostics }.visit(expression)?;
+    let mut checker = Checker { scope, diagnostics, grows: None };
+    let part = checker.visit(expression)?;
+    if scope.whole && !is_finite(part.bounds) {
+        let place = checker.grows.unwrap_or(expression.span);
+        return checker.say(codes::maybe_nothing(place, GROWS, HOLD));
+    }
     Some((part.formula, part.sort))
 }
 
@@ -98,9 +103,27 @@ struct Quantity {
     bounds: Bounds,
 }
 
+/// What is said of a part that may grow beyond all numbers, and what to do about it.
+const GROWS: &str = "this may grow beyond all numbers";
+const HOLD: &str = "hold what it is made of below some number: `min(…, 100)`";
+
+fn is_finite((low, high): Bounds) -> bool {
+    low.is_finite() && high.is_finite()
+}
+
+/// The number that stands here, without a unit.
+fn plain(expression: &Expression) -> Option<f64> {
+    match &expression.kind {
+        ExpressionKind::Number { value, unit: None } => Some(*value),
+        _ => None,
+    }
+}
+
 struct Checker<'a> {
     scope: &'a Scope<'a>,
     diagnostics: &'a mut Vec<Diagnostic>,
+    /// The first part that may grow beyond all numbers.
+    grows: Option<Span>,
 }
 
 impl Checker<'_> {
@@ -228,6 +251,18 @@ impl Checker<'_> {
                     None => return self.say(codes::syntax(span, "the power of a unit grows beyond reason".into())),
                 }
             }
+            // A number without a unit most likely lacks it where it is compared; rewards count quantities on purpose.
+            _ if a.dimension != b.dimension && (compares(operator) || !self.scope.whole) => {
+                return match (plain(left), plain(right)) {
+                    (Some(number), _) if a.dimension == Dimension::RATIO => {
+                        self.say(codes::bare_number(left.span, b.dimension, &number.to_string(), right.span))
+                    }
+                    (_, Some(number)) if b.dimension == Dimension::RATIO => {
+                        self.say(codes::bare_number(right.span, a.dimension, &number.to_string(), left.span))
+                    }
+                    _ => self.say(codes::mixed_dimensions(left.span, a.dimension, right.span, b.dimension)),
+                };
+            }
             _ if a.dimension != b.dimension => {
                 return self.say(codes::mixed_dimensions(left.span, a.dimension, right.span, b.dimension));
             }
@@ -239,8 +274,15 @@ impl Checker<'_> {
             self.away_from_zero(right.span, &b)?;
         }
         let bounds = operator.bounds_between(&a.formula, a.bounds, &b.formula, b.bounds);
+        let zero = |(low, high): Bounds| low <= 0.0 && high >= 0.0;
+        // What is beyond all numbers less as much, over as much, or times nothing, is no number.
+        let lost = match operator {
+            Add | Subtract | Divide => !is_finite(a.bounds) && !is_finite(b.bounds),
+            Multiply => !is_finite(a.bounds) && zero(b.bounds) || !is_finite(b.bounds) && zero(a.bounds),
+            _ => false,
+        };
         let formula = Formula::Binary(operator, a.formula.into(), b.formula.into());
-        self.finite(Part { formula, sort, bounds }, span)
+        self.counted(Part { formula, sort, bounds }, lost, span)
     }
 
     /// Makes sure that a divisor is not 0.
@@ -257,15 +299,19 @@ impl Checker<'_> {
         }
     }
 
-    /// A part of a formula, unless it is no number, or may be none where it must.
-    fn finite(&mut self, part: Part, span: Span) -> Option<Part> {
+    /// A part of a formula, unless it is no number, or may be none where it must: `lost` when it may. One that may grow beyond
+    /// all numbers is remembered, since what it is a part of may still have a value.
+    fn counted(&mut self, part: Part, lost: bool, span: Span) -> Option<Part> {
         let (low, high) = part.bounds;
         if low == high && !low.is_finite() {
             return self.say(codes::not_finite(span, "this is no finite number"));
         }
-        if self.scope.whole && !(low.is_finite() && high.is_finite()) {
-            let help = "hold what it is made of below some number: `min(…, 100)`";
-            return self.say(codes::maybe_nothing(span, "this may grow beyond all numbers", help));
+        if !is_finite(part.bounds) {
+            self.grows.get_or_insert(span);
+        }
+        if self.scope.whole && lost {
+            let place = self.grows.unwrap_or(span);
+            return self.say(codes::maybe_nothing(place, GROWS, HOLD));
         }
         Some(part)
     }
@@ -316,7 +362,8 @@ impl Checker<'_> {
         let dimension = if *function == Function::LogLikelihood { Dimension::RATIO } else { dimension };
         let bounds: Vec<Bounds> = checked.iter().map(|each| each.bounds).collect();
         let formulas: Vec<Formula> = checked.into_iter().map(|each| each.formula).collect();
+        let lost = *function == Function::LogLikelihood && !bounds.iter().all(|each| is_finite(*each));
         let (formula, bounds) = (Formula::Call(*function, formulas.into()), function.bounds(&bounds));
-        self.finite(Part { formula, sort: Sort::Quantity(dimension), bounds }, span)
+        self.counted(Part { formula, sort: Sort::Quantity(dimension), bounds }, lost, span)
     }
 }

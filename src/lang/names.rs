@@ -52,8 +52,11 @@ impl<'a> Names<'a> {
 
     /// Whether something of this name is declared whose form is none of these, which has been said.
     pub fn has_form_beside(&self, forms: &[Form], name: &str) -> bool {
+        // A file made to break the program may have any number of forms.
+        const MOST: usize = 100;
         let mut after = Bound::Unbounded;
-        while let Some(((form, _), _)) = self.known.range((after, Bound::Unbounded)).next() {
+        for _ in 0..MOST {
+            let Some(((form, _), _)) = self.known.range((after, Bound::Unbounded)).next() else { break };
             if !forms.iter().any(|known| known.name == *form) && self.known.contains_key(&(*form, name)) {
                 return true;
             }
@@ -66,7 +69,9 @@ impl<'a> Names<'a> {
     /// Whether a name that is not known may be one of those in what could not be read, of which enough has been said.
     /// One that is like a known name is probably that.
     pub fn may_be_unread<'b>(&self, name: &str, known: impl IntoIterator<Item = &'b str>) -> bool {
-        self.unread.contains(name) || self.torn && nearest(name, known).is_none()
+        // As many as are compared for a suggestion.
+        const MOST: usize = 200;
+        self.unread.contains(name) || self.torn && nearest(name, known.into_iter().take(MOST)).is_none()
     }
 
     pub fn has_params(&self) -> bool {

@@ -202,9 +202,10 @@ impl Scan<'_> {
                 self.slip(1, "//", true, "a comment begins with `//`");
                 self.at += line - 1;
             }
-            '−' | '–' | '—' => {
-                self.slip(first.len_utf8(), "-", true, "the sign for minus is `-`, and for a range `..`")
+            '–' | '—' if matches!(self.last(), Some(Token::Number | Token::Unit)) => {
+                self.slip(first.len_utf8(), "..", true, "a range is written `low .. high`");
             }
+            '−' | '–' | '—' => self.slip(first.len_utf8(), "-", true, "the sign for minus is `-`"),
             '°' => {
                 let instead = format!("{blank}deg");
                 self.slip(first.len_utf8(), instead, true, "degrees are written `deg`");
@@ -330,6 +331,9 @@ impl Scan<'_> {
                 match word {
                     "to" if self.behind_value()
                         && !is_key
+                        && rest[length..]
+                            .trim_start()
+                            .starts_with(|next: char| next.is_ascii_digit() || matches!(next, '-' | '('))
                         && self.tokens.last().is_none_or(|(_, place)| !self.text[place.clone()].eq("from")) =>
                     {
                         self.slip(length, "..", true, "a range is written `low .. high`");
@@ -373,7 +377,12 @@ pub(super) fn missing_colon(text: &str) -> Option<Vec<Slip>> {
     let key = word(text);
     let value = text[key..].trim_start();
     let follows = text[key..].starts_with([' ', '\t']) && !value.is_empty() && !value.starts_with(['{', '=', ':', '(']);
-    if key == 0 || !follows || &text[..key] == "on" {
+    // Words that join things are no keys.
+    const JOINING: &[&str] = &[
+        "on", "as", "between", "and", "or", "in", "is", "if", "else", "per", "with", "for", "from", "at", "of", "to",
+        "not",
+    ];
+    if key == 0 || !follows || JOINING.contains(&&text[..key]) {
         return None;
     }
     let (place, instead) = (0..key, format!("{}:", &text[..key]));
@@ -384,19 +393,35 @@ pub(super) fn missing_colon(text: &str) -> Option<Vec<Slip>> {
 
 /// Values side by side, of which `text` begins with one behind a comma: how many bytes stand before and behind.
 pub(super) fn unbracketed(before: &str, text: &str) -> Option<(usize, usize)> {
-    let part = |byte: &u8| *byte == b'_' || byte.is_ascii_alphanumeric();
     let listed = before.trim_end().strip_suffix(',')?;
     // Between the colon of the key and the comma stands one value, without a bracket.
     let first = listed.rfind(':').map(|colon| &listed[colon + 1..])?;
     let fine = |value: &str| !value.trim().is_empty() && !value.contains(['{', '}', '(', ')', '[', ']', ',', ';', '"']);
-    let next = text.bytes().take_while(part).count();
-    let behind = text[next..].trim_start();
-    let more =
-        behind.starts_with(',').then(|| behind[1..].bytes().take_while(|byte| part(byte) || *byte == b' ').count() + 1);
-    let end = next + more.map_or(0, |more| text[next..].len() - behind.len() + more);
+    let part = |byte: &u8| *byte == b'_' || byte.is_ascii_alphanumeric();
+    let is_key = |behind: &str| behind.trim_start().starts_with([':', '=', '{']);
+    // A word, or a number with its unit.
+    let value = |text: &str| {
+        let word = text.bytes().take_while(|byte| part(byte) || *byte == b'.').count();
+        let unit = text[word..].trim_start_matches(' ');
+        let length = unit.bytes().take_while(|byte| part(byte) || matches!(byte, b'/' | b'^')).count();
+        let with_unit =
+            text.starts_with(|first: char| first.is_ascii_digit()) && length > 0 && !is_key(&unit[length..]);
+        if with_unit { text.len() - unit.len() + length } else { word }
+    };
+    let mut end = value(text);
+    if end == 0 || !fine(first) || is_key(&text[end..]) {
+        return None;
+    }
+    while let Some(next) = text[end..].trim_start_matches(' ').strip_prefix(',') {
+        let next = next.trim_start_matches(' ');
+        let length = value(next);
+        if length == 0 || is_key(&next[length..]) {
+            break;
+        }
+        end = text.len() - next.len() + length;
+    }
     let start = before.len() - (listed.len() - first.len()) - (first.len() - first.trim_start().len());
-    let is_value = next > 0 && !behind.starts_with([':', '=', '{']);
-    (fine(first) && is_value).then_some((start, text[..end].trim_end().len()))
+    Some((start, end))
 }
 
 /// The name of a parameter without a type, and the word for the type that its value has.
@@ -433,12 +458,21 @@ pub(super) fn dotted_key(text: &str) -> Option<&str> {
     (named && text[path.len()..].trim_start().starts_with(':')).then_some(path)
 }
 
-/// A number written with a comma, of which `text` begins with the digits behind it: how many bytes stand before and behind.
+/// A number written with commas, of which `text` begins with the digits behind the first: how many bytes stand before and behind.
 pub(super) fn decimal_comma(before: &str, text: &str) -> Option<(usize, usize)> {
     let digits = |text: &mut dyn Iterator<Item = u8>| text.take_while(u8::is_ascii_digit).count();
     let whole = digits(&mut before.strip_suffix(',')?.bytes().rev());
-    let part = digits(&mut text.bytes());
-    (whole > 0 && part > 0).then_some((whole + 1, part))
+    let mut part = digits(&mut text.bytes());
+    if whole == 0 || part == 0 {
+        return None;
+    }
+    while text[part..].starts_with(',') {
+        match digits(&mut text[part + 1..].bytes()) {
+            0 => break,
+            more => part += 1 + more,
+        }
+    }
+    Some((whole + 1, part))
 }
 
 #[cfg(test)]

@@ -175,10 +175,12 @@ fn scope_of<'a>(event: &'a str, whole: bool, context: &Context<'a>) -> Scope<'a>
 }
 
 /// The most that a reward may be, or minus that: learners count in 32 bits, and add up.
-const MOST_PAID: f64 = 1e12;
+const MOST_PAID: f64 = 1e9;
 
-/// How large variables are on ordinary days (SI): what is paid at greater distances hardly ever is.
-const EVERYDAY: f64 = 1e3;
+/// How large a variable is on ordinary days (SI): what is paid beyond that hardly ever is.
+fn everyday(dimension: Dimension) -> f64 {
+    if dimension == Dimension::LENGTH { 1e3 } else { 1e2 }
+}
 
 /// A formula whose value is a plain number, as rewards are.
 pub(super) fn plain_number(
@@ -188,11 +190,11 @@ pub(super) fn plain_number(
 ) -> Option<Formula> {
     match formula(expression, scope, diagnostics)? {
         (formula, Sort::Quantity(Dimension::RATIO)) => {
-            let everyday = |id: VariableId| {
-                let (low, high) = scope.vocabulary.variables[id.0].bounds;
-                (low.max(-EVERYDAY), high.min(EVERYDAY))
-            };
-            let (low, high) = formula.bounds(&everyday);
+            let (low, high) = formula.bounds(&|id| {
+                let variable = &scope.vocabulary.variables[id.0];
+                let (most, (low, high)) = (everyday(variable.dimension), variable.bounds);
+                (low.max(-most), high.min(most))
+            });
             if low < -MOST_PAID || high > MOST_PAID {
                 diagnostics.push(codes::too_much(expression.span, MOST_PAID));
                 return None;
@@ -227,7 +229,10 @@ fn ends(
     let (a, b) = (a?, b?);
     if a > b {
         let swapped = format!("{} .. {}", context.sources.text(high.span), context.sources.text(low.span));
-        diagnostics.push(codes::empty_range(span, swapped));
+        let text = |span: Span| context.sources.text(span);
+        let behind = dimension == Dimension::ANGLE && a > 0.0 && b < 0.0;
+        let around = || format!("choice({} .. 180 deg, -180 deg .. {})", text(low.span), text(high.span));
+        diagnostics.push(codes::empty_range(span, swapped, behind.then(around)));
         return None;
     }
     Some((a, b))

@@ -24,19 +24,12 @@ pub fn complete(cursor: &Cursor, catalog: &Catalog, visible: Visible) -> Vec<Com
             let kinds = catalog.forms.iter().filter(|each| each.name == form).flat_map(|form| &form.kinds);
             kinds.map(|kind| snippet(kind.name, kind.doc, format!("{}($0)", kind.name))).collect()
         }
-        Place::Key => {
-            let multiplied =
-                |signature: &Signature| catalog.forms.iter().any(|form| form.multiplies && form.name == signature.name);
-            let matrix = cursor.signature.filter(|signature| multiplied(signature)).map(|_| {
-                snippet("matrix", "Runs the campaign once for each combination of values.", "matrix { $0 }".into())
-            });
-            cursor.signature.map_or_else(Vec::new, keys).into_iter().chain(matrix).collect()
-        }
+        Place::Key => cursor.signature.map_or_else(Vec::new, keys),
         Place::Value(param) => values(param, catalog, visible),
         Place::Unit(param) => units(param),
         Place::Formula => {
             let quantities = params(visible, |param| measured(&param.ty.text).is_some());
-            formula(catalog).into_iter().chain(quantities).collect()
+            formula(catalog, None).into_iter().chain(quantities).collect()
         }
         Place::Type => {
             let words = DIMENSIONS.iter().map(|(name, _)| *name).chain(OTHER_TYPES.iter().copied());
@@ -132,7 +125,7 @@ fn values(param: &Param, catalog: &Catalog, visible: Visible) -> Vec<CompletionI
     let own: Vec<CompletionItem> = match ty {
         Type::Boolean => words(&["true", "false"]),
         Type::Choice(choices) => words(choices),
-        Type::Condition(_) | Type::Formula(_) => formula(catalog),
+        Type::Condition(event) | Type::Formula(event) => formula(catalog, Some(event)),
         Type::Distribution { .. } => distributions().map(|name| item(name, CompletionItemKind::FUNCTION, "")).collect(),
         other => referred(other).map_or_else(Vec::new, |form| visible.of_form(form).filter_map(declared).collect()),
     };
@@ -165,9 +158,12 @@ fn dimension(ty: &Type) -> Option<Dimension> {
     }
 }
 
-fn formula(catalog: &Catalog) -> Vec<CompletionItem> {
-    let variables = &catalog.vocabulary.variables;
-    let variables = variables.iter().map(|variable| CompletionItem {
+/// What a formula may hold, about an event if one is given.
+fn formula(catalog: &Catalog, event: Option<&str>) -> Vec<CompletionItem> {
+    let known = catalog.vocabulary.events.iter().find(|known| Some(known.name) == event);
+    let available = |name: &str| known.is_none_or(|event| event.variables.contains(&name));
+    let variables = catalog.vocabulary.variables.iter().filter(|variable| available(variable.name));
+    let variables = variables.map(|variable| CompletionItem {
         detail: Some(variable.dimension.to_string()),
         ..item(variable.name, CompletionItemKind::VARIABLE, variable.doc)
     });

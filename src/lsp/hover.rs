@@ -48,6 +48,7 @@ fn describe(cursor: &Cursor, catalog: &Catalog, visible: Visible) -> Option<Stri
         }
         Place::Value(wanted) => match referred(&wanted.ty) {
             Some(form) => declared(Some(form)).or_else(param),
+            None if speaks(&wanted.ty) => part(word, catalog).or_else(param).or_else(|| Some(key(wanted))),
             None => param().or_else(|| Some(key(wanted))),
         },
         Place::ParamValue(_) | Place::AxisValue(_) => param().or_else(|| declared(None)),
@@ -65,22 +66,32 @@ fn describe(cursor: &Cursor, catalog: &Catalog, visible: Visible) -> Option<Stri
             let unit = parse_unit(word).ok()?;
             Some(format!("**{word}**: {}", unit.dimension)).filter(|_| UNIT_NAMES.iter().any(|(name, _)| *name == word))
         }
-        Place::Formula => {
-            if let Some((_, doc)) = functions().find(|(name, _)| *name == word) {
-                return Some(format!("**{word}(…)** {doc}"));
-            }
-            let Some(variable) = catalog.vocabulary.variables.iter().find(|variable| variable.name == word) else {
-                return param();
-            };
-            let within = bounds(variable.bounds.0, variable.bounds.1, variable.dimension);
-            Some(format!("**{word}** ({}, {within}): {}", variable.dimension, variable.doc))
-        }
+        Place::Formula => part(word, catalog).or_else(param),
         Place::Event => {
             let event = catalog.vocabulary.events.iter().find(|event| event.name == word)?;
             Some(format!("**{word}** {}\n\nVariables: {}", event.doc, event.variables.join(", ")))
         }
         Place::EventWord(_) | Place::Import | Place::Nothing => None,
     }
+}
+
+/// Whether a value is a formula.
+fn speaks(ty: &Type) -> bool {
+    match ty {
+        Type::Condition(_) | Type::Formula(_) => true,
+        Type::List(item) => speaks(item),
+        _ => false,
+    }
+}
+
+/// A function or a variable of formulas.
+fn part(word: &str, catalog: &Catalog) -> Option<String> {
+    if let Some((_, doc)) = functions().find(|(name, _)| *name == word) {
+        return Some(format!("**{word}(…)** {doc}"));
+    }
+    let variable = catalog.vocabulary.variables.iter().find(|variable| variable.name == word)?;
+    let within = bounds(variable.bounds.0, variable.bounds.1, variable.dimension);
+    Some(format!("**{word}** ({}, {within}): {}", variable.dimension, variable.doc))
 }
 
 /// The form that a key's values name.

@@ -28,6 +28,9 @@ pub struct ActorCritic<T: Real = f32> {
     observation_moments: Option<RunningMoments>,
 }
 
+/// The size of the logarithm of a standard deviation at most.
+const MOST_LOG_STD: f64 = 20.0;
+
 impl<T: Real> ActorCritic<T> {
     /// Draws the first weights: orthogonal matrices and zero biases.
     ///
@@ -102,6 +105,16 @@ impl<T: Real> ActorCritic<T> {
     /// Returns where the logarithms of the standard deviations lie.
     pub(super) fn log_std_range(&self) -> Range<usize> {
         self.critic_range().end..self.parameters.len()
+    }
+
+    /// Keeps the standard deviations countable: an entropy bonus without a rival makes them grow for ever.
+    ///
+    /// stable-baselines3 has no such bounds and ends there with an error; within them nothing is changed.
+    pub(super) fn hold_spread(&mut self) {
+        let range = self.log_std_range();
+        for slot in &mut self.parameters[range] {
+            *slot = T::rounded(slot.widened().clamp(-MOST_LOG_STD, MOST_LOG_STD));
+        }
     }
 
     /// Returns the natural logarithm of the standard deviation of every action component.

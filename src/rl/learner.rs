@@ -120,6 +120,7 @@ impl Learner {
                 let scale = (config.max_grad_norm / (norm + 1e-6)).min(1.0);
                 let parameters = self.policy.parameters_mut();
                 self.adam.step(parameters, &self.loss.gradient, rates.learning_rate, scale, self.path);
+                self.policy.hold_spread();
                 sums.grad_norm += norm;
                 sums.gradient_steps += 1;
             }

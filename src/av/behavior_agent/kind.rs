@@ -2,7 +2,7 @@ use super::{AgentConfig, AtDestination, BehaviorAgent, Profile, Quirks, Release,
 use crate::road::ForkRule;
 use crate::signature::{Arguments, Param, Signature, Type};
 
-const RELEASES: &[&str] = &["0.9.11", "0.9.12", "0.9.13", "0.9.15"];
+const RELEASES: &[&str] = &["0.9.10.1", "0.9.11", "0.9.12", "0.9.13", "0.9.14", "0.9.15"];
 const ROUTES: &[&str] = &["any_branch", "carla_wander", "destination"];
 const PROFILES: &[&str] = &["cautious", "normal", "aggressive"];
 
@@ -18,7 +18,7 @@ impl BehaviorAgent {
                     "release",
                     Type::Choice(RELEASES),
                     "\"0.9.15\"",
-                    "The release of CARLA; 0.9.11 is also 0.9.10.1, 0.9.15 also 0.9.14.",
+                    "The release of CARLA; 0.9.10.1 drives as 0.9.11, 0.9.14 as 0.9.15.",
                 ),
                 Param::with_default("profile", Type::Choice(PROFILES), "normal", "How boldly it drives."),
                 Param::with_default(
@@ -55,7 +55,7 @@ impl BehaviorAgent {
         let on = |key: &str| arguments.boolean(key);
         Self::new(AgentConfig {
             release: match arguments.choice("release") {
-                "0.9.11" => Release::V0_9_11,
+                "0.9.10.1" | "0.9.11" => Release::V0_9_11,
                 "0.9.12" => Release::V0_9_12,
                 "0.9.13" => Release::V0_9_13,
                 _ => Release::V0_9_15,
