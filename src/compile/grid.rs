@@ -358,7 +358,7 @@ impl Lowering<'_> {
             self.said.push(codes::contradiction(block.place("steps_per_update"), message));
         }
         let seen = config.rollout_steps.saturating_mul(environments).saturating_mul(4 * config.frame_stack as usize);
-        if seen > MOST_SEEN {
+        if seen > MOST_SEEN && config.rollout_steps.saturating_mul(environments) <= MOST_DECISIONS {
             let message =
                 format!("an update of {seen} numbers of states does not fit in memory; at most {MOST_SEEN} do");
             self.said.push(codes::contradiction(block.place("frame_stack"), message));

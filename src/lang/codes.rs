@@ -672,23 +672,13 @@ pub fn repeated_member(span: Span, written: &str, first: Span) -> Diagnostic {
 /// A word is not among the choices.
 pub fn unknown_choice(span: Span, word: &str, words: &[&str]) -> Diagnostic {
     let message = format!("`{}` is not among the choices", cut(word));
-    let is_name = |word: &str| {
-        word.starts_with(|c: char| c.is_ascii_alphabetic())
-            && !word.contains(|c: char| c != '_' && !c.is_ascii_alphanumeric())
-    };
     // Of releases and versions none is meant for another.
     let stem = |word: &str| word.trim_end_matches(|last: char| last.is_ascii_digit() || last == '.').to_string();
     if words.iter().any(|known| stem(known) == stem(word) && known.ends_with(|last: char| last.is_ascii_digit())) {
         return Diagnostic::error("unknown-choice", span, message)
             .help(format!("known here: {}", quoted(words.iter().copied())));
     }
-    match nearest(word, words.iter().copied()) {
-        // What is no name stands in quotes.
-        Some(near) if !is_name(near) => Diagnostic::error("unknown-choice", span, message)
-            .here(format!("did you mean `\"{near}\"`?"))
-            .fix(format!("\"{near}\"")),
-        _ => unknown("unknown-choice", span, message, word, words.iter().copied()),
-    }
+    unknown("unknown-choice", span, message, word, words.iter().copied())
 }
 
 /// A formula names an unknown variable.

@@ -202,7 +202,7 @@ impl Scan<'_> {
                 self.slip(1, "//", true, "a comment begins with `//`");
                 self.at += line - 1;
             }
-            '–' | '—' if matches!(self.last(), Some(Token::Number | Token::Unit)) => {
+            '–' | '—' if matches!(self.last(), None | Some(Token::Number | Token::Unit)) => {
                 self.slip(first.len_utf8(), "..", true, "a range is written `low .. high`");
             }
             '−' | '–' | '—' => self.slip(first.len_utf8(), "-", true, "the sign for minus is `-`"),
