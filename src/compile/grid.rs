@@ -357,13 +357,13 @@ impl Lowering<'_> {
             let message = format!("an update of more than {MOST_DECISIONS} decisions does not fit in memory");
             self.said.push(codes::contradiction(block.place("steps_per_update"), message));
         }
-        let seen = config.rollout_steps.saturating_mul(environments).saturating_mul(4 * config.frame_stack as usize);
+        let seen = config.rollout_steps.saturating_mul(environments).saturating_mul(4 * config.frame_stack);
         if seen > MOST_SEEN && config.rollout_steps.saturating_mul(environments) <= MOST_DECISIONS {
             let message =
                 format!("an update of {seen} numbers of states does not fit in memory; at most {MOST_SEEN} do");
             self.said.push(codes::contradiction(block.place("frame_stack"), message));
         }
-        let widths = [&[4 * config.frame_stack as usize], config.hidden.as_slice(), &[2]].concat();
+        let widths = [&[4 * config.frame_stack], config.hidden.as_slice(), &[2]].concat();
         let weights: usize = widths.windows(2).map(|pair| pair[0] * pair[1]).sum();
         if weights > MOST_WEIGHTS {
             let message = format!("networks of {weights} weights do not fit in memory; at most {MOST_WEIGHTS} do");

@@ -184,7 +184,7 @@ impl<'a> Sector<'a> {
                 condition.bounds(&|id| region.bounds(self.vocabulary.variables[id.0].name))
             };
             let found: Vec<_> = conditions.iter().map(|(condition, _)| bounds(condition, &region)).collect();
-            if found.iter().any(|found| *found == (0.0, 0.0)) {
+            if found.contains(&(0.0, 0.0)) {
                 continue;
             }
             let middle = region.middle();

@@ -240,7 +240,6 @@ impl<W: Write> Server<W> {
     }
 
     /// What would repair the mistakes in a part of a document.
-    #[expect(clippy::mutable_key_type, reason = "the protocol's type")]
     fn repairs(&self, uri: &Uri, part: Range) -> Vec<CodeActionOrCommand> {
         let mut sources = Sources::default();
         let root = path(uri);

@@ -68,7 +68,7 @@ fn number(dimension: Dimension, min: f64, max: f64, choice: u16) -> String {
 
 /// A value for a key; none for those that name something.
 fn value(param: &Param, a: u16, b: u16) -> Option<String> {
-    fn of(ty: &Type, key: &str, a: u16, b: u16) -> Option<String> {
+    fn of(ty: &Type, a: u16, b: u16) -> Option<String> {
         Some(match ty {
             Type::Quantity { dimension, min, max } => number(*dimension, *min, *max, a),
             Type::Range { dimension, min, max } => {
@@ -87,17 +87,17 @@ fn value(param: &Param, a: u16, b: u16) -> Option<String> {
                 let offers = [*min, *max, 1, 2, 7, 1000].map(|size| size.clamp(*min, *max));
                 pick(&offers, a).to_string()
             }
-            Type::Boolean => (a % 2 == 0).to_string(),
+            Type::Boolean => a.is_multiple_of(2).to_string(),
             Type::Choice(words) => format!("\"{}\"", pick(words, a)),
             Type::List(item) if matches!(**item, Type::Pose) => "[(50 m, -1.75 m, 0 deg)]".into(),
             Type::List(item) if matches!(**item, Type::Condition(_)) => (*pick(REQUIRED, a)).to_string(),
-            Type::List(item) => format!("[{}]", of(item, key, a, b)?),
+            Type::List(item) => format!("[{}]", of(item, a, b)?),
             Type::Formula(_) => (*pick(PAID, a)).to_string(),
             Type::Condition(_) => (*pick(&["distance > 60 m", "elapsed > 0.4 s", "ahead < 0 m"], a)).to_string(),
             Type::Text | Type::Path | Type::Point | Type::Pose | Type::Reference(_) => return None,
         })
     }
-    of(&param.ty, param.name, a, b)
+    of(&param.ty, a, b)
 }
 
 /// A declaration of a form: of one of its kinds, with some of its keys.
@@ -105,7 +105,7 @@ fn declaration(form: &Form, name: &str, kind: u16, keys: &[(u16, u16, u16)]) -> 
     // What comes from outside of the program needs more than values.
     let kinds: Vec<&Signature> = form.kinds.iter().filter(|kind| !matches!(kind.name, "external" | "onnx")).collect();
     let (head, signature) = match &form.plain {
-        Some(plain) if kinds.is_empty() || kind % 4 == 0 => (format!("{} {name}", form.name), plain),
+        Some(plain) if kinds.is_empty() || kind.is_multiple_of(4) => (format!("{} {name}", form.name), plain),
         _ => {
             let kind = pick(&kinds, kind);
             (format!("{} {name} = {}", form.name, kind.name), *kind)
@@ -134,7 +134,7 @@ fn scenario(kinds: &[u16; 6], keys: &[(u16, u16, u16, u16)], paid: u16, town: bo
         let own = keys.iter().filter(|(of, ..)| usize::from(*of) % UNDER_TEST.len() == place);
         let own: Vec<_> = own.map(|(_, key, a, b)| (*key, *a, *b)).collect();
         let mut written = declaration(form, &format!("one_{name}"), *kind, &own);
-        if *name == "policy" && kind % 3 == 0 {
+        if *name == "policy" && kind.is_multiple_of(3) {
             written = written.replacen("{\n", "{\n  sensors: one_sensors\n", 1);
         }
         text.push_str(&written);
