@@ -27,6 +27,7 @@ mod value;
 pub mod codes;
 pub mod hir;
 mod suggest;
+mod elsewhere;
 pub mod mistakes;
 pub mod words;
 mod format;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::ast::{Expression, ExpressionKind, Known};
 use super::codes;
+use super::elsewhere::own_word;
 use super::formula::{Scope, Sort, formula, is_function};
 use super::names::Names;
 use crate::diagnostic::{Diagnostic, Sources, Span};
@@ -455,7 +456,7 @@ fn otherwise(expression: &Expression, ty: &Type, context: &Context) -> Diagnosti
         (Type::Reference(_), ExpressionKind::Text(word)) => said(Some(word.clone()), "names have no quotes"),
         (Type::Text | Type::Path, ExpressionKind::Name(word)) => said(Some(format!("\"{word}\"")), ""),
         (Type::Boolean, ExpressionKind::Name(word)) => {
-            said(codes::elsewhere(word).filter(|own| matches!(*own, "true" | "false")).map(str::to_string), "")
+            said(own_word(word).filter(|own| matches!(*own, "true" | "false")).map(str::to_string), "")
         }
         (_, ExpressionKind::Name(word)) if word == "None" || word == "null" => {
             said(None, "what may be left out is left out: take the key away")

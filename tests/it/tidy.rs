@@ -66,7 +66,8 @@ fn the_column_dictionary_names_every_column() {
 
 #[test]
 fn every_code_has_a_case_in_the_suite() {
-    let source = read("src/lang/codes.rs");
+    let folder = std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lang/codes")).unwrap();
+    let source: String = folder.map(|file| std::fs::read_to_string(file.unwrap().path()).unwrap()).collect();
     let mut suite = String::new();
     for entry in std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite")).unwrap() {
         suite.push_str(&std::fs::read_to_string(entry.unwrap().path()).unwrap_or_default());

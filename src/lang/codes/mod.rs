@@ -1,0 +1,67 @@
+//! Every diagnostic of the language, one function a code, so that all wording sits in one place.
+
+mod text;
+mod naming;
+mod values;
+mod worlds;
+
+pub use naming::*;
+pub use text::*;
+pub use values::*;
+pub use worlds::*;
+
+use super::elsewhere::own_word;
+use super::suggest::nearest;
+use crate::diagnostic::{Diagnostic, Span};
+
+/// Most words of a list that is shown; a file made to break the program may have any number.
+const MOST_SHOWN: usize = 40;
+
+fn quoted<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
+    let mut words = words.into_iter();
+    let mut shown: Vec<String> = words.by_ref().take(MOST_SHOWN).map(|word| format!("`{}`", cut(word))).collect();
+    shown.extend(words.next().map(|_| "…".to_string()));
+    shown.join(", ")
+}
+
+/// A word of the user's as it is shown.
+fn cut(word: &str) -> std::borrow::Cow<'_, str> {
+    const MOST: usize = 60;
+    match word.char_indices().nth(MOST) {
+        Some((end, _)) => format!("{}…", &word[..end]).into(),
+        None => word.into(),
+    }
+}
+
+/// A thing with its article; what begins with a quote or `one of` has none.
+pub(in crate::lang) fn one(thing: impl std::fmt::Display) -> String {
+    let thing = thing.to_string();
+    match thing.chars().next() {
+        Some('`') => thing,
+        _ if thing.starts_with("one of") || thing.starts_with("text") => thing,
+        Some('a' | 'e' | 'i' | 'o') => format!("an {thing}"),
+        _ => format!("a {thing}"),
+    }
+}
+
+/// Points at an unknown word, offers the nearest known one or lists them all; the message is given.
+fn unknown<'a>(
+    code: &'static str,
+    span: Span,
+    message: String,
+    word: &str,
+    known: impl IntoIterator<Item = &'a str>,
+) -> Diagnostic {
+    // As above: comparing every unknown word with every known one would never end.
+    const MOST: usize = 200;
+    let diagnostic = Diagnostic::error(code, span, message);
+    let known: Vec<&str> = known.into_iter().take(MOST).collect();
+    if let Some(own) = own_word(word).filter(|own| known.contains(own)) {
+        return diagnostic.here(format!("here it is called `{own}`")).fix(own);
+    }
+    match nearest(word, known.iter().copied()) {
+        Some(near) => diagnostic.here(format!("did you mean `{near}`?")).fix(near),
+        None if known.is_empty() => diagnostic.here("none is known here"),
+        None => diagnostic.help(format!("known here: {}", quoted(known))),
+    }
+}

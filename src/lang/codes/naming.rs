@@ -1,0 +1,224 @@
+//! What is named wrongly: forms, kinds, keys, declarations, parameters, settings.
+
+use super::super::shelf;
+use super::{cut, one, quoted, unknown};
+use crate::diagnostic::{Diagnostic, Span};
+use crate::signature::Param;
+
+/// An import names something that the file does not declare.
+pub fn unknown_import<'a>(span: Span, word: &str, path: &str, known: impl IntoIterator<Item = &'a str>) -> Diagnostic {
+    unknown("unknown-import", span, format!("`{path}` declares no `{}`", cut(word)), word, known)
+}
+
+/// A parameter is defined by itself.
+pub fn param_cycle(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::error("param-cycle", span, format!("the parameter `{name}` is defined by itself"))
+        .help("give one of the parameters of the circle a value of its own")
+}
+
+/// A parameter bears the name of a variable of formulas.
+pub fn reserved_name(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::error("reserved-name", span, format!("`{name}` is a variable of formulas already"))
+        .help("give the parameter another name")
+}
+
+/// A parameter that stands for a word is named like one.
+pub fn reserved_word(span: Span, name: &str) -> Diagnostic {
+    Diagnostic::error("reserved-name", span, format!("`{name}` is a word of the language already"))
+        .help("give the parameter another name: it would stand in place of the word wherever that is written")
+}
+
+/// The type of a parameter is not known.
+pub fn unknown_type(span: Span, word: &str, known: &[&str]) -> Diagnostic {
+    unknown("unknown-type", span, format!("unknown type `{}`", cut(word)), word, known.iter().copied())
+}
+
+/// A setting is not written as `name=value`.
+pub fn bad_setting(span: Span, reason: &str) -> Diagnostic {
+    Diagnostic::error("bad-setting", span, format!("this setting cannot be read: {reason}"))
+        .help("write `name=value` for a parameter, or `declaration.key=value`")
+}
+
+/// Two settings are for the same.
+pub fn repeated_setting(span: Span, path: &str, first: Span) -> Diagnostic {
+    Diagnostic::error("bad-setting", span, format!("`{path}` is set twice")).label(first, "first set here")
+}
+
+/// A matrix speaks of the key of a declaration.
+pub fn dotted_key(span: Span, path: &str) -> Diagnostic {
+    let key = path.rsplit('.').next().unwrap_or(path);
+    Diagnostic::error("syntax", span, "this statement cannot be read").here("a key has no points").help(format!(
+        "a `matrix` sets parameters: declare one, as in `param {key}: number = …`, name it where `{path}` stands, and here"
+    ))
+}
+
+/// A matrix sets what its campaign does not hang on.
+pub fn idle_axis(span: Span, name: &str, campaign: &str) -> Diagnostic {
+    Diagnostic::warning("unused", span, format!("nothing in `{campaign}` hangs on `{name}`"))
+        .here("its combinations are the same but for their names")
+}
+
+/// A setting names nothing.
+pub fn unknown_setting<'a>(span: Span, word: &str, known: impl IntoIterator<Item = &'a str>) -> Diagnostic {
+    unknown("unknown-setting", span, format!("unknown parameter or declaration `{}`", cut(word)), word, known)
+}
+
+/// A setting names several things.
+pub fn ambiguous_setting(span: Span, word: &str, forms: &[&str]) -> Diagnostic {
+    let ambiguous =
+        Diagnostic::error("ambiguous-setting", span, format!("there are several declarations named `{word}`"));
+    if forms.iter().all(|form| Some(form) == forms.first()) {
+        return ambiguous
+            .help("two files declare it; give the files one after the other, or rename one of the declarations");
+    }
+    let offers: Vec<String> = forms.iter().map(|form| format!("{form}.{word}.…")).collect();
+    ambiguous.help(format!("put the form first: {}", quoted(offers.iter().map(String::as_str))))
+}
+
+/// A matrix multiplies beyond reason.
+pub fn too_many_combinations(span: Span, found: usize, limit: usize) -> Diagnostic {
+    Diagnostic::error(
+        "too-many-combinations",
+        span,
+        format!("this makes {found} combinations; at most {limit} are run"),
+    )
+}
+
+/// The first word of a declaration is no form.
+pub fn unknown_form(span: Span, word: &str, forms: &[&str]) -> Diagnostic {
+    if matches!(word, "param" | "let" | "def" | "const" | "var" | "val") {
+        return Diagnostic::error("unknown-form", span, "this statement cannot be read")
+            .help("a value with a name has a type: `param far: length = 30 m`");
+    }
+    unknown("unknown-form", span, format!("unknown declaration `{}`", cut(word)), word, forms.iter().copied())
+}
+
+/// The word after `=` is no kind of this form.
+pub fn unknown_kind(span: Span, form: &str, word: &str, kinds: &[&str]) -> Diagnostic {
+    unknown("unknown-kind", span, format!("unknown kind `{}` of {form}", cut(word)), word, kinds.iter().copied())
+}
+
+/// A form needs a kind and has none.
+pub fn missing_kind(span: Span, form: &str, kinds: &[&str]) -> Diagnostic {
+    Diagnostic::error("missing-kind", span, format!("{} needs a kind", one(form)))
+        .help(format!("write `{form} name = kind(…)`; the kinds are {}", quoted(kinds.iter().copied())))
+}
+
+/// A declaration has no name.
+pub fn missing_name(span: Span, form: &str) -> Diagnostic {
+    Diagnostic::error("missing-name", span, format!("this {form} has no name")).help(format!("write `{form} name …`"))
+}
+
+/// A key is not in the signature.
+pub fn unknown_key(span: Span, owner: &str, word: &str, keys: &[&str]) -> Diagnostic {
+    unknown("unknown-key", span, format!("`{owner}` has no key `{}`", cut(word)), word, keys.iter().copied())
+}
+
+/// A key stands twice.
+pub fn duplicate_key(span: Span, word: &str, first: Span) -> Diagnostic {
+    Diagnostic::error("duplicate-key", span, format!("`{word}` is given twice")).label(first, "first given here")
+}
+
+/// A key without default is not given.
+pub fn missing_key(span: Span, owner: &str, param: &Param) -> Diagnostic {
+    Diagnostic::error("missing-key", span, format!("`{owner}` needs the key `{}`", param.name)).help(format!(
+        "`{}` is {}: {}",
+        param.name,
+        one(param.ty.describe()),
+        param.doc
+    ))
+}
+
+/// A value in parentheses has no key.
+pub fn bare_argument(span: Span, keys: &[&str]) -> Diagnostic {
+    let diagnostic = Diagnostic::error("bare-argument", span, "this value has no key");
+    match keys.first() {
+        Some(first) => diagnostic.help(format!("write `{first}: …`; the keys are {}", quoted(keys.iter().copied()))),
+        None => diagnostic.help("this kind takes no keys"),
+    }
+}
+
+/// A function's argument has a key.
+pub fn named_argument(span: Span, word: &str) -> Diagnostic {
+    Diagnostic::error("named-argument", span, format!("functions take no keys such as `{word}`"))
+}
+
+/// A block may not stand here.
+pub fn unknown_block(span: Span, owner: &str, word: &str, blocks: &[&str], keys: &[&str]) -> Diagnostic {
+    if keys.contains(&word) {
+        return Diagnostic::error("unknown-block", span, format!("`{word}` is a key of `{owner}`, not a block"))
+            .help(format!("write `{word}: …`"));
+    }
+    if blocks.is_empty() {
+        return Diagnostic::error("unknown-block", span, format!("`{owner}` has no blocks such as `{}`", cut(word)));
+    }
+    unknown("unknown-block", span, format!("`{owner}` has no block `{}`", cut(word)), word, blocks.iter().copied())
+}
+
+/// An `on` clause may not stand here.
+pub fn unexpected_clause(span: Span, owner: &str) -> Diagnostic {
+    Diagnostic::error("unexpected-clause", span, format!("`on` clauses have no place inside `{owner}`"))
+        .help("they belong inside a `reward`")
+}
+
+/// Two declarations of a form share a name.
+pub fn duplicate_declaration(span: Span, form: &str, name: &str, first: Span) -> Diagnostic {
+    Diagnostic::error("duplicate-declaration", span, format!("there are two declarations of {form} `{name}`"))
+        .label(first, "the other is here")
+}
+
+/// A reference leads to no declaration.
+pub fn unknown_name<'a>(span: Span, form: &str, word: &str, known: impl IntoIterator<Item = &'a str>) -> Diagnostic {
+    let message = format!("unknown {form} `{}`", cut(word));
+    match shelf::home(form, word) {
+        Some(file) => Diagnostic::error("unknown-name", span, message)
+            .here("not among what this file sees")
+            .help(format!("the standard library has it: `import \"std/{file}\"`")),
+        None => unknown("unknown-name", span, message, word, known),
+    }
+}
+
+/// A reference names something of another form.
+pub fn other_form<'a>(
+    span: Span,
+    form: &str,
+    word: &str,
+    other: &str,
+    known: impl IntoIterator<Item = &'a str>,
+) -> Diagnostic {
+    let diagnostic = Diagnostic::error("unknown-name", span, format!("unknown {form} `{}`", cut(word)))
+        .here(format!("this is {}", one(other)));
+    let known: Vec<&str> = known.into_iter().collect();
+    if known.is_empty() { diagnostic } else { diagnostic.help(format!("known here: {}", quoted(known))) }
+}
+
+/// A reference names a kind.
+pub fn kind_for_name(span: Span, form: &str, word: &str) -> Diagnostic {
+    if shelf::home(form, word).is_some() {
+        return unknown_name(span, form, word, []);
+    }
+    Diagnostic::error("unknown-name", span, format!("unknown {form} `{word}`"))
+        .here(format!("this is a kind of {form}, not the name of one"))
+        .help(format!("declare one, and name it here: `{form} mine = {word}()`"))
+}
+
+/// A declaration is never used.
+pub fn unused(span: Span, form: &str, name: &str) -> Diagnostic {
+    Diagnostic::warning("unused", span, format!("{form} `{name}` is never used"))
+}
+
+/// A name is too long for the files that are named after it.
+pub fn long_name(span: Span, limit: usize) -> Diagnostic {
+    Diagnostic::error("too-long", span, format!("this name has more than {limit} letters"))
+        .help("files of the report are named after it")
+}
+
+/// The name of a combination is too long for the files that are named after it.
+pub fn long_combination(span: Span, name: &str, limit: usize) -> Diagnostic {
+    Diagnostic::error(
+        "too-long",
+        span,
+        format!("a combination's name would have more than {limit} letters: `{}`", cut(name)),
+    )
+    .help("give its parameters shorter names, or fewer of them")
+}

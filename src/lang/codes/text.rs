@@ -1,0 +1,166 @@
+//! What keeps a file from being read: signs, brackets, sizes, editions, imports.
+
+use std::io::ErrorKind;
+
+use super::super::suggest::nearest;
+use super::super::{library, reason};
+use crate::diagnostic::{Diagnostic, Span};
+
+/// A statement has no shape the grammar knows.
+pub fn syntax(span: Span, text: String) -> Diagnostic {
+    Diagnostic::error("syntax", span, "this statement cannot be read").here(text)
+}
+
+/// A statement holds a sign of another language, or of print.
+pub fn slip(span: Span, said: &str, meant: Option<&str>) -> Diagnostic {
+    let diagnostic = Diagnostic::error("syntax", span, "this statement cannot be read").here(said);
+    match meant {
+        Some(meant) => diagnostic.fix(meant),
+        None => diagnostic,
+    }
+}
+
+/// A number is written with a comma.
+pub fn decimal_comma(span: Span, written: &str) -> Diagnostic {
+    let diagnostic = Diagnostic::error("syntax", span, "this statement cannot be read");
+    let thousands = written.split(',').skip(1).all(|part| part.len() == 3) && !written.starts_with('0');
+    if written.matches(',').count() > 1 {
+        return diagnostic.here("no comma stands in a number").fix(written.replace(',', "_"));
+    }
+    if thousands {
+        return diagnostic
+            .here("no comma stands in a number")
+            .fix(written.replace(',', "_"))
+            .fix(written.replace(',', "."));
+    }
+    diagnostic.here("the sign before the fraction of a number is a point").fix(written.replace(',', "."))
+}
+
+/// Several values stand side by side.
+pub fn unbracketed_list(span: Span, written: &str) -> Diagnostic {
+    Diagnostic::error("syntax", span, "this statement cannot be read")
+        .here("several values stand in brackets")
+        .fix(format!("[{written}]"))
+}
+
+/// A parameter has no type.
+pub fn untyped_param(span: Span, name: &str, ty: Option<&str>) -> Diagnostic {
+    let diagnostic = Diagnostic::error("syntax", span, "this statement cannot be read").here("a parameter has a type");
+    match ty {
+        Some(ty) => diagnostic.fix(format!("{name}: {ty}")),
+        None => diagnostic.help("types are the dimensions (`length`, `speed`, …), `number`, `integer`, `boolean`, `text`, `word` and the forms"),
+    }
+}
+
+/// Two values follow each other inside parentheses or brackets.
+pub fn missing_comma(span: Span) -> Diagnostic {
+    Diagnostic::error("syntax", span, "this statement cannot be read").here("a comma is missing here").fix(",")
+}
+
+/// A bracket is never closed.
+pub fn unclosed_bracket(span: Span, bracket: char, unended: Option<Span>, commented: Option<Span>) -> Diagnostic {
+    let diagnostic =
+        Diagnostic::error("unclosed-bracket", span, format!("`{bracket}` is never closed")).here("opened here");
+    match (unended, commented) {
+        (Some(text), _) => diagnostic.label(text, "this text is not closed on its line"),
+        (None, Some(comment)) => diagnostic.label(comment, "from here on this line is a comment"),
+        (None, None) => diagnostic,
+    }
+}
+
+/// A closing bracket has no partner.
+pub fn stray_bracket(span: Span) -> Diagnostic {
+    Diagnostic::error("stray-bracket", span, "this bracket closes nothing")
+        .help("remove it, or add its opening partner")
+}
+
+/// What is said of the opening bracket that another one closes.
+pub(in crate::lang) const OPENED: &str = "opened here";
+
+/// A closing bracket meets another kind of opening one.
+pub fn mismatched_bracket(span: Span, opening: Span, bracket: char) -> Diagnostic {
+    Diagnostic::error("mismatched-bracket", span, format!("this does not close `{bracket}`")).label(opening, OPENED)
+}
+
+/// Brackets nest too deep.
+pub fn too_deep(span: Span, limit: usize) -> Diagnostic {
+    Diagnostic::error("too-deep", span, format!("brackets nest deeper than {limit} levels"))
+}
+
+/// An expression is too long.
+pub fn too_long(span: Span, limit: usize) -> Diagnostic {
+    Diagnostic::error("too-long", span, format!("this expression has more than {limit} terms and signs"))
+}
+
+/// A comment is never closed.
+pub fn unclosed_comment(span: Span) -> Diagnostic {
+    Diagnostic::error("unclosed-comment", span, "this comment is never closed").help("close it with `*/`")
+}
+
+/// A file is too large.
+pub fn too_large(span: Span, bytes: usize, limit: usize) -> Diagnostic {
+    Diagnostic::error("too-large", span, format!("the file has {bytes} bytes; at most {limit} are read"))
+}
+
+/// The file does not say which edition of the language it is written in.
+pub fn missing_edition(span: Span) -> Diagnostic {
+    Diagnostic::error("missing-edition", span, "the file does not name its edition")
+        .here("write `edition 1` before all else, so that later versions of the language read it as you meant it")
+        .fix("edition 1\n")
+}
+
+/// The edition is not one this program reads.
+pub fn unknown_edition(span: Span, edition: f64) -> Diagnostic {
+    Diagnostic::error("unknown-edition", span, format!("edition {edition} is not known"))
+        .here("this program reads edition 1")
+        .fix("1")
+}
+
+/// The edition is named again, or late.
+pub fn misplaced_edition(span: Span, first: Option<Span>) -> Diagnostic {
+    let diagnostic = Diagnostic::error("misplaced-edition", span, "the edition stands once, and first in the file");
+    match first {
+        Some(first) => diagnostic.label(first, "first named here"),
+        None => diagnostic.help("move it to the beginning of the file"),
+    }
+}
+
+/// An import leads to no file that can be read.
+pub fn import_not_found(span: Span, path: &str, error: &std::io::Error) -> Diagnostic {
+    let diagnostic = Diagnostic::error("import-not-found", span, format!("cannot import `{path}`: {}", reason(error)));
+    let library: Vec<String> = library::names().map(|name| format!("std/{name}")).collect();
+    if path.starts_with("std/") {
+        let whole = format!("{path}.scn");
+        if library.contains(&whole) {
+            return diagnostic.here(format!("did you mean `{whole}`?")).fix(format!("\"{whole}\""));
+        }
+        return match nearest(path, library.iter().map(String::as_str)) {
+            Some(near) => diagnostic.here(format!("did you mean `{near}`?")).fix(format!("\"{near}\"")),
+            None => diagnostic,
+        };
+    }
+    match error.kind() {
+        ErrorKind::NotFound => match library.iter().find(|file| file.ends_with(&format!("/{path}"))) {
+            Some(file) => diagnostic.here("the standard library has it").fix(format!("\"{file}\"")),
+            None => diagnostic.help("paths are relative to the folder of the file that imports"),
+        },
+        ErrorKind::InvalidData => diagnostic.help("save it as UTF-8"),
+        _ => diagnostic,
+    }
+}
+
+/// Files import each other in a circle; they are given in their order, from the one that is imported here again.
+pub fn import_cycle(span: Span, path: &str, circle: &[String]) -> Diagnostic {
+    const MOST: usize = 8;
+    let diagnostic = Diagnostic::error("import-cycle", span, format!("`{path}` imports this file in turn"));
+    let diagnostic = match circle {
+        [] | [_] => diagnostic.here("a file need not import itself"),
+        files => {
+            let mut shown: Vec<&str> = files.iter().take(MOST).map(String::as_str).collect();
+            shown.extend((files.len() > MOST).then_some("…"));
+            shown.push(&files[0]);
+            diagnostic.help(format!("the circle: {}", shown.join(" → ")))
+        }
+    };
+    diagnostic.help("move what both need into a third file")
+}

@@ -1,0 +1,257 @@
+//! What is wrong with a value: its type, its unit, its bounds; with a formula, a range, a distribution, an event.
+
+use super::super::elsewhere::own_unit;
+use super::super::suggest::nearest;
+use super::{cut, one, quoted, unknown};
+use crate::diagnostic::{Diagnostic, Label, Span};
+use crate::signature::{Param, Type};
+use crate::units::{Dimension, parse_unit};
+
+/// A value has another type than its key.
+pub fn wrong_type(span: Span, expected: &Type, found: &str) -> Diagnostic {
+    Diagnostic::error("wrong-type", span, format!("expected {}, found {found}", one(expected.describe())))
+}
+
+/// A value has another type than its key, and there is something to be said about how it is written.
+pub fn written_otherwise(expected: &Type, found: &str, span: Span, fix: Option<String>, help: &str) -> Diagnostic {
+    let diagnostic = wrong_type(span, expected, found);
+    let diagnostic = if help.is_empty() { diagnostic } else { diagnostic.help(help) };
+    fix.into_iter().fold(diagnostic, Diagnostic::fix)
+}
+
+/// A bare number stands where a unit is needed.
+pub fn missing_unit(span: Span, dimension: Dimension, written: &str) -> Diagnostic {
+    let diagnostic = Diagnostic::error("missing-unit", span, format!("{} needs a unit", one(dimension)));
+    let plain = written.trim_start_matches('-').chars().all(|c| c.is_ascii_digit() || matches!(c, '.' | '_'));
+    let offer = |unit: &&str| if plain { format!("{written} {unit}") } else { format!("({written}) * 1 {unit}") };
+    dimension.usual_units().iter().map(offer).fold(diagnostic, Diagnostic::fix)
+}
+
+/// Shows what the key of a value with a wrong unit, or with none, measures.
+pub fn show_key(said: &mut Diagnostic, key: Span, param: &Param) {
+    if matches!(said.code, "missing-unit" | "wrong-unit") && said.labels.is_empty() {
+        let text = format!("`{}` is {}", param.name, one(param.ty.describe()));
+        said.labels.push(Label { span: key, text });
+    }
+}
+
+/// A quantity has another dimension than its key.
+pub fn wrong_unit(span: Span, expected: Dimension, found: Dimension) -> Diagnostic {
+    let diagnostic = Diagnostic::error("wrong-unit", span, format!("expected {}, found {}", one(expected), one(found)));
+    match expected.usual_units() {
+        [] if expected == Dimension::RATIO => diagnostic.help("write the number without a unit"),
+        [] => diagnostic,
+        units => diagnostic.help(format!("units of {expected}: {}", quoted(units.iter().copied()))),
+    }
+}
+
+/// A unit is not known.
+pub fn unknown_unit(span: Span, written: &str, part: Option<&str>, units: &[&str]) -> Diagnostic {
+    let Some(part) = part else {
+        return Diagnostic::error("unknown-unit", span, format!("`{written}` is no unit"))
+            .help("a power is a whole number from -9 to 9, as in `m/s^2`");
+    };
+    let diagnostic = Diagnostic::error("unknown-unit", span, format!("`{part}` is no unit"));
+    if let Some(whole) = own_unit(written).filter(|_| part != written) {
+        return diagnostic.here(format!("did you mean `{whole}`?")).fix(whole);
+    }
+    // Of one letter nothing can be guessed.
+    let like = |word: &&str| word.len() > 1 && part.len() > 1;
+    let diagnostic = match own_unit(part).or_else(|| nearest(part, units.iter().copied().filter(like))) {
+        Some(near) if part == written => diagnostic.here(format!("did you mean `{near}`?")).fix(near),
+        Some(near) if !part.ends_with(|last: char| last.is_ascii_digit()) => {
+            diagnostic.here(format!("did you mean `{near}`?")).fix(written.replace(part, near))
+        }
+        _ => match part.split_at(part.len() - 1) {
+            // `m/s2` is `m/s^2`.
+            (base, power @ ("2" | "3")) if units.contains(&base) => {
+                let meant = format!("{base}^{power}");
+                diagnostic.here(format!("did you mean `{meant}`?")).fix(written.replace(part, &meant))
+            }
+            _ => diagnostic.help(format!("units: {}", quoted(units.iter().copied()))),
+        },
+    };
+    if part == written {
+        diagnostic.help("the word behind a number is its unit; put a comma or a line end before one that is not")
+    } else {
+        diagnostic.help(format!("to divide or multiply by something named `{part}`, put spaces round the sign"))
+    }
+}
+
+/// A number is followed by the name of a quantity.
+pub fn missing_sign(span: Span, word: &str) -> Diagnostic {
+    Diagnostic::error("unknown-unit", span, format!("`{word}` is no unit"))
+        .here("to multiply, write `*`")
+        .fix(format!("* {word}"))
+}
+
+/// Two comparisons share a quantity.
+pub fn chained(span: Span, middle: Span) -> Diagnostic {
+    Diagnostic::error("wrong-type", span, "a comparison has two sides")
+        .label(middle, "compared with both")
+        .help("compare twice: `low < it and it < high`")
+}
+
+/// A value lies outside its bounds.
+pub fn out_of_range(span: Span, found: String, bounds: String) -> Diagnostic {
+    Diagnostic::error("out-of-range", span, format!("{found} is out of range")).here(format!("allowed: {bounds}"))
+}
+
+/// A part of a formula has no value, whatever happens.
+pub fn not_finite(span: Span, why: &str) -> Diagnostic {
+    Diagnostic::error("no-value", span, "this part of a formula has no value").here(why.to_string())
+}
+
+/// A part of a formula may have no value.
+pub fn maybe_nothing(span: Span, why: &str, help: &str) -> Diagnostic {
+    Diagnostic::error("no-value", span, "this part of a formula may have no value").here(why).help(help)
+}
+
+/// What is paid is beyond what learners count with.
+pub fn too_much(span: Span, limit: f64) -> Diagnostic {
+    Diagnostic::error("no-value", span, "this may be more than can be counted with")
+        .here(format!("a reward lies within -{limit:e} and {limit:e}"))
+        .help("scale it, or hold what it is made of: `min(…, 100)`")
+}
+
+/// A distribution reaches beyond the bounds of its key.
+pub fn unbounded(span: Span, written: &str, bounds: &str) -> Diagnostic {
+    Diagnostic::error("unbounded", span, "this distribution knows no bounds")
+        .here(format!("allowed: {bounds}"))
+        .help(format!("hold it between two values: `truncated({written}, low .. high)`"))
+}
+
+/// A function that makes distributions is not known.
+pub fn unknown_distribution(span: Span, word: &str, known: &[&str]) -> Diagnostic {
+    // Elsewhere `range` may be a key.
+    let own = if word == "range" { "Range" } else { word };
+    let said = unknown(
+        "unknown-distribution",
+        span,
+        format!("unknown distribution `{}`", cut(word)),
+        own,
+        known.iter().copied(),
+    );
+    let uniform = said.fixes.iter().any(|fix| fix == "uniform");
+    if uniform { said.help("all values of a range: `low .. high`") } else { said }
+}
+
+/// Nothing of a distribution lies within a range.
+pub fn nothing_left(span: Span, distribution: Span, range: Span) -> Diagnostic {
+    Diagnostic::error("nothing-left", span, "nothing can be drawn from this")
+        .label(distribution, "no value of this")
+        .label(range, "lies in this range")
+}
+
+/// A range's low end lies above its high end; it may have been meant to go round the back.
+pub fn empty_range(span: Span, swapped: String, around: Option<String>) -> Diagnostic {
+    let said = Diagnostic::error("empty-range", span, "this range is empty: its low end lies above its high end");
+    around.into_iter().fold(said.fix(swapped), Diagnostic::fix)
+}
+
+/// A whole number has a fraction.
+pub fn not_whole(span: Span, value: f64) -> Diagnostic {
+    Diagnostic::error("not-whole", span, format!("expected a whole number, found {value}"))
+}
+
+/// A list has no members.
+pub fn empty_list(span: Span) -> Diagnostic {
+    Diagnostic::error("empty-list", span, "this list is empty").help("name at least one member")
+}
+
+/// A list names something twice.
+pub fn repeated_member(span: Span, written: &str, first: Span) -> Diagnostic {
+    Diagnostic::error("repeated-member", span, format!("`{written}` is in this list twice")).label(first, "first here")
+}
+
+/// A word is not among the choices.
+pub fn unknown_choice(span: Span, word: &str, words: &[&str]) -> Diagnostic {
+    let message = format!("`{}` is not among the choices", cut(word));
+    // Of releases and versions none is meant for another.
+    let stem = |word: &str| word.trim_end_matches(|last: char| last.is_ascii_digit() || last == '.').to_string();
+    if words.iter().any(|known| stem(known) == stem(word) && known.ends_with(|last: char| last.is_ascii_digit())) {
+        return Diagnostic::error("unknown-choice", span, message)
+            .help(format!("known here: {}", quoted(words.iter().copied())));
+    }
+    unknown("unknown-choice", span, message, word, words.iter().copied())
+}
+
+/// A formula names an unknown variable.
+pub fn unknown_variable<'a>(span: Span, word: &str, known: impl IntoIterator<Item = &'a str>) -> Diagnostic {
+    if parse_unit(word).is_ok() {
+        return Diagnostic::error("unknown-variable", span, format!("unknown variable or parameter `{}`", cut(word)))
+            .here("a unit stands behind a number")
+            .fix(format!("1 {word}"));
+    }
+    unknown("unknown-variable", span, format!("unknown variable or parameter `{}`", cut(word)), word, known)
+}
+
+/// A formula names a variable that has no value at this event.
+pub fn unavailable_variable(span: Span, word: &str, event: &str, known: &[&str]) -> Diagnostic {
+    if event == "begin" {
+        return Diagnostic::error(
+            "unavailable-variable",
+            span,
+            format!("`{word}` has no value before an episode begins"),
+        )
+        .help(format!("there are {}", quoted(known.iter().copied())));
+    }
+    Diagnostic::error("unavailable-variable", span, format!("`{word}` has no value at `{event}`"))
+        .help(format!("at `{event}` there are {}", quoted(known.iter().copied())))
+}
+
+/// A formula calls an unknown function.
+pub fn unknown_function(span: Span, word: &str, known: &[&str]) -> Diagnostic {
+    unknown("unknown-function", span, format!("unknown function `{}`", cut(word)), word, known.iter().copied())
+}
+
+/// A function has the wrong number of arguments.
+pub fn wrong_arity(span: Span, function: &str, expected: &str, found: usize) -> Diagnostic {
+    Diagnostic::error("wrong-arity", span, format!("`{function}` takes {expected}, found {found}"))
+}
+
+/// A plain number is compared with a quantity, or added to one.
+pub fn bare_number(span: Span, dimension: Dimension, written: &str, other: Span) -> Diagnostic {
+    missing_unit(span, dimension, written).label(other, format!("this is {}", one(dimension)))
+}
+
+/// Two sides of an operator, or two arguments, have different dimensions.
+pub fn mixed_dimensions(left: Span, first: Dimension, right: Span, second: Dimension) -> Diagnostic {
+    let diagnostic =
+        Diagnostic::error("mixed-dimensions", right, format!("{} and {} do not mix", one(first), one(second)))
+            .here(format!("this is {}", one(second)))
+            .label(left, format!("this is {}", one(first)));
+    let quantity = if first == Dimension::RATIO { second } else { first };
+    match quantity.usual_units().first() {
+        Some(unit) if first == Dimension::RATIO || second == Dimension::RATIO => {
+            diagnostic.help(format!("to count {} in {unit} on purpose, write `… in {unit}`", one(quantity)))
+        }
+        _ => diagnostic,
+    }
+}
+
+/// A condition stands where a quantity is wanted, or the other way round.
+pub fn not_a(span: Span, wanted: &str, found: &str) -> Diagnostic {
+    Diagnostic::error("wrong-type", span, format!("expected {}, found {}", one(wanted), one(found)))
+}
+
+/// A clause answers to an unknown event.
+pub fn unknown_event(span: Span, word: &str, known: &[&str]) -> Diagnostic {
+    unknown("unknown-event", span, format!("unknown event `{}`", cut(word)), word, known.iter().copied())
+}
+
+/// An event's word is unknown.
+pub fn unknown_event_word(span: Span, event: &str, word: &str, known: &[&str]) -> Diagnostic {
+    unknown(
+        "unknown-event-word",
+        span,
+        format!("the event `{event}` has no word `{}`", cut(word)),
+        word,
+        known.iter().copied(),
+    )
+}
+
+/// Two clauses answer to the same event.
+pub fn duplicate_clause(span: Span, first: Span) -> Diagnostic {
+    Diagnostic::error("duplicate-clause", span, "this event has a clause already").label(first, "the first is here")
+}
