@@ -4,7 +4,8 @@
 //! taken for ours. What only shows results has no part in it.
 //!
 //! The library of tables brings some 400,000 relocations with it; carried out at every start they take longer than checking a
-//! scenario. Nothing in the program is to be guarded by a random place: it reads text files of its own user.
+//! scenario. Nothing in the program is to be guarded by a random place: it reads text files of its own user. What unwinds the
+//! stack is part of the program for the same reason: every compiler brings it along, and it is one library fewer to look for.
 
 use std::path::{Path, PathBuf};
 
@@ -30,6 +31,7 @@ fn main() {
         std::env::var("CARGO_CFG_TARGET_FEATURE").is_ok_and(|all| all.split(',').any(|one| one == "crt-static"));
     if is("CARGO_CFG_TARGET_OS", "linux") && is("CARGO_CFG_TARGET_ENV", "gnu") && !holds_all {
         println!("cargo::rustc-link-arg-bins=-no-pie");
+        println!("cargo::rustc-link-lib=static:-bundle=gcc_eh");
     }
 }
 

@@ -55,43 +55,43 @@ pub enum Command {
     Merge(Later<MergeOptions>),
     /// Say how far the campaigns of a folder are, whether anybody is at work on them, and how to go on.
     #[command(after_help = STATUS_EXAMPLES)]
-    Status(StatusOptions),
+    Status(Later<StatusOptions>),
     /// Show the settings of this folder, from flags, the environment and falsify.toml.
     #[command(after_help = CONFIG_EXAMPLES)]
     Config,
     /// Repeat an episode of a report, tell what happened in it and whether it is the same.
     #[command(after_help = REPLAY_EXAMPLES)]
-    Replay(ReplayOptions),
+    Replay(Later<ReplayOptions>),
     /// Draw an episode of a report, as a strip of six pictures or as one that moves.
     #[command(after_help = RENDER_EXAMPLES)]
-    Render(RenderOptions),
+    Render(Later<RenderOptions>),
     /// Repeat a sample of what a report holds and compare it byte for byte.
     #[command(after_help = VERIFY_EXAMPLES)]
-    Verify(VerifyOptions),
+    Verify(Later<VerifyOptions>),
     /// Say how much finished work is kept for the campaigns of a folder, and remove what none of them wants any more.
     #[command(after_help = CELLS_EXAMPLES)]
-    Cells(CellsOptions),
+    Cells(Later<CellsOptions>),
     /// Find mistakes in scenario files without running anything.
     #[command(after_help = CHECK_EXAMPLES)]
-    Check(CheckOptions),
+    Check(Later<CheckOptions>),
     /// Explain a diagnostic, a form, a kind or a key of the language.
     #[command(after_help = EXPLAIN_EXAMPLES)]
-    Explain(ExplainOptions),
+    Explain(Later<ExplainOptions>),
     /// Write a commented scenario to begin with.
     #[command(after_help = NEW_EXAMPLES)]
-    New(NewOptions),
+    New(Later<NewOptions>),
     /// Give scenario files their canonical layout.
     #[command(after_help = FMT_EXAMPLES)]
-    Fmt(FmtOptions),
+    Fmt(Later<FmtOptions>),
     /// Draw a town, and say what its map holds and what was skipped.
     #[command(after_help = MAP_EXAMPLES)]
-    Map(MapOptions),
+    Map(Later<MapOptions>),
     /// Work on a driver of your own.
     #[command(subcommand)]
     Av(AvCommand),
     /// Show what becomes of a file on the way to a run.
     #[command(after_help = DEBUG_EXAMPLES)]
-    Debug(DebugOptions),
+    Debug(Later<DebugOptions>),
     /// Serve an editor: mistakes, help, completion, definitions, layout. It speaks the language server protocol on the standard streams.
     #[command(after_help = LSP_EXAMPLES)]
     Lsp {

@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::args::{CheckOptions, Format};
 use super::front::{self, Gathered};
 use super::{ExitCode, beginnings};
+use crate::compile::Overrides;
 use crate::diagnostic::{Severity, records, sarif};
 use crate::lang::mistakes::mistakes;
 
@@ -16,7 +17,8 @@ pub fn check(options: &CheckOptions) -> ExitCode {
         front::fail("SARIF has no place for samples; take `--format json`");
         return ExitCode::Usage;
     }
-    let gathered = match front::gather(&options.files, &options.given) {
+    let overrides = Overrides { only_checked: true, ..options.given.overrides() };
+    let gathered = match front::gather(&options.files, &options.given, overrides) {
         Ok(gathered) => gathered,
         Err(code) => return code,
     };

@@ -63,14 +63,16 @@ pub fn lost() -> bool {
 }
 
 /// Reads the files of the disk and keeps a record of each.
-#[derive(Default)]
 struct Files {
+    /// Whether they are only counted: records have no digests.
+    counted: bool,
     records: RefCell<Vec<FileRecord>>,
 }
 
 impl Files {
-    fn record(&self, path: &Path, contents: &[u8]) {
-        self.records.borrow_mut().push(FileRecord::new(path.display().to_string(), contents));
+    fn record(&self, path: &Path, contents: &[u8]) -> FileRecord {
+        let path = path.display().to_string();
+        if self.counted { FileRecord { path, blake3: String::new() } } else { FileRecord::new(path, contents) }
     }
 }
 
@@ -81,12 +83,15 @@ impl Reader for Files {
     }
 
     fn bytes(&self, path: &Path) -> std::io::Result<Vec<u8>> {
-        let mut bytes = Vec::new();
-        std::fs::File::open(path)?.take(MOST_BYTES + 1).read_to_end(&mut bytes)?;
+        let file = std::fs::File::open(path)?;
+        // Room for all of it and for seeing that it has ended.
+        let size = file.metadata().map_or(0, |known| known.len().min(MOST_BYTES) + 1);
+        let mut bytes = Vec::with_capacity(size as usize);
+        file.take(MOST_BYTES + 1).read_to_end(&mut bytes)?;
         if bytes.len() as u64 > MOST_BYTES {
             return Err(std::io::Error::other(format!("it has more than {} MiB", MOST_BYTES >> 20)));
         }
-        self.record(path, &bytes);
+        self.records.borrow_mut().push(self.record(path, &bytes));
         Ok(bytes)
     }
 }
@@ -113,7 +118,7 @@ pub struct Gathered {
     pub compiled: Compiled,
     /// The texts.
     pub sources: Sources,
-    /// A record of every file that was read.
+    /// A record of every file that was read, without its digest when the files were only to be checked.
     pub records: Vec<FileRecord>,
 }
 
@@ -133,17 +138,9 @@ pub fn call(files: &[PathBuf], given: &GivenOptions) -> Call {
 ///
 /// # Errors
 /// The exit code, after the reason has been printed.
-pub fn gather(files: &[PathBuf], given: &GivenOptions) -> Result<Gathered, ExitCode> {
-    gather_with(files, given, given.overrides())
-}
-
-/// Does as [`gather`], with replacements that need not be the user's alone.
-///
-/// # Errors
-/// As [`gather`].
-pub fn gather_with(files: &[PathBuf], given: &GivenOptions, overrides: Overrides) -> Result<Gathered, ExitCode> {
+pub fn gather(files: &[PathBuf], given: &GivenOptions, overrides: Overrides) -> Result<Gathered, ExitCode> {
     let mut sources;
-    let read = Files::default();
+    let read = Files { counted: overrides.only_checked, records: RefCell::default() };
     let catalog = match given.allow_external {
         true => Catalog::builtin().with_opener(Arc::new(ProcessOpener::default())),
         false => Catalog::builtin(),
@@ -164,10 +161,9 @@ pub fn gather_with(files: &[PathBuf], given: &GivenOptions, overrides: Overrides
         show(&compiled.diagnostics, &sources);
         return Err(ExitCode::Usage);
     }
-    let mut records = read.records.into_inner();
+    let mut records = read.records.take();
     let library = sources.iter().filter(|(_, source)| library::holds(&source.path));
-    records
-        .extend(library.map(|(_, source)| FileRecord::new(source.path.display().to_string(), source.text.as_bytes())));
+    records.extend(library.map(|(_, source)| read.record(&source.path, source.text.as_bytes())));
     Ok(Gathered { compiled, sources, records })
 }
 
@@ -176,7 +172,7 @@ pub fn gather_with(files: &[PathBuf], given: &GivenOptions, overrides: Overrides
 /// # Errors
 /// The exit code, after the reason has been printed.
 pub fn compile_files(files: &[PathBuf], given: &GivenOptions) -> Result<(Plan, Vec<FileRecord>), ExitCode> {
-    let gathered = gather(files, given)?;
+    let gathered = gather(files, given, given.overrides())?;
     tell(&gathered, given, "nothing was run")?;
     Ok((gathered.compiled.plan.expect("no errors were told"), gathered.records))
 }

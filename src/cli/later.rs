@@ -1,17 +1,35 @@
-//! Options that a command gets when it is chosen. Those of `run` are many, and most calls are of other commands.
+//! Options that a command gets when it is chosen: all commands together have many, and a call is of one.
 
 use clap::error::Error;
 use clap::{ArgMatches, Args, Command, FromArgMatches};
 
-use super::args::{MergeOptions, RunOptions};
+use super::args::{
+    CellsOptions, CheckOptions, DebugOptions, ExplainOptions, FmtOptions, MapOptions, MergeOptions, NewOptions,
+    RunOptions, StatusOptions,
+};
 use super::config;
+use super::repeat_args::{RenderOptions, ReplayOptions, VerifyOptions};
 
 /// Makes the options of a command.
 type Make = fn(Command) -> Command;
 
 /// The commands, with what makes their options.
-const COMMANDS: [(&str, Make); 3] =
-    [("run", options::<RunOptions>), ("merge", options::<MergeOptions>), ("config", config::with_options)];
+const COMMANDS: [(&str, Make); 14] = [
+    ("run", options::<RunOptions>),
+    ("merge", options::<MergeOptions>),
+    ("status", options::<StatusOptions>),
+    ("config", config::with_options),
+    ("replay", options::<ReplayOptions>),
+    ("render", options::<RenderOptions>),
+    ("verify", options::<VerifyOptions>),
+    ("cells", options::<CellsOptions>),
+    ("check", options::<CheckOptions>),
+    ("explain", options::<ExplainOptions>),
+    ("new", options::<NewOptions>),
+    ("fmt", options::<FmtOptions>),
+    ("map", options::<MapOptions>),
+    ("debug", options::<DebugOptions>),
+];
 
 /// Options that the derived command does not have yet.
 #[derive(Debug)]

@@ -13,8 +13,8 @@ pub fn map(options: &MapOptions) -> ExitCode {
     let towns = if is_scenario {
         // Drawing starts no program.
         let given = GivenOptions { allow_external: true, ..GivenOptions::default() };
-        let overrides = Overrides { imported_towns: true, ..Overrides::default() };
-        let gathered = match front::gather_with(std::slice::from_ref(&options.file), &given, overrides) {
+        let overrides = Overrides { imported_towns: true, only_checked: true, ..Overrides::default() };
+        let gathered = match front::gather(std::slice::from_ref(&options.file), &given, overrides) {
             Ok(gathered) => gathered,
             Err(code) => return code,
         };

@@ -80,19 +80,19 @@ fn run_command() -> ExitCode {
             config::config(options, settings.as_ref())
         }
         args::Command::Run(Later(options)) => run::run(&options),
-        args::Command::Status(options) => status::status(&options),
+        args::Command::Status(Later(options)) => status::status(&options),
         args::Command::Merge(Later(options)) => merge::merge(&options),
-        args::Command::Replay(options) => replay::replay(&options),
-        args::Command::Render(options) => render::render(&options),
-        args::Command::Verify(options) => verify::verify(&options),
-        args::Command::Cells(options) => cells::cells(&options),
-        args::Command::Check(options) => check::check(&options),
-        args::Command::Explain(options) => explain::explain(&options),
-        args::Command::New(options) => new::new(&options),
-        args::Command::Debug(options) => debug::debug(&options),
+        args::Command::Replay(Later(options)) => replay::replay(&options),
+        args::Command::Render(Later(options)) => render::render(&options),
+        args::Command::Verify(Later(options)) => verify::verify(&options),
+        args::Command::Cells(Later(options)) => cells::cells(&options),
+        args::Command::Check(Later(options)) => check::check(&options),
+        args::Command::Explain(Later(options)) => explain::explain(&options),
+        args::Command::New(Later(options)) => new::new(&options),
+        args::Command::Debug(Later(options)) => debug::debug(&options),
         args::Command::Lsp { .. } => lsp::lsp(),
-        args::Command::Fmt(options) => fmt::fmt(&options),
-        args::Command::Map(options) => map::map(&options),
+        args::Command::Fmt(Later(options)) => fmt::fmt(&options),
+        args::Command::Map(Later(options)) => map::map(&options),
         args::Command::Av(args::AvCommand::Check(options)) => av_check::check(&options),
         args::Command::Completions { shell } => {
             let mut script = Vec::new();
@@ -103,7 +103,7 @@ fn run_command() -> ExitCode {
     }
 }
 
-/// All commands, those with many options without them until they are chosen.
+/// All commands, those with options without them until they are chosen.
 fn command() -> Command {
     later::when_chosen(Arguments::command())
 }

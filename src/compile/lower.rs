@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::plan::{Documented, NamedTown, Plan};
+use super::plan::{Campaign, Documented, NamedTown, Plan};
 use super::recipe::Noting;
 use super::{Catalog, policy, spawn, town};
 use crate::diagnostic::{Diagnostic, Severity, Sources};
@@ -36,6 +36,8 @@ pub struct Overrides {
     pub settings: Vec<String>,
     /// Whether imported towns are among the plan's, too, as far as they can be built.
     pub imported_towns: bool,
+    /// Whether the plan is looked at and not run: its cells have no names, and no recipes.
+    pub only_checked: bool,
 }
 
 /// Reads, checks and lowers files with all that they import.
@@ -71,11 +73,14 @@ pub fn compile_with(
         // What a user means who made a mistake may be anywhere in the library.
         loaded.complete(sources);
         (variants, diagnostics) = understand(loaded, &settings, catalog, sources);
+    } else {
+        // The trees have done their work; their place is soon needed for towns.
+        drop(loaded);
     }
     diagnostics.extend(unreadable);
     let is_error = |each: &Diagnostic| each.severity == Severity::Error;
     let mut shared = Shared::default();
-    let read = &Noting::new(read);
+    let read = &Noting::new(read, !overrides.only_checked);
     let mut plan = Plan::default();
     if diagnostics.iter().any(is_error) {
         if let Some(Variant { program, left_out, faultless, .. }) = variants.first() {
@@ -98,6 +103,9 @@ pub fn compile_with(
     }
     let outside: Vec<String> = settings.iter().map(|each| each.text(sources)).collect();
     plan.campaigns.iter_mut().for_each(|campaign| drop(campaign.settings.splice(0..0, outside.iter().cloned())));
+    if !overrides.only_checked {
+        plan.campaigns.iter_mut().for_each(Campaign::name_runs);
+    }
     let base = &variants.first().expect("the files as they are").program;
     forbid_equal_names(base, &plan, &mut diagnostics);
     warn_of_unused(base, &shared.used, &mut diagnostics);
@@ -244,7 +252,6 @@ impl Lowering<'_> {
             if chosen {
                 let mut campaign = self.campaign(declaration);
                 campaign.name = named(&campaign.name, &variant.settings);
-                campaign.name_runs();
                 campaign.docs.extend(variant.settings.iter().map(|setting| format!("With {setting}.")));
                 campaign.settings.clone_from(&variant.settings);
                 campaign.words = self.note_used(declaration.id);

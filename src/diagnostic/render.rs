@@ -89,7 +89,7 @@ struct Excerpt<'a> {
 impl<'a> Excerpt<'a> {
     /// The lines from one before the first span to the one after the last.
     fn new(sources: &'a Sources, id: SourceId, spans: &[Span]) -> Self {
-        let text = sources.get(id).text.as_str();
+        let text = sources.get(id).text.as_ref();
         let first = spans.iter().map(|span| span.start).min().unwrap_or(0);
         let last = spans.iter().map(|span| span.end).max().unwrap_or(0);
         let above = |byte: usize| text[..byte].rfind('\n');

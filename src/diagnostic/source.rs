@@ -1,3 +1,4 @@
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 /// Names one of the [`Sources`].
@@ -28,7 +29,7 @@ pub struct Source {
     /// Where it came from, as the user wrote it; imports are relative to its folder.
     pub path: PathBuf,
     /// The whole text.
-    pub text: String,
+    pub text: Cow<'static, str>,
 }
 
 /// All texts of one run of the front end.
@@ -40,7 +41,16 @@ pub struct Sources {
 impl Sources {
     /// Adds a text and names it.
     pub fn add(&mut self, path: impl AsRef<Path>, text: impl Into<String>) -> SourceId {
-        self.all.push(Source { path: path.as_ref().to_path_buf(), text: text.into() });
+        self.push(path.as_ref(), Cow::Owned(text.into()))
+    }
+
+    /// Adds a text that is part of the program.
+    pub fn add_builtin(&mut self, path: impl AsRef<Path>, text: &'static str) -> SourceId {
+        self.push(path.as_ref(), Cow::Borrowed(text))
+    }
+
+    fn push(&mut self, path: &Path, text: Cow<'static, str>) -> SourceId {
+        self.all.push(Source { path: path.to_path_buf(), text });
         SourceId(self.all.len() as u32 - 1)
     }
 

@@ -31,6 +31,10 @@ impl OrientedBox {
     /// Whether two boxes overlap or touch; by separating axes.
     pub fn overlaps(&self, other: &Self) -> bool {
         let offset = other.pose.position() - self.pose.position();
+        // Most boxes are too far from each other whatever their headings are.
+        if offset.norm() > (self.half.norm() + other.half.norm()) * (1.0 + 1e-9) {
+            return false;
+        }
         let (ours, theirs) = (self.pose.axes(), other.pose.axes());
         let reach = |axis: &Vector, sides: &[Vector; 2], half: &Vector| {
             half.x * axis.dot(&sides[0]).abs() + half.y * axis.dot(&sides[1]).abs()
@@ -61,7 +65,9 @@ impl OrientedBox {
     /// The corners, counter-clockwise from the front left.
     pub fn corners(&self) -> [Point; 4] {
         let (l, w) = (self.half.x, self.half.y);
-        [(l, w), (-l, w), (-l, -w), (l, -w)].map(|(x, y)| self.pose.to_world(Vector::new(x, y)))
+        let (Pose { x, y, .. }, [ahead, left]) = (self.pose, self.pose.axes());
+        let corner = |(l, w)| Point::new(x + ahead.x * l + left.x * w, y + ahead.y * l + left.y * w);
+        [(l, w), (-l, w), (-l, -w), (l, -w)].map(corner)
     }
 }
 

@@ -43,7 +43,7 @@ pub fn balance(source: SourceId, text: &str, first: Diagnostic) -> Balanced {
         balanced.left_out.push(part);
         let left = String::from_utf8(rest).expect("whole statements are left out");
         match scan(source, &left) {
-            Ok(()) => {
+            Ok(_) => {
                 balanced.text = Some(left);
                 break;
             }
@@ -64,11 +64,19 @@ fn statement(text: &str, byte: usize) -> Range<usize> {
     start..after.find(begins).unwrap_or(text.len())
 }
 
-/// Looks for the first bracket without its partner, and for nesting beyond [`MAX_DEPTH`].
-pub fn scan(source: SourceId, text: &str) -> Result<(), Box<Diagnostic>> {
+/// Gives the places outside of brackets where a line begins as statements do: with a letter, or with the documentation of what
+/// comes next.
+///
+/// # Errors
+/// The first bracket without its partner, or nesting beyond [`MAX_DEPTH`].
+pub fn scan(source: SourceId, text: &str) -> Result<Vec<usize>, Box<Diagnostic>> {
     let bytes = text.as_bytes();
     let at = |start: usize| Span { source, start, end: start + 1 };
     let mut open: Vec<(u8, usize)> = Vec::new();
+    let mut starts = Vec::new();
+    let begins = |index: usize, open: &[(u8, usize)]| open.is_empty() && (index == 0 || bytes[index - 1] == b'\n');
+    // Whether documentation stands before what comes next.
+    let mut documented = false;
     // The last text that does not end on its line, which may have swallowed a bracket.
     let mut unended = None;
     // The last comment that holds a closing bracket.
@@ -78,6 +86,12 @@ pub fn scan(source: SourceId, text: &str) -> Result<(), Box<Diagnostic>> {
         match bytes[index] {
             b'/' if bytes.get(index + 1) == Some(&b'/') => {
                 let begun = index;
+                if bytes.get(index + 2) == Some(&b'/') {
+                    if begins(index, &open) && !documented {
+                        starts.push(index);
+                    }
+                    documented = true;
+                }
                 index =
                     bytes[index..].iter().position(|b| matches!(b, b'\n' | b'\r')).map_or(bytes.len(), |n| index + n);
                 if bytes[begun..index].iter().any(|byte| matches!(byte, b'}' | b')' | b']')) {
@@ -112,6 +126,12 @@ pub fn scan(source: SourceId, text: &str) -> Result<(), Box<Diagnostic>> {
                 }
                 None => return Err(Box::new(codes::stray_bracket(at(index)))),
             },
+            byte if !byte.is_ascii_whitespace() => {
+                if byte.is_ascii_alphabetic() && begins(index, &open) && !documented {
+                    starts.push(index);
+                }
+                documented = false;
+            }
             _ => {}
         }
         index += 1;
@@ -123,7 +143,7 @@ pub fn scan(source: SourceId, text: &str) -> Result<(), Box<Diagnostic>> {
             let commented = commented.filter(|comment| (place..line).contains(&comment.start));
             Err(Box::new(codes::unclosed_bracket(at(place), opening as char, unended, commented)))
         }
-        None => Ok(()),
+        None => Ok(starts),
     }
 }
 

@@ -49,7 +49,7 @@ impl<'f> Defaults<'f> {
 
     fn read(&mut self, param: &Param, text: &'static str) -> Value {
         let written = self.written.entry(text).or_insert_with(|| {
-            let source = self.sources.add("<default>", text);
+            let source = self.sources.add_builtin("<default>", text);
             parse_value(source, text).unwrap_or_else(|said| panic!("the default of `{}`: {said:?}", param.name))
         });
         let mut diagnostics = Vec::new();

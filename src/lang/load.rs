@@ -128,11 +128,15 @@ impl Loader<'_> {
             return Err(std::io::Error::other(reason));
         }
         let of_library = library::holds(path);
-        let mut text = if of_library { library::read(path)? } else { self.read.text(path)? };
-        if text.starts_with(BYTE_ORDER_MARK) {
-            text.drain(..BYTE_ORDER_MARK.len_utf8());
-        }
-        let source = self.sources.add(path, text);
+        let source = if of_library {
+            self.sources.add_builtin(path, library::read(path)?)
+        } else {
+            let mut text = self.read.text(path)?;
+            if text.starts_with(BYTE_ORDER_MARK) {
+                text.drain(..BYTE_ORDER_MARK.len_utf8());
+            }
+            self.sources.add(path, text)
+        };
         self.known.insert(key, source);
         let text = &self.sources.get(source).text;
         let (mut file, mut diagnostics) =

@@ -34,40 +34,64 @@ const MAX_TERMS: usize = 500;
 /// scenario.
 const MOST_REREAD: usize = 1000;
 
+/// How many bytes are given to the parser at once, if statements allow: it remembers all that it has found in them until it ends.
+const LEAST_PART: usize = 1 << 10;
+
 /// Reads a file's text into a tree, with everything that could be read and one diagnostic for each statement that
 /// could not.
 pub fn parse(source: SourceId, text: &str) -> (File, Vec<Diagnostic>) {
-    let mut reader = Reader { source, offset: 0, diagnostics: Vec::new() };
-    let mut file = empty(source);
+    let whole = 0..text.len();
     if text.len() > MAX_BYTES {
         let span = Span { source, start: 0, end: 0 };
-        file.torn = true;
-        return (file, vec![codes::too_large(span, text.len(), MAX_BYTES)]);
+        return (File { torn: true, ..empty(source) }, vec![codes::too_large(span, text.len(), MAX_BYTES)]);
     }
-    let balanced = match brackets::scan(source, text) {
-        Ok(()) => None,
+    match brackets::scan(source, text) {
+        Ok(starts) => {
+            let read = read_parts(source, text, parts(&starts, text.len()));
+            // A statement may go on where another seemed to begin.
+            if read.1.is_empty() { read } else { read_parts(source, text, [whole]) }
+        }
         Err(diagnostic) => {
             let balanced = brackets::balance(source, text, *diagnostic);
-            reader.diagnostics.extend(balanced.diagnostics);
-            file.unread.extend(balanced.left_out.iter().filter_map(|part| name_of(&text[part.clone()])));
-            match balanced.text {
-                Some(text) => Some(text),
-                None => {
-                    file.torn = true;
-                    return (file, reader.diagnostics);
+            let (mut file, diagnostics) = match balanced.text {
+                Some(text) => read_parts(source, &text, [whole]),
+                None => (File { torn: true, ..empty(source) }, Vec::new()),
+            };
+            file.unread.splice(0..0, balanced.left_out.iter().filter_map(|part| name_of(&text[part.clone()])));
+            (file, [balanced.diagnostics, diagnostics].concat())
+        }
+    }
+}
+
+/// The text between places where statements may begin, in parts of at least [`LEAST_PART`] bytes.
+fn parts(starts: &[usize], end: usize) -> Vec<Range<usize>> {
+    let (mut parts, mut begin) = (Vec::new(), 0);
+    for start in starts {
+        if *start >= begin + LEAST_PART {
+            parts.push(begin..*start);
+            begin = *start;
+        }
+    }
+    parts.push(begin..end);
+    parts
+}
+
+/// Reads parts of a text, each of whole statements.
+fn read_parts(source: SourceId, text: &str, parts: impl IntoIterator<Item = Range<usize>>) -> (File, Vec<Diagnostic>) {
+    let mut reader = Reader { source, offset: 0, diagnostics: Vec::new() };
+    let mut file = empty(source);
+    for part in parts {
+        reader.offset = part.start;
+        match ScenarioParser::parse(Rule::file, &text[part]) {
+            Ok(mut pairs) => {
+                for pair in pairs.next().expect("a parse gives its rule").into_inner() {
+                    reader.item(pair, &mut file);
                 }
             }
-        }
-    };
-    match ScenarioParser::parse(Rule::file, balanced.as_deref().unwrap_or(text)) {
-        Ok(mut pairs) => {
-            for pair in pairs.next().expect("a parse gives its rule").into_inner() {
-                reader.item(pair, &mut file);
+            Err(error) => {
+                file.torn = true;
+                reader.diagnostics.push(reader.syntax_error(&error, 0, 0));
             }
-        }
-        Err(error) => {
-            file.torn = true;
-            reader.diagnostics.push(reader.syntax_error(&error, 0, 0));
         }
     }
     (file, reader.diagnostics)
@@ -105,12 +129,8 @@ fn name_of(statement: &str) -> Option<String> {
 
 /// Reads statements of a text that hold no mistake: those of the standard library.
 pub(super) fn parse_part(source: SourceId, text: &str, part: Range<usize>) -> File {
-    let mut reader = Reader { source, offset: part.start, diagnostics: Vec::new() };
-    let mut file = empty(source);
-    let mut pairs = ScenarioParser::parse(Rule::file, &text[part]).expect("the library can be read");
-    for pair in pairs.next().expect("a parse gives its rule").into_inner() {
-        reader.item(pair, &mut file);
-    }
+    let (file, diagnostics) = read_parts(source, text, [part]);
+    assert!(diagnostics.is_empty(), "the library can be read: {diagnostics:?}");
     file
 }
 

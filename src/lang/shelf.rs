@@ -23,12 +23,16 @@ pub(super) fn heading(text: &str) -> &str {
 /// A word anywhere in a text counts: a statement that is read for nothing does no harm.
 pub(super) fn read_named(files: &mut [File], words: &[&str], sources: &Sources) {
     let mut shelved: BTreeMap<&[u8], Vec<(usize, Statement)>> = BTreeMap::new();
+    // The lengths of the names with each first byte: what has no such length need not be looked for.
+    let mut lengths = [0_u64; 256];
+    let length = |word: &[u8]| 1 << word.len().min(63);
     let mut texts = words.to_vec();
     for (place, file) in files.iter().enumerate() {
         let source = sources.get(file.source);
         if library::holds(&source.path) {
             for statement in named_statements(&source.text) {
                 let name = source.text[statement.name.clone()].as_bytes();
+                lengths[usize::from(name[0])] |= length(name);
                 shelved.entry(name).or_default().push((place, statement));
             }
         } else {
@@ -37,7 +41,7 @@ pub(super) fn read_named(files: &mut [File], words: &[&str], sources: &Sources) 
     }
     let mut wanted: Vec<(usize, Range<usize>)> = Vec::new();
     while let Some(text) = texts.pop() {
-        for word in words_of(text) {
+        for word in words_of(text).filter(|word| lengths[usize::from(word[0])] & length(word) != 0) {
             for (place, statement) in shelved.remove(word).into_iter().flatten() {
                 let text = &sources.get(files[place].source).text;
                 texts.push(&text[statement.name.end..statement.whole.end]);
@@ -162,12 +166,12 @@ mod tests {
     fn the_statements_of_every_file_of_the_library_are_told_apart() {
         for name in library::names() {
             let text = library::read(&library::place(&format!("std/{name}")).unwrap()).unwrap();
-            let source = Sources::default().add(name, text.clone());
-            let (whole, diagnostics) = parse(source, &text);
+            let source = Sources::default().add(name, text);
+            let (whole, diagnostics) = parse(source, text);
             assert!(diagnostics.is_empty(), "{name}: {diagnostics:?}");
-            let mut found = parse(source, heading(&text)).0;
-            for statement in named_statements(&text) {
-                let part = parse_part(source, &text, statement.whole);
+            let mut found = parse(source, heading(text)).0;
+            for statement in named_statements(text) {
+                let part = parse_part(source, text, statement.whole);
                 let read = part.params.iter().map(|param| &param.name);
                 let read: Vec<_> = read.chain(part.declarations.iter().flat_map(|each| &each.name)).collect();
                 let [only] = read.as_slice() else { panic!("{name}: not one statement: {read:?}") };

@@ -161,10 +161,9 @@ fn piece_tiles(piece: &Geometry, left: f64, right: f64) -> Vec<Tile> {
     let (left, right) = if turn > 0.0 { (left + sag, right) } else { (left, right + sag) };
     (0..count as usize)
         .map(|index| {
-            let middle = piece.pose((2.0 * index as f64 + 1.0) * half_length);
-            let axes = middle.axes();
-            let centre = middle.position() + axes[1] * ((left - right) / 2.0);
-            Tile::along(axes, centre, Vector::new(half_outer, (left + right) / 2.0))
+            let middle = piece.point((2.0 * index as f64 + 1.0) * half_length);
+            let axes = [middle.forward, Vector::new(-middle.forward.y, middle.forward.x)];
+            Tile::along(axes, middle.beside((left - right) / 2.0), Vector::new(half_outer, (left + right) / 2.0))
         })
         .collect()
 }
