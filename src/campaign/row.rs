@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use crate::compile::{Evaluation, RunId, TrainingKey};
 use crate::env::Outcome;
 use crate::judge::{NearMiss, Verdict};
@@ -8,17 +10,17 @@ pub struct EpisodeRow {
     /// The short name of the run that it belongs to.
     pub run_id: RunId,
     /// What the pedestrian was trained in; town and policy are empty for untrained ones.
-    pub trained: TrainingKey,
+    pub trained: Arc<TrainingKey>,
     /// Who it is: `trained`, `sampled`, `random`, `homing`, `intercept`.
     pub pedestrian: &'static str,
     /// The town it was tried in.
-    pub town: String,
+    pub town: Arc<str>,
     /// The driving policy it was tried against.
-    pub policy: String,
+    pub policy: Arc<str>,
     /// The model of car.
-    pub vehicle: String,
+    pub vehicle: Arc<str>,
     /// The adversary, for its body.
-    pub adversary: String,
+    pub adversary: Arc<str>,
     /// Number of the `evaluate` block, from 0.
     pub block: u32,
     /// Number of the episode, from 0; equal numbers of a town and policy begin the same.

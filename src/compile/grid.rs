@@ -30,7 +30,7 @@ const MOST_CELLS: usize = 200_000;
 #[derive(Clone)]
 struct Axis<T> {
     id: DeclarationId,
-    name: String,
+    name: Arc<str>,
     value: T,
 }
 
@@ -172,9 +172,9 @@ impl Lowering<'_> {
                 let recipe = self.recipe(&[ground.as_slice(), &[reward.id, usual.training.id]].concat());
                 campaign.trainings.extend((0..runs).map(|run| Training {
                     key: TrainingKey {
-                        town: place.town.name.clone(),
-                        policy: place.policy.name.clone(),
-                        reward: reward.name.clone(),
+                        town: place.town.name.to_string(),
+                        policy: place.policy.name.to_string(),
+                        reward: reward.name.to_string(),
                         run,
                     },
                     scenario: scenario.clone(),
@@ -184,7 +184,7 @@ impl Lowering<'_> {
                 }));
             }
         }
-        rewards.extend(paid.into_iter().map(|reward| (reward.name.clone(), reward)));
+        rewards.extend(paid.into_iter().map(|reward| (reward.name.to_string(), reward)));
     }
 
     fn evaluate(
@@ -254,8 +254,8 @@ impl Lowering<'_> {
                     falsifier: rival.name.clone(),
                     method: rival.method,
                     reward: rival.reward.0.clone(),
-                    town: place.town.name.clone(),
-                    policy: place.policy.name.clone(),
+                    town: place.town.name.to_string(),
+                    policy: place.policy.name.to_string(),
                     block: number,
                     run,
                 },
@@ -320,7 +320,7 @@ impl Lowering<'_> {
             rivals.push(Rival {
                 name: declaration.name.clone(),
                 method: declaration.kind,
-                reward: reward.map(|reward| (reward.name, reward.value)).unwrap_or_default(),
+                reward: reward.map(|reward| (reward.name.to_string(), reward.value)).unwrap_or_default(),
                 declarations: [id, training.id],
                 falsifier: falsifier::lower(&self.catalog.falsifiers, declaration, &training.value, self.said),
             });
@@ -331,12 +331,12 @@ impl Lowering<'_> {
     fn vehicle(&self, id: DeclarationId) -> Axis<VehicleBlueprint> {
         let declaration = self.program.get(id);
         let value = vehicle::lower(declaration.kind, &declaration.block.arguments);
-        Axis { id, name: declaration.name.clone(), value }
+        Axis { id, name: declaration.name.as_str().into(), value }
     }
 
     fn adversary(&self, id: DeclarationId) -> Axis<Adversary> {
         let declaration = self.program.get(id);
-        Axis { id, name: declaration.name.clone(), value: adversary::lower(&declaration.block.arguments) }
+        Axis { id, name: declaration.name.as_str().into(), value: adversary::lower(&declaration.block.arguments) }
     }
 
     fn episode(&mut self, id: DeclarationId) -> Axis<EpisodeRule> {
@@ -346,7 +346,7 @@ impl Lowering<'_> {
         if let Some(hold) = given("hold").filter(|_| arguments.integer("hold") > arguments.integer("ticks")) {
             self.said.push(codes::not_rising(hold, "hold", "ticks", None));
         }
-        Axis { id, name: declaration.name.clone(), value: episode::lower(&declaration.block.arguments) }
+        Axis { id, name: declaration.name.as_str().into(), value: episode::lower(&declaration.block.arguments) }
     }
 
     fn training(&mut self, id: DeclarationId) -> Axis<(PpoConfig, usize)> {
@@ -369,13 +369,13 @@ impl Lowering<'_> {
             let message = format!("networks of {weights} weights do not fit in memory; at most {MOST_WEIGHTS} do");
             self.said.push(codes::contradiction(block.place("hidden"), message));
         }
-        Axis { id, name: declaration.name.clone(), value: (config, environments) }
+        Axis { id, name: declaration.name.as_str().into(), value: (config, environments) }
     }
 
     fn towns(&mut self, block: &Block) -> Vec<Axis<BuiltTown>> {
         let mut axis = Vec::new();
         for id in block.arguments.references("towns") {
-            let name = self.program.get(id).name.clone();
+            let name: Arc<str> = self.program.get(id).name.as_str().into();
             axis.extend(self.town(id).map(|value| Axis { id, name, value }));
         }
         axis
@@ -384,7 +384,7 @@ impl Lowering<'_> {
     fn policies(&mut self, block: &Block) -> Vec<Axis<PolicyMaker>> {
         let mut axis = Vec::new();
         for id in block.arguments.references("policies") {
-            let name = self.program.get(id).name.clone();
+            let name: Arc<str> = self.program.get(id).name.as_str().into();
             axis.extend(self.policy(id).map(|value| Axis { id, name, value }));
         }
         axis
@@ -410,13 +410,13 @@ impl Lowering<'_> {
 
     fn reward(&self, id: DeclarationId) -> Axis<RewardRule> {
         let declaration = self.program.get(id);
-        Axis { id, name: declaration.name.clone(), value: reward::lower(&declaration.block) }
+        Axis { id, name: declaration.name.as_str().into(), value: reward::lower(&declaration.block) }
     }
 
     fn spawn(&mut self, campaign: &Block, block: &Block) -> Option<Axis<SpawnRule>> {
         let owner = if block.arguments.has("spawn") { block } else { campaign };
         let id = owner.arguments.reference("spawn");
-        let name = self.program.get(id).name.clone();
+        let name: Arc<str> = self.program.get(id).name.as_str().into();
         self.spawn_rule(id).map(|value| Axis { id, name, value })
     }
 
@@ -481,15 +481,15 @@ impl Lowering<'_> {
 /// Notes towns, each once.
 fn note_towns(noted: &mut Vec<NamedTown>, towns: &[Axis<BuiltTown>]) {
     for town in towns {
-        if noted.iter().all(|known| known.name != town.name) {
-            noted.push(NamedTown { name: town.name.clone(), town: town.value.town.clone() });
+        if noted.iter().all(|known| known.name != *town.name) {
+            noted.push(NamedTown { name: town.name.to_string(), town: town.value.town.clone() });
         }
     }
 }
 
 /// Who is tried: every trained pedestrian, and for every run of a reward a random one, which draws anew in each; the
 /// homing and the intercepting one draw nothing, so they are tried once for each reward.
-fn pedestrians(words: &[Value], trainings: &[Training]) -> Vec<(Pedestrian, TrainingKey)> {
+fn pedestrians(words: &[Value], trainings: &[Training]) -> Vec<(Pedestrian, Arc<TrainingKey>)> {
     let mut all = Vec::new();
     for word in words {
         let Value::Choice(word) = word else { panic!("checked: a choice") };
@@ -510,6 +510,7 @@ fn pedestrians(words: &[Value], trainings: &[Training]) -> Vec<(Pedestrian, Trai
             if matches!(pedestrian, Pedestrian::Homing | Pedestrian::Intercept) {
                 key.run = 0;
             }
+            let key = Arc::new(key);
             if seen.insert((pedestrian, key.clone())) {
                 all.push((pedestrian, key));
             }

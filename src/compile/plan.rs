@@ -29,7 +29,7 @@ impl Campaign {
     /// One scenario for every spawn rule in every town, with the town's name, each once.
     pub fn beginnings(&self) -> Vec<(&str, &Arc<Scenario>)> {
         let trained = self.trainings.iter().map(|training| (training.key.town.as_str(), &training.scenario));
-        let tried = self.evaluations.iter().map(|evaluation| (evaluation.town.as_str(), &evaluation.scenario));
+        let tried = self.evaluations.iter().map(|evaluation| (&*evaluation.town, &evaluation.scenario));
         let searched = self.searches.iter().map(|search| (search.key.town.as_str(), &search.scenario));
         let mut all: Vec<(&str, &Arc<Scenario>)> = Vec::new();
         for (town, scenario) in trained.chain(tried).chain(searched) {
@@ -204,15 +204,15 @@ pub struct Evaluation {
     /// Who is tried.
     pub pedestrian: Pedestrian,
     /// What it was trained in; for the untrained ones, whose reward and run these rows are compared with.
-    pub trained: TrainingKey,
+    pub trained: Arc<TrainingKey>,
     /// Name of the town.
-    pub town: String,
+    pub town: Arc<str>,
     /// Name of the driving policy.
-    pub policy: String,
+    pub policy: Arc<str>,
     /// Name of the vehicle.
-    pub vehicle: String,
+    pub vehicle: Arc<str>,
     /// Name of the adversary, whose body and reading of states and actions the pedestrian takes over.
-    pub adversary: String,
+    pub adversary: Arc<str>,
     /// Number of the `evaluate` block in its campaign, from 0.
     pub block: u32,
     /// What is tried.

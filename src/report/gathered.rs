@@ -146,7 +146,7 @@ impl Gathered {
     /// Notes the places where a run began.
     fn note_starts(&mut self, evaluation: &Evaluation, run: &DataFrame) -> PolarsResult<()> {
         let columns = Columns::new(run)?;
-        let starts = self.starts.entry(evaluation.town.clone()).or_default();
+        let starts = self.starts.entry(evaluation.town.to_string()).or_default();
         for row in 0..run.height() {
             let Some(outcome) = columns.outcome(row) else { continue };
             let episode = columns.episode.get(row).unwrap_or_default();

@@ -299,7 +299,7 @@ mod tests {
         });
         EpisodeRow {
             run_id: format!("{run:08x}").parse().unwrap(),
-            trained: TrainingKey { town: "a".into(), policy: "p".into(), reward: "r1".into(), run },
+            trained: TrainingKey { town: "a".into(), policy: "p".into(), reward: "r1".into(), run }.into(),
             pedestrian: "trained",
             town: "b".into(),
             policy: "p".into(),

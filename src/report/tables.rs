@@ -20,10 +20,10 @@ pub fn episodes(rows: &[EpisodeRow]) -> DataFrame {
         text("train_policy", &|row| row.trained.policy.clone()),
         count("run", &|row| row.trained.run),
         text("pedestrian", &|row| row.pedestrian.into()),
-        text("town", &|row| row.town.clone()),
-        text("policy", &|row| row.policy.clone()),
-        text("vehicle", &|row| row.vehicle.clone()),
-        text("adversary", &|row| row.adversary.clone()),
+        text("town", &|row| row.town.to_string()),
+        text("policy", &|row| row.policy.to_string()),
+        text("vehicle", &|row| row.vehicle.to_string()),
+        text("adversary", &|row| row.adversary.to_string()),
         count("block", &|row| row.block),
     ];
     columns.extend(outcomes(rows).columns().iter().cloned());

@@ -37,7 +37,7 @@ impl<'a> Wanted<'a> {
         let mut wanted = Vec::new();
         for run in episodes.runs() {
             let evaluation = run.evaluation;
-            let trained = finished.trainings.iter().find(|training| training.key == evaluation.trained);
+            let trained = finished.trainings.iter().find(|training| training.key == *evaluation.trained);
             let trained =
                 trained.and_then(|training| training.result.as_ref().ok()).map(|trained| &trained.actor_critic);
             let learnt = matches!(evaluation.pedestrian, Pedestrian::Trained(_) | Pedestrian::Sampled(_));

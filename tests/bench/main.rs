@@ -78,7 +78,7 @@ fn plan_of(text: &str) -> Plan {
 
 fn scenario(policy: &str) -> Arc<Scenario> {
     let plan = plan();
-    let found = plan.campaigns[0].evaluations.iter().find(|evaluation| evaluation.policy == policy);
+    let found = plan.campaigns[0].evaluations.iter().find(|evaluation| *evaluation.policy == *policy);
     found.expect("the policy is in the scenario").scenario.clone()
 }
 

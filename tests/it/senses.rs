@@ -141,7 +141,7 @@ fn exact_sensors_change_no_bit_of_an_episode() {
             .collect()
     };
     let of = |name: &str| {
-        let found = plan.campaigns[0].evaluations.iter().find(|each| each.policy == name).unwrap();
+        let found = plan.campaigns[0].evaluations.iter().find(|each| *each.policy == *name).unwrap();
         digests(&found.scenario)
     };
     for (bare, sensed) in names.iter().zip(["a", "b", "c", "d"]) {

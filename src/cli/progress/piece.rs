@@ -203,9 +203,9 @@ impl Piece {
 
 /// Who is tried, where, against whom.
 fn evaluation(evaluation: &Evaluation) -> String {
-    let (key, here) = (&evaluation.trained, (&evaluation.town, &evaluation.policy));
+    let (key, here) = (&evaluation.trained, (&*evaluation.town, &*evaluation.policy));
     let who = match evaluation.pedestrian {
-        Pedestrian::Trained(_) if (&key.town, &key.policy) == here => key.reward.clone(),
+        Pedestrian::Trained(_) if (key.town.as_str(), key.policy.as_str()) == here => key.reward.clone(),
         Pedestrian::Trained(_) => format!("{} of {} and {}", key.reward, key.town, key.policy),
         Pedestrian::Sampled(_) => format!("sampled {} of {} and {}", key.reward, key.town, key.policy),
         other => format!("{} ({})", other.name(), key.reward),

@@ -25,7 +25,8 @@ fn run(pedestrian: &'static str, reward: &str, run: u32, town: &str, word: &str)
         let last_mode = DrivingMode::Cruise;
         EpisodeRow {
             run_id: format!("{run:08x}").parse().unwrap(),
-            trained: TrainingKey { town: trained.0.into(), policy: trained.1.into(), reward: reward.into(), run },
+            trained: TrainingKey { town: trained.0.into(), policy: trained.1.into(), reward: reward.into(), run }
+                .into(),
             pedestrian,
             town: town.into(),
             policy: "p".into(),

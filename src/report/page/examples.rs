@@ -30,7 +30,7 @@ pub fn repeat_examples(cards: &mut [ModeCard], campaign: &Campaign, trainings: &
         };
         let Ok(episode) = episode.parse() else { continue };
         let town = &evaluation.scenario.town;
-        let scenery = scenery.entry(evaluation.town.clone()).or_insert_with(|| Scenery::new(town));
+        let scenery = scenery.entry(evaluation.town.to_string()).or_insert_with(|| Scenery::new(town));
         card.replay = repeat(campaign, trainings, seed, evaluation, episode, scenery);
     }
 }

@@ -105,8 +105,8 @@ fn card((evaluation, mode, example): (&Evaluation, &FailureMode, String), names:
     let same = |cell: &Cell| {
         (cell.pedestrian.as_str(), &cell.reward, &cell.trained.0, &cell.trained.1, cell.block)
             == (evaluation.pedestrian.name(), &trained.reward, &trained.town, &trained.policy, evaluation.block)
-            && (&cell.town, &cell.policy, &cell.vehicle, &cell.adversary)
-                == (&evaluation.town, &evaluation.policy, &evaluation.vehicle, &evaluation.adversary)
+            && [&cell.town, &cell.policy, &cell.vehicle, &cell.adversary].map(String::as_str)
+                == [&*evaluation.town, &*evaluation.policy, &*evaluation.vehicle, &*evaluation.adversary]
     };
     let named = names.iter().find(|named| same(named.cell))?;
     let kind = mode.kind;
