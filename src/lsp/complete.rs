@@ -26,7 +26,7 @@ pub fn complete(cursor: &Cursor, catalog: &Catalog, visible: Visible) -> Vec<Com
         }
         Place::Key => cursor.signature.map_or_else(Vec::new, keys),
         Place::Value(param) => values(param, catalog, visible),
-        Place::Unit(param) => units(param),
+        Place::Unit(dimension) => units(dimension),
         Place::Formula => {
             let quantities = params(visible, |param| measured(&param.ty.text).is_some());
             formula(catalog, None).into_iter().chain(quantities).collect()
@@ -36,7 +36,7 @@ pub fn complete(cursor: &Cursor, catalog: &Catalog, visible: Visible) -> Vec<Com
             let forms = catalog.forms.iter().map(|form| item(form.name, CompletionItemKind::CLASS, form.doc));
             words.map(|word| item(word, CompletionItemKind::TYPE_PARAMETER, "")).chain(forms).collect()
         }
-        Place::ParamValue(ty) => of_type(ty, visible),
+        Place::ParamValue { name, ty } => of_type(ty, visible).into_iter().filter(|item| item.label != name).collect(),
         Place::AxisValue(name) => visible.param(name).map_or_else(Vec::new, |param| of_type(&param.ty.text, visible)),
         Place::Axis => {
             let axis = |param: CompletionItem| CompletionItem {
@@ -132,12 +132,11 @@ fn values(param: &Param, catalog: &Catalog, visible: Visible) -> Vec<CompletionI
     own.into_iter().chain(params(visible, |param| fits(&param.ty.text, ty))).collect()
 }
 
-/// Units, those that fit the key first.
-fn units(param: Option<&Param>) -> Vec<CompletionItem> {
-    let dimension = param.and_then(|param| dimension(&param.ty));
+/// Units, those of what is measured first.
+fn units(dimension: Option<Dimension>) -> Vec<CompletionItem> {
     let usual = dimension.map_or(&[][..], Dimension::usual_units);
-    // Behind `in` any quantity may stand.
-    let compound = ["m/s", "km/h", "m/s^2", "deg/s"].into_iter().filter(|_| param.is_none());
+    // Where that is not known, it may be any quantity.
+    let compound = ["m/s", "km/h", "m/s^2", "deg/s"].into_iter().filter(|_| dimension.is_none());
     let rest = compound.chain(UNIT_NAMES.iter().map(|(name, _)| *name)).filter(|name| !usual.contains(name));
     let all = usual.iter().copied().chain(rest).enumerate();
     let sorted = all.map(|(index, name)| CompletionItem {
@@ -145,17 +144,6 @@ fn units(param: Option<&Param>) -> Vec<CompletionItem> {
         ..item(name, CompletionItemKind::UNIT, "")
     });
     sorted.collect()
-}
-
-fn dimension(ty: &Type) -> Option<Dimension> {
-    match ty {
-        Type::Quantity { dimension, .. } | Type::Range { dimension, .. } | Type::Distribution { dimension, .. } => {
-            Some(*dimension)
-        }
-        Type::Point | Type::Pose => Some(Dimension::LENGTH),
-        Type::List(inner) => dimension(inner),
-        _ => None,
-    }
 }
 
 /// What a formula may hold, about an event if one is given.

@@ -1,7 +1,9 @@
 //! Where the cursor is: read off the text before it, which need not be a whole file.
 
+use super::visible::dimension as measured;
 use crate::compile::Catalog;
 use crate::signature::{Param, Signature};
+use crate::units::Dimension;
 
 /// What the text before the cursor says about the word at it.
 #[derive(Debug)]
@@ -25,8 +27,8 @@ pub enum Place<'a> {
     Key,
     /// A value of this key.
     Value(&'a Param),
-    /// A unit of a number that stands for this key, if for any.
-    Unit(Option<&'a Param>),
+    /// A unit, of what this measures if that is known.
+    Unit(Option<Dimension>),
     /// A part of a formula.
     Formula,
     /// An event.
@@ -41,8 +43,13 @@ pub enum Place<'a> {
     Param,
     /// The type of a parameter.
     Type,
-    /// The value of a parameter of this type.
-    ParamValue(&'a str),
+    /// The value of a parameter.
+    ParamValue {
+        /// Its name, which is none of the values.
+        name: &'a str,
+        /// The word for its type.
+        ty: &'a str,
+    },
     /// A parameter that a matrix varies.
     Axis,
     /// A value of this parameter in a matrix.
@@ -110,9 +117,14 @@ pub fn cursor<'a>(text: &'a str, byte: usize, catalog: &'a Catalog) -> Cursor<'a
     let is_key = text[end..].trim_start_matches([' ', '\t']).starts_with(':');
     let place = match statement(frame, &text[..start], &text[end..]).filter(|_| top) {
         Some(place) => place,
-        None => place(frame, top, is_key, &text[..start]),
+        None => place(frame, top, is_key, &text[..start], catalog),
     };
-    Cursor { word, place, signature: frame.signature }
+    // A unit goes on beyond its first word: `m/s^2`.
+    let rest = match place {
+        Place::Unit(_) => text[end..].bytes().take_while(|b| is_word(*b) || matches!(b, b'/' | b'*' | b'^')).count(),
+        _ => 0,
+    };
+    Cursor { word: &text[start..end + rest], place, signature: frame.signature }
 }
 
 /// What a word of an `import` or a `param` is; none in other statements.
@@ -132,16 +144,19 @@ fn statement<'a>(frame: &Frame<'a>, before: &str, behind: &'a str) -> Option<Pla
         ["import", ..] => Some(Place::Nothing),
         ["param"] => Some(Place::Param),
         ["param", _, ":"] => Some(Place::Type),
-        ["param", _, ":", ty, "=", ..] if last.kind != Kind::Number => Some(Place::ParamValue(ty)),
-        ["param", _, ":", _, "=", ..] => Some(Place::Unit(None)),
+        ["param", _, ":", ty, "=", ..] if last.kind == Kind::Number => Some(Place::Unit(measured(ty))),
+        ["param", name, ":", ty, "=", ..] => Some(Place::ParamValue { name, ty }),
         ["param", ..] => Some(Place::Nothing),
         _ => None,
     }
 }
 
-fn place<'a>(frame: &Frame<'a>, top: bool, is_key: bool, before: &str) -> Place<'a> {
+fn place<'a>(frame: &Frame<'a>, top: bool, is_key: bool, before: &str, catalog: &Catalog) -> Place<'a> {
     let behind = |n: usize| frame.tokens.len().checked_sub(n).map(|at| frame.tokens[at]);
     let last = behind(1);
+    // What stands before an `in`, if it is a variable.
+    let counted = behind(2).and_then(|token| catalog.vocabulary.variables.iter().find(|each| each.name == token.text));
+    let counted = counted.map(|variable| variable.dimension);
     if let Some(event) = frame.event {
         return Place::EventWord(event);
     }
@@ -150,9 +165,9 @@ fn place<'a>(frame: &Frame<'a>, top: bool, is_key: bool, before: &str) -> Place<
     }
     match last {
         Some(last) if last.kind == Kind::Number && before[last.end..].chars().all(|c| matches!(c, ' ' | '\t')) => {
-            return Place::Unit(frame.param);
+            return Place::Unit(frame.param.and_then(|param| param.ty.dimension()));
         }
-        Some(last) if last.text == "in" && last.kind == Kind::Word => return Place::Unit(frame.param),
+        Some(last) if last.text == "in" && last.kind == Kind::Word => return Place::Unit(counted),
         Some(last) if last.text == "on" && last.kind == Kind::Word && frame.keys => return Place::Event,
         Some(last) if last.text == "=" => return behind(3).map_or(Place::Nothing, |form| Place::Kind(form.text)),
         _ => {}

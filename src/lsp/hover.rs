@@ -5,7 +5,7 @@ use super::visible::Visible;
 use crate::compile::Catalog;
 use crate::lang::{DIMENSIONS, ast, functions};
 use crate::signature::{Param, Type, bounds};
-use crate::units::{UNIT_NAMES, parse_unit};
+use crate::units::parse_unit;
 
 /// What is to be said about the word at the cursor.
 pub fn hover(cursor: &Cursor, catalog: &Catalog, visible: Visible) -> Option<Hover> {
@@ -51,7 +51,7 @@ fn describe(cursor: &Cursor, catalog: &Catalog, visible: Visible) -> Option<Stri
             None if speaks(&wanted.ty) => part(word, catalog).or_else(param).or_else(|| Some(key(wanted))),
             None => param().or_else(|| Some(key(wanted))),
         },
-        Place::ParamValue(_) | Place::AxisValue(_) => param().or_else(|| declared(None)),
+        Place::ParamValue { .. } | Place::AxisValue(_) => param().or_else(|| declared(None)),
         Place::Imported(_) => declared(None).or_else(param),
         Place::Param | Place::Axis => param(),
         Place::Type => {
@@ -64,14 +64,19 @@ fn describe(cursor: &Cursor, catalog: &Catalog, visible: Visible) -> Option<Stri
         }
         Place::Unit(_) => {
             let unit = parse_unit(word).ok()?;
-            Some(format!("**{word}**: {}", unit.dimension)).filter(|_| UNIT_NAMES.iter().any(|(name, _)| *name == word))
+            Some(format!("**{word}**: {}", unit.dimension))
         }
         Place::Formula => part(word, catalog).or_else(param),
         Place::Event => {
             let event = catalog.vocabulary.events.iter().find(|event| event.name == word)?;
             Some(format!("**{word}** {}\n\nVariables: {}", event.doc, event.variables.join(", ")))
         }
-        Place::EventWord(_) | Place::Import | Place::Nothing => None,
+        Place::EventWord(event) => {
+            let event = catalog.vocabulary.events.iter().find(|each| each.name == event)?;
+            let words: Vec<String> = event.words.iter().map(|word| format!("`{word}`")).collect();
+            Some(format!("**{}({word})** {}\n\nIn the parentheses: {}", event.name, event.doc, words.join(", ")))
+        }
+        Place::Import | Place::Nothing => None,
     }
 }
 

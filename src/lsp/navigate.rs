@@ -31,7 +31,7 @@ pub fn definition(
             Some(form) => declared(Some(form)).or_else(param),
             None => param(),
         }?,
-        (None, Place::Imported(_) | Place::ParamValue(_) | Place::AxisValue(_)) => declared(None).or_else(param)?,
+        (None, Place::Imported(_) | Place::ParamValue { .. } | Place::AxisValue(_)) => declared(None).or_else(param)?,
         (None, Place::Formula | Place::Param | Place::Axis) => param()?,
         _ => return None,
     };

@@ -66,6 +66,18 @@ pub enum Type {
 }
 
 impl Type {
+    /// What the numbers of a value measure; none where there are no such numbers.
+    pub fn dimension(&self) -> Option<Dimension> {
+        match self {
+            Self::Quantity { dimension, .. } | Self::Range { dimension, .. } | Self::Distribution { dimension, .. } => {
+                Some(*dimension)
+            }
+            Self::Point | Self::Pose => Some(Dimension::LENGTH),
+            Self::List(inner) => inner.dimension(),
+            _ => None,
+        }
+    }
+
     /// A quantity of any size.
     pub fn any(dimension: Dimension) -> Self {
         Self::Quantity { dimension, min: f64::NEG_INFINITY, max: f64::INFINITY }

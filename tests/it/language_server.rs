@@ -162,7 +162,8 @@ fn words_are_explained_where_they_stand() {
         ("child", "one of"),
         ("hit(", "touch"),
         ("v_c", "speed"),
-        ("m/s)", "length"),
+        ("m/s)", "**m/s**: speed"),
+        ("front)", "In the parentheses: `front`"),
         ("vehicle:", "name of a vehicle; must be given"),
         ("train {", "Trains one pedestrian"),
         ("towns:", "Towns to train in"),
@@ -226,12 +227,26 @@ fn what_could_stand_at_the_cursor_is_offered() {
 #[test]
 fn a_fitting_unit_comes_first() {
     let mut session = Session::new();
-    let text = "edition 1\nspawn s { bearing: -60 ";
-    session.open(FILE, text);
-    let position = json!({ "line": 1, "character": 23 });
-    let id = session.ask("textDocument/completion", json!({ "textDocument": { "uri": FILE }, "position": position }));
+    let mut wanted = Vec::new();
+    for (index, (line, units)) in [
+        ("spawn s { bearing: -60 ", ["deg", "rad"]),
+        ("reward r { on hit => v_c in ", ["m/s", "km/h"]),
+        ("reward r { on step => distance in ", ["m", "km"]),
+        ("param fast: speed = 3 ", ["m/s", "km/h"]),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let uri = format!("untitled:{index}");
+        session.open(&uri, &format!("edition 1\n{line}"));
+        let position = json!({ "line": 1, "character": line.len() });
+        let params = json!({ "textDocument": { "uri": uri }, "position": position });
+        wanted.push((line, units, session.ask("textDocument/completion", params)));
+    }
     let answers = session.hold();
-    assert_eq!(labels(&answers, id)[..2], ["deg", "rad"]);
+    for (line, units, id) in wanted {
+        assert_eq!(labels(&answers, id)[..2], units, "{line}");
+    }
 }
 
 #[test]
@@ -486,6 +501,7 @@ fn parameters_types_and_imported_names_are_offered() {
         ("param x: length = ", "far", "who"),
         ("param x: adversary = ", "suicidal", "far"),
         ("param x: boolean = ", "true", "far"),
+        ("param wide: length = 3 m\nparam x: length = ", "wide", "x"),
         ("param x: length = 3 ", "km", "far"),
         ("param x: length = 3 m\n", "param", "far"),
         ("import ", "near_you", "far"),
