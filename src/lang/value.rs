@@ -1,6 +1,7 @@
 //! Checks values against the types of their keys.
 
 use std::collections::BTreeMap;
+use std::f64::consts::{PI, TAU};
 
 use super::ast::{Expression, ExpressionKind, Known};
 use super::codes;
@@ -8,7 +9,7 @@ use super::elsewhere::own_word;
 use super::formula::{Scope, Sort, formula, is_function};
 use super::names::Names;
 use crate::diagnostic::{Diagnostic, Sources, Span};
-use crate::signature::{Distribution, Form, Formula, LEAST, MOST, Type, Value, VariableId, Vocabulary, bounds};
+use crate::signature::{Distribution, Form, Formula, LEAST, MOST, Type, Value, VariableId, Vocabulary, bounds, short};
 use crate::units::Dimension;
 
 /// What a value is checked against.
@@ -83,9 +84,17 @@ pub(super) fn value(
                 diagnostics.push(codes::unbounded(span, context.sources.text(span), &allowed));
                 return None;
             }
-            within(low, *min, *max, *dimension, span, context, diagnostics)?;
-            within(high, *min, *max, *dimension, span, context, diagnostics)?;
-            Some(Value::Distribution(drawn))
+            let before = diagnostics.len();
+            let inside = within(low, *min, *max, *dimension, span, context, diagnostics)
+                .and_then(|()| within(high, *min, *max, *dimension, span, context, diagnostics));
+            if let Distribution::Uniform(low, high) = drawn
+                && (*dimension, *min, *max) == (Dimension::ANGLE, -PI, PI)
+                && high - low <= TAU
+            {
+                let rest = diagnostics.split_off(before);
+                diagnostics.extend(rest.into_iter().map(|said| said.fix(round_the_back(low, high))));
+            }
+            inside.map(|()| Value::Distribution(drawn))
         }
         (Type::Quantity { dimension, min, max }, _) if is_formula(expression) => {
             let number = quantity(expression, *dimension, context, diagnostics)?;
@@ -230,13 +239,34 @@ fn ends(
     let (a, b) = (a?, b?);
     if a > b {
         let swapped = format!("{} .. {}", context.sources.text(high.span), context.sources.text(low.span));
-        let text = |span: Span| context.sources.text(span);
         let behind = dimension == Dimension::ANGLE && a > 0.0 && b < 0.0;
-        let around = || format!("choice({} .. 180 deg, -180 deg .. {})", text(low.span), text(high.span));
-        diagnostics.push(codes::empty_range(span, swapped, behind.then(around)));
+        diagnostics.push(codes::empty_range(span, swapped, behind.then(|| round_the_back(a, b + TAU))));
         return None;
     }
     Some((a, b))
+}
+
+/// The directions from one to another (rad) that lies to the left of it by a turn at most, as they are written between -180° and
+/// 180°.
+fn round_the_back(from: f64, to: f64) -> String {
+    let (from, width) = (from.to_degrees(), (to - from).to_degrees());
+    let shown = |degrees: f64| format!("{} deg", short(degrees));
+    let start = from - 360.0 * ((from + 180.0) / 360.0 + 1e-12).floor();
+    let end = start + width;
+    if width > 360.0 - 1e-9 {
+        return "-180 deg .. 180 deg".into();
+    }
+    if end <= 180.0 + 1e-9 {
+        return format!("{} .. {}", shown(start), shown(end));
+    }
+    let sides = [
+        (180.0 - start, format!("{} .. 180 deg", shown(start))),
+        (end - 180.0, format!("-180 deg .. {}", shown(end - 360.0))),
+    ];
+    match sides {
+        [(left, one), (right, other)] if (left - right).abs() < 1e-9 => format!("choice({one}, {other})"),
+        [(left, one), (right, other)] => format!("weighted(({}, {one}), ({}, {other}))", short(left), short(right)),
+    }
 }
 
 /// The functions that make distributions, with what they take.

@@ -13,5 +13,5 @@ mod shape;
 pub use arguments::{Arguments, DeclarationId, Value};
 pub use distribution::Distribution;
 pub use formula::{BinaryOperator, Bounds, Formula, Function, VariableId};
-pub use param::{LEAST, MOST, Param, Type, bounds};
+pub use param::{LEAST, MOST, Param, Type, bounds, short};
 pub use shape::{Event, Form, Signature, Variable, Vocabulary};

@@ -157,7 +157,7 @@ pub fn bounds(min: f64, max: f64, dimension: Dimension) -> String {
 }
 
 /// A number in few digits.
-fn short(number: f64) -> String {
+pub fn short(number: f64) -> String {
     let size = number.abs();
     if size != 0.0 && !(1e-4..1e7).contains(&size) {
         format!("{number:e}")
