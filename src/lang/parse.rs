@@ -47,7 +47,7 @@ pub fn parse(source: SourceId, text: &str) -> (File, Vec<Diagnostic>) {
     }
     match brackets::scan(source, text) {
         Ok(starts) => {
-            let read = read_parts(source, text, parts(&starts, text.len()));
+            let read = read_parts(source, text, parts(&starts, text.len(), LEAST_PART));
             // A statement may go on where another seemed to begin.
             if read.1.is_empty() { read } else { read_parts(source, text, [whole]) }
         }
@@ -63,11 +63,11 @@ pub fn parse(source: SourceId, text: &str) -> (File, Vec<Diagnostic>) {
     }
 }
 
-/// The text between places where statements may begin, in parts of at least [`LEAST_PART`] bytes.
-fn parts(starts: &[usize], end: usize) -> Vec<Range<usize>> {
+/// The text between places where statements may begin, in parts of at least so many bytes.
+fn parts(starts: &[usize], end: usize, least: usize) -> Vec<Range<usize>> {
     let (mut parts, mut begin) = (Vec::new(), 0);
     for start in starts {
-        if *start >= begin + LEAST_PART {
+        if *start >= begin + least {
             parts.push(begin..*start);
             begin = *start;
         }
@@ -449,8 +449,10 @@ impl Reader {
 
     /// Whether a statement of no known shape stands right behind a value, on its line.
     fn goes_on(&self, value: &Expression, junk: &Pair<Rule>) -> bool {
-        let between = value.span.end - self.offset..junk.as_span().start();
-        junk.get_input().get(between).is_some_and(|text| text.trim_matches([' ', '\t', ',']).is_empty())
+        let between = value.span.end.checked_sub(self.offset).map(|end| end..junk.as_span().start());
+        between
+            .and_then(|between| junk.get_input().get(between))
+            .is_some_and(|text| text.trim_matches([' ', '\t', ',']).is_empty())
     }
 
     /// Reads a statement of no known shape once more, on its own, to find out where it goes wrong.
@@ -645,6 +647,85 @@ fn describe(rule: Rule) -> Option<&'static str> {
 mod tests {
     use super::*;
     use crate::diagnostic::Sources;
+    use proptest::prelude::*;
+
+    /// Lines of which scenarios are made, and some that make one statement of two or none of one.
+    const LINES: &[&str] = &[
+        "",
+        "  ",
+        "/// Far.",
+        "/// Near.  ",
+        "// No.",
+        "/* so",
+        "and so */ param d: length = 3 m",
+        "edition 1",
+        "import \"a.scn\"",
+        "import b,",
+        "import c",
+        "from \"b.scn\"",
+        "param a: length = 3 m",
+        "param b: length =",
+        "param c: boolean = x",
+        "3 m",
+        "+ 4 m",
+        "and y",
+        "or not",
+        "z",
+        "in m/s",
+        ".. 5 m",
+        "policy p = idm()",
+        "policy q",
+        "= idm",
+        "(gap: 1 m)",
+        "policy",
+        "r = idm() // So.",
+        "spawn s {",
+        "spawn t {}",
+        "bearing: 3 deg",
+        "require: [a,",
+        "b]",
+        "}",
+        "  /// In.",
+        "on hit => 1",
+        "u: 1  spawn v {} /// Late.",
+        "{ }",
+        "param e: text = \"f",
+        "\"",
+        "param",
+        "on",
+        "\r",
+    ];
+
+    /// Lines that are whole by themselves.
+    const WHOLE: &[&str] =
+        &["", "/// Far.", "// No.", "import \"a.scn\"", "param a: length = 3 m", "policy p = idm()", "spawn t {}"];
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+
+        /// However a text is laid out: where nothing is wrong with its parts, they are what the whole is.
+        #[test]
+        fn parts_without_mistakes_make_the_whole(lines in prop::collection::vec(prop_oneof![3 => prop::sample::select(WHOLE), 1 => prop::sample::select(LINES)], 1..9)) {
+            let text = lines.join("\n");
+            let source = Sources::default().add("", text.as_str());
+            if let Ok(starts) = brackets::scan(source, &text) {
+                let (in_parts, said) = read_parts(source, &text, parts(&starts, text.len(), 0));
+                if said.is_empty() {
+                    prop_assert_eq!((in_parts, said), read_parts(source, &text, [0..text.len()]), "{}", text);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_long_text_is_read_in_parts_that_begin_with_statements() {
+        let statement = "/// A driver.\n// Brakes.\n\npolicy p = idm()\n";
+        let text = format!("edition 1\n{}", statement.repeat(100));
+        let starts = brackets::scan(Sources::default().add("", ""), &text).unwrap();
+        let parts = parts(&starts, text.len(), LEAST_PART);
+        assert!(parts.len() > 3 && parts.iter().skip(1).all(|part| text[part.clone()].starts_with("/// A driver.")));
+        assert!(parts.windows(2).all(|pair| pair[0].end == pair[1].start && pair[0].len() >= LEAST_PART));
+    }
 
     #[test]
     fn plain_quantities_are_what_the_grammar_makes_of_them() {
