@@ -1,0 +1,10 @@
+//! Guesses at what is missing in a statement of no known shape, or foreign to it: a repair is believed when the statement can be read
+//! with it.
+
+mod commas;
+mod heads;
+mod slips;
+
+pub(super) use commas::{decimal_comma, missing_commas, unbracketed};
+pub(super) use heads::{dotted_key, untyped_param};
+pub(super) use slips::{missing_colon, slips, without};
