@@ -44,6 +44,11 @@ fn for_people(gathered: &Gathered, options: &CheckOptions) -> ExitCode {
     let campaigns = gathered.compiled.plan.as_ref().map_or(0, |plan| plan.campaigns.len());
     let (files, campaigns) = (front::count(gathered.records.len(), "file"), front::count(campaigns, "campaign"));
     front::say(&format!("{files} and {campaigns} checked: no errors"));
+    if let Some(plan) = gathered.compiled.plan.as_ref().filter(|plan| plan.campaigns.is_empty())
+        && !plan.imported_campaigns.is_empty()
+    {
+        front::say(&plan.without_campaigns());
+    }
     ExitCode::Done
 }
 

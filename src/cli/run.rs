@@ -57,7 +57,7 @@ fn run_or_report(options: &RunOptions, work: Work) -> ExitCode {
         Err(code) => return code,
     };
     if plan.campaigns.is_empty() {
-        front::fail("the files hold no campaign; write `campaign NAME { … }` to say what is to be run");
+        front::fail(&plan.without_campaigns());
         return ExitCode::Nothing;
     }
     if options.smoke {

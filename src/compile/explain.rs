@@ -90,6 +90,10 @@ impl Catalog {
                 };
                 let inner = if signature.name == *first { rest } else { words };
                 found.extend(inside(&head, signature, inner).filter(|_| signature.name == *first || !inner.is_empty()));
+                let blocks = signature.children.iter();
+                found.extend(
+                    blocks.filter_map(|block| inside(&format!("{head}, inside: {} {{ … }}", block.name), block, words)),
+                );
             }
         }
         found
@@ -237,6 +241,7 @@ fn units() -> String {
 fn unit(word: &str) -> Option<String> {
     let unit = parse_unit(word).ok()?;
     let si = match unit.dimension.usual_units().first() {
+        Some(first) if *first == word => String::new(),
         Some(first) => {
             let base = parse_unit(first).map_or(1.0, |base| base.factor);
             format!("; 1 {word} = {} {first}", (unit.factor / base * 1e9).round() / 1e9)
@@ -255,7 +260,8 @@ fn dimension(word: &str) -> Option<String> {
         units => format!("in {}", units.join(", ")),
     };
     Some(format!(
-        "param name: {name} = …\n    A {dimension}, {units}; a range or a distribution may stand for it as well.\n"
+        "param name: {name} = …\n    {}, {units}; a range or a distribution may stand for it as well.\n",
+        if *dimension == Dimension::ANGLE { "An angle".into() } else { format!("A {dimension}") }
     ))
 }
 

@@ -107,6 +107,9 @@ pub fn compile_with(
         plan.campaigns.iter_mut().for_each(Campaign::name_runs);
     }
     let base = &variants.first().expect("the files as they are").program;
+    let imported = |each: &&Arc<Declaration>| each.form == "campaign" && !base.roots.contains(&each.source);
+    let named = |each: &Arc<Declaration>| (each.name.clone(), sources.get(each.source).path.clone());
+    plan.imported_campaigns = base.declarations.iter().filter(imported).map(named).collect();
     forbid_equal_names(base, &plan, &mut diagnostics);
     warn_of_unused(base, &shared.used, &mut diagnostics);
     // One mistake may show in many cells.

@@ -1,3 +1,4 @@
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::{Recipe, RunId};
@@ -15,9 +16,22 @@ pub struct Plan {
     pub campaigns: Vec<Campaign>,
     /// The towns that these files declare themselves, in order.
     pub towns: Vec<NamedTown>,
+    /// Campaigns of imported files, which are not run, with their files.
+    pub imported_campaigns: Vec<(String, PathBuf)>,
 }
 
 impl Plan {
+    /// Why nothing is to be run, and what to do about it.
+    pub fn without_campaigns(&self) -> String {
+        match self.imported_campaigns.as_slice() {
+            [] => "the files hold no campaign; write `campaign NAME { … }` to say what is to be run".into(),
+            [(name, file), ..] => format!(
+                "the files hold no campaign of their own, and `{name}` is imported: give its file, `{}`, to run it",
+                file.display()
+            ),
+        }
+    }
+
     /// Whether a town of this name is declared or used.
     pub fn has_town(&self, name: &str) -> bool {
         let used = self.campaigns.iter().flat_map(|campaign| &campaign.towns);

@@ -45,7 +45,7 @@ pub fn form() -> Form {
             "sight",
             Type::Choice(&["any", "visible", "hidden"]),
             "any",
-            "Whether buildings must or must not hide the pedestrian from the middle of the ego.",
+            "Whether what stands in the town (buildings, walls, trees, parked cars) must or must not hide the pedestrian from the middle of the ego.",
         ),
         Param::optional(
             "heading",
@@ -136,7 +136,7 @@ pub fn lower(
         said.extend(sector.require_together(&left).err().map(|diagnostic| *diagnostic));
     }
     constraints.extend(left.into_iter().map(|(condition, span)| {
-        let text = sources.text(span).to_string();
+        let text = sources.plain_text(span);
         Constraint::Require { condition, text }
     }));
     let ego_start = ego_start(block, said);

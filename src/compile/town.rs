@@ -6,7 +6,7 @@ use crate::lang::codes;
 use crate::lang::hir::{Block, Declaration};
 use crate::road::design::{BuildingRow, DesignError, Node, Street, StreetProfile, TownDesign};
 use crate::road::{LaneFilter, Road, Shape, SpeedSign, Town, TownParts, opendrive};
-use crate::signature::{Form, Param, Signature, Type, Value};
+use crate::signature::{Form, Param, Signature, Type, Value, short};
 use crate::units::Dimension;
 
 use crate::lang::Reader;
@@ -260,10 +260,18 @@ fn unbuildable(fault: &DesignError, block: &Block) -> Diagnostic {
         places.extend(place.filter(|place| !places.contains(place)));
     }
     let mut diagnostic = codes::unbuildable_town(places.first().copied().unwrap_or(block.head), &fault.to_string());
+    let others = if places.len() > 2 { "this is one of them" } else { "the other is here" };
     for place in places.into_iter().skip(1) {
-        diagnostic = diagnostic.label(place, "the other is here");
+        diagnostic = diagnostic.label(place, others);
     }
-    diagnostic
+    match fault {
+        DesignError::Crossing { first, second, x, y } if first != second => {
+            let round = |number: &f64| (number * 100.0).round() / 100.0;
+            let point = node_name(round(x), round(y));
+            diagnostic.help(format!("they meet where both go `through` the same point: give both `{point}`"))
+        }
+        _ => diagnostic,
+    }
 }
 
 /// The name of a street in messages.
@@ -273,7 +281,7 @@ fn street_name(street: &Block, number: usize) -> String {
 
 /// The name of a node in messages.
 fn node_name(x: f64, y: f64) -> String {
-    format!("({x} m, {y} m)")
+    format!("({} m, {} m)", short(x), short(y))
 }
 
 /// Reads a map; `shown` is its path as the user knows it, and what that is relative to.

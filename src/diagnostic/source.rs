@@ -69,6 +69,27 @@ impl Sources {
         &self.get(span.source).text[span.start..span.end]
     }
 
+    /// The text a span covers on one line, without comments.
+    pub fn plain_text(&self, span: Span) -> String {
+        let (mut plain, mut rest) = (String::new(), self.text(span));
+        while let Some(first) = rest.chars().next() {
+            let length = match first {
+                '"' => rest[1..].find('"').map_or(rest.len(), |end| end + 2),
+                '/' if rest.starts_with("//") => rest.find(['\n', '\r']).unwrap_or(rest.len()),
+                '/' if rest.starts_with("/*") => rest.find("*/").map_or(rest.len(), |end| end + 2),
+                _ => first.len_utf8(),
+            };
+            let blank = first.is_whitespace() || rest.starts_with("//") || rest.starts_with("/*");
+            match blank {
+                false => plain.push_str(&rest[..length]),
+                true if plain.ends_with(' ') => {}
+                true => plain.push(' '),
+            }
+            rest = &rest[length..];
+        }
+        plain.trim().to_string()
+    }
+
     /// Line and column of a byte, both from 1; the column counts characters.
     pub fn line_column(&self, id: SourceId, byte: usize) -> (usize, usize) {
         let before = &self.get(id).text[..byte];

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::codes;
+use super::repair::unbraced;
 use crate::diagnostic::{Diagnostic, SourceId, Span};
 
 /// How deep brackets may nest.
@@ -33,8 +34,14 @@ pub fn balance(source: SourceId, text: &str, first: Diagnostic) -> Balanced {
             .filter(|label| label.text == codes::OPENED)
             .map_or(found.primary.span, |label| label.span);
         let part = match found.code {
-            // What closes nothing does no harm but for itself.
-            "stray-bracket" => place.start..place.end,
+            "stray-bracket" => match unopened(text, place.start) {
+                Some((part, head)) => {
+                    found = codes::missing_brace(Span { start: head.start, end: head.end, ..place });
+                    part
+                }
+                // What closes nothing else does no harm but for itself.
+                None => place.start..place.end,
+            },
             "unclosed-comment" => statement(text, place.start).start..text.len(),
             _ => statement(text, place.start).start..statement(text, found.primary.span.start).end,
         };
@@ -52,6 +59,19 @@ pub fn balance(source: SourceId, text: &str, first: Diagnostic) -> Balanced {
         rest = left.into_bytes();
     }
     balanced
+}
+
+/// A statement without the brace that one at this byte would close, and the end of its first line behind the last word: a colon,
+/// perhaps, or nothing.
+fn unopened(text: &str, byte: usize) -> Option<(Range<usize>, Range<usize>)> {
+    if text.as_bytes()[byte] != b'}' {
+        return None;
+    }
+    let whole = statement(text, byte);
+    let line = text[whole.start..byte].lines().next()?;
+    let place = unbraced(line).filter(|_| whole.start + line.len() < byte)?;
+    let head = whole.start + place.start..whole.start + place.end;
+    Some((whole.start..byte + 1, head))
 }
 
 /// The statement of a byte: from the last line that begins with a letter to the next one or its documentation.

@@ -4,16 +4,19 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::ast::{self, Entry, ExpressionKind, Name};
+use super::codes::KeyOf;
 use super::defaults::Defaults;
 use super::formula::Scope;
 use super::hir::ParamId;
 use super::hir::{Block, Clause, Declaration, Program};
 use super::names::names_of_all;
-use super::params::Params;
+use super::params::{DIMENSIONS, Params};
+use super::repair::type_of;
 use super::value::{Context, plain_number, value};
 use super::{Loaded, codes, repair};
 use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
 use crate::signature::{Arguments, DeclarationId, Form, Param, Signature, Type, Value, Vocabulary};
+use crate::units::Dimension;
 
 /// What has been checked, for further variants of the same files: the same files with other settings.
 #[derive(Debug)]
@@ -109,6 +112,24 @@ pub fn check<'f>(
 pub fn once(diagnostics: &mut Vec<Diagnostic>) {
     let mut said = BTreeSet::new();
     diagnostics.retain(|each| said.insert((each.primary.span, each.code, each.message.clone())));
+}
+
+/// Where a key stands that a signature has not: in one of its blocks, or else in another form.
+fn key_of<'f>(word: &str, signature: &'f Signature, forms: &'f [Form]) -> Option<KeyOf<'f>> {
+    let has = |signature: &Signature| signature.params.iter().any(|param| param.name == word);
+    if let Some(block) = signature.children.iter().find(|child| has(child)) {
+        return Some(KeyOf::Block(block.name));
+    }
+    let of = |form: &&Form| form.kinds.iter().chain(&form.plain).any(has);
+    let within =
+        |form: &'f Form| form.kinds.iter().chain(&form.plain).flat_map(|each| &each.children).find(|each| has(each));
+    let form = forms.iter().find(of).map(|form| form.name);
+    form.or_else(|| forms.iter().find_map(within).map(|child| child.name)).map(KeyOf::Form)
+}
+
+/// Whether numbers of a type may be of this dimension.
+fn measures(ty: &Type, dimension: Dimension) -> bool {
+    ty.dimension() == Some(dimension) || matches!(ty, Type::Integer { .. }) && dimension == Dimension::RATIO
 }
 
 fn number_declarations(files: &[ast::File]) -> BTreeMap<SourceId, Vec<DeclarationId>> {
@@ -207,7 +228,14 @@ impl<'f> Checker<'_, '_, 'f> {
                 Entry::Property(property) => match signature.params.iter().find(|p| p.name == property.key.text) {
                     None => {
                         let Name { text, span } = &property.key;
-                        let unknown = codes::unknown_key(*span, signature.name, text, &keys);
+                        let elsewhere = key_of(text, signature, self.context.forms);
+                        let is_given = |key: &&str| {
+                            let same =
+                                |entry: &Entry| matches!(entry, Entry::Property(other) if other.key.text == *key);
+                            written.entries.iter().any(same)
+                        };
+                        let left: Vec<&str> = keys.iter().copied().filter(|key| !is_given(key)).collect();
+                        let unknown = codes::unknown_key(*span, signature.name, text, &left, elsewhere);
                         meant.extend(unknown.fixes.iter().cloned());
                         self.diagnostics.push(unknown);
                     }
@@ -248,20 +276,33 @@ impl<'f> Checker<'_, '_, 'f> {
                 Entry::Bare(expression) => {
                     // It may be the value of any key that is missing.
                     meant.extend(keys.iter().map(|key| (*key).to_string()));
-                    self.diagnostics.push(codes::bare_argument(expression.span, &keys));
+                    let written = self.context.sources.text(expression.span);
+                    let of_kind = type_of(written)
+                        .and_then(|word| DIMENSIONS.iter().find(|(name, _)| *name == word))
+                        .map(|(_, dimension)| *dimension);
+                    let params =
+                        signature.params.iter().filter(|param| of_kind.is_none_or(|kind| measures(&param.ty, kind)));
+                    let fitting: Vec<&str> = params.map(|param| param.name).collect();
+                    self.diagnostics.push(codes::bare_argument(expression.span, written, &fitting));
                 }
                 Entry::Unread(words) => {
                     self.whole = false;
                     meant.extend(words.iter().cloned());
                 }
                 Entry::Child(child) => match signature.children.iter().find(|c| c.name == child.form.text) {
-                    None => self.diagnostics.push(codes::unknown_block(
-                        child.form.span,
-                        signature.name,
-                        &child.form.text,
-                        &words,
-                        &keys,
-                    )),
+                    None => {
+                        let Name { text: word, span } = &child.form;
+                        if keys.contains(&word.as_str()) {
+                            meant.insert(word.clone());
+                        }
+                        self.diagnostics.push(match (&child.kind, child.entries.as_slice()) {
+                            (Some(kind), []) if keys.contains(&word.as_str()) && child.name.is_none() => {
+                                let meant = format!("{word}: {}", kind.text);
+                                codes::slip(span.to(kind.span), "a key is followed by `:`", Some(&meant))
+                            }
+                            _ => codes::unknown_block(*span, signature.name, word, &words, &keys),
+                        });
+                    }
                     Some(inner) => {
                         if let Some(name) = &child.name {
                             let before = named.insert((&child.form.text, &name.text), name.span);

@@ -30,7 +30,6 @@ pub(super) fn own_word(word: &str) -> Option<&'static str> {
         "collision" | "crash" | "collide" => "hit",
         "Range" | "Uniform" => "uniform",
         "Normal" | "Gaussian" | "gaussian" => "normal",
-        "TruncatedNormal" => "truncated",
         "Options" | "Choice" | "uniform_choice" => "choice",
         "Discrete" => "weighted",
         "True" | "yes" | "TRUE" => "true",

@@ -163,7 +163,7 @@ impl Checker<'_> {
                 let unit = unit(name, self.diagnostics)?;
                 let converted = converted?;
                 if converted.dimension != unit.dimension {
-                    return self.say(codes::wrong_unit(inner.span, unit.dimension, converted.dimension));
+                    return self.say(codes::wrong_count(name.span, unit.dimension, inner.span, converted.dimension));
                 }
                 let factor = Part::constant(unit.factor, unit.dimension);
                 let bounds = BinaryOperator::Divide.bounds(converted.bounds, factor.bounds);
@@ -337,7 +337,7 @@ impl Checker<'_> {
             return self.say(codes::mixed_dimensions(first, dimension, second, checked[other].dimension));
         }
         if matches!(function, Function::Exp | Function::Sqrt) && dimension != Dimension::RATIO {
-            return self.say(codes::wrong_unit(arguments[0].span, Dimension::RATIO, dimension));
+            return self.say(codes::uncounted(arguments[0].span, dimension));
         }
         match function {
             Function::Sqrt => {

@@ -105,6 +105,9 @@ impl<'a> Names<'a> {
                 self.unread.insert(&name.text);
                 continue;
             }
+            // Neither what is written nor what was meant is to be told of again where it is used.
+            self.unread.insert(&name.text);
+            self.unread.extend(nearest(&name.text, offered.iter().copied()));
             diagnostics.push(codes::unknown_import(name.span, &name.text, &import.path, offered.iter().copied()));
         }
     }

@@ -7,6 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::ast::{Clause, Declaration, Entry, Expression, ExpressionKind, Known, Param, Property};
 use super::hir::ParamId;
 use super::names::Names;
+use super::repair::type_of;
 use super::value::{Context, distributions, value};
 use super::{Loaded, codes, hir};
 use crate::diagnostic::{Diagnostic, Label, SourceId, Sources, Span};
@@ -129,7 +130,7 @@ impl<'a> Params<'a> {
                 name: param.name.text.clone(),
                 ty: param.ty.text.clone(),
                 docs: param.docs.clone(),
-                value: self.sources.text(param.value.span).to_string(),
+                value: self.sources.plain_text(param.value.span),
                 used: self.used.contains(id),
                 span: param.name.span,
             })
@@ -257,7 +258,12 @@ impl<'a> Params<'a> {
                     let mut known: Vec<&str> = DIMENSIONS.iter().map(|(name, _)| *name).collect();
                     known.extend(OTHER_TYPES);
                     known.extend(self.forms.iter().map(|form| form.name));
-                    diagnostics.push(codes::unknown_type(param.ty.span, word, &known));
+                    diagnostics.push(codes::unknown_type(
+                        param.ty.span,
+                        word,
+                        type_of(self.sources.text(written.span)),
+                        &known,
+                    ));
                     None
                 }
             },

@@ -78,7 +78,7 @@ fn parts(starts: &[usize], end: usize, least: usize) -> Vec<Range<usize>> {
 
 /// Reads parts of a text, each of whole statements.
 fn read_parts(source: SourceId, text: &str, parts: impl IntoIterator<Item = Range<usize>>) -> (File, Vec<Diagnostic>) {
-    let mut reader = Reader { source, offset: 0, diagnostics: Vec::new() };
+    let mut reader = Reader { source, offset: 0, headless: false, diagnostics: Vec::new() };
     let mut file = empty(source);
     for part in parts {
         reader.offset = part.start;
@@ -143,7 +143,7 @@ pub(super) fn parse_value(source: SourceId, text: &str) -> Result<Expression, Bo
 }
 
 fn parse_any_value(source: SourceId, text: &str) -> Result<Expression, Box<Diagnostic>> {
-    let mut reader = Reader { source, offset: 0, diagnostics: Vec::new() };
+    let mut reader = Reader { source, offset: 0, headless: false, diagnostics: Vec::new() };
     brackets::scan(source, text)?;
     match ScenarioParser::parse(Rule::whole_value, text) {
         Ok(mut pairs) => {
@@ -172,6 +172,8 @@ struct Reader {
     source: SourceId,
     /// Where the text that is being parsed begins in the source.
     offset: usize,
+    /// Whether the last statement is the head of a declaration without braces: indented lines are what it was to hold.
+    headless: bool,
     diagnostics: Vec<Diagnostic>,
 }
 
@@ -188,6 +190,12 @@ impl Reader {
     }
 
     fn item(&mut self, pair: Pair<Rule>, file: &mut File) {
+        let before = &pair.get_input()[..pair.as_span().start()];
+        let indented = before.ends_with([' ', '\t']) && before.trim_end_matches([' ', '\t']).ends_with('\n');
+        if self.headless && indented && matches!(pair.as_rule(), Rule::junk_item | Rule::declaration) {
+            return;
+        }
+        self.headless &= pair.as_rule() == Rule::doc;
         match pair.as_rule() {
             Rule::edition => {
                 let mut inner = pair.into_inner().skip_while(|part| part.as_rule() == Rule::doc);
@@ -234,7 +242,18 @@ impl Reader {
                     declaration.entries.extend(unread_arguments(&pair));
                 }
                 file.unread.extend(name_of(pair.as_str()));
-                self.junk(&pair, Rule::whole_item);
+                // What it would have brought is not known.
+                file.torn |= repair::imports(pair.as_str());
+                let start = pair.as_span().start();
+                let behind = &pair.get_input()[pair.as_span().end()..];
+                match repair::headless(pair.as_str(), behind).filter(|_| !indented) {
+                    Some(colon) => {
+                        self.headless = true;
+                        self.diagnostics
+                            .push(codes::missing_braces(self.place(start + colon.start, start + colon.end)));
+                    }
+                    None => self.junk(&pair, Rule::whole_item),
+                }
             }
             Rule::doc | Rule::EOI => {}
             other => unreachable!("file holds no {other:?}"),
@@ -466,10 +485,9 @@ impl Reader {
         let line = source[..start].rfind(['\n', '\r']).map_or(0, |end| end + 1);
         // What stands on the line of another statement may be left over from it.
         let goes_on = !source[line..start].trim().is_empty();
-        if let Some((name, ty)) = repair::untyped_param(text).filter(|_| rule == Rule::whole_item) {
-            let from = start + name.start;
-            let span = self.place(from, start + name.end);
-            return self.diagnostics.push(codes::untyped_param(span, &text[name], ty));
+        if let Some((place, instead, ty)) = repair::untyped_param(text).filter(|_| rule == Rule::whole_item) {
+            let span = self.place(start + place.start, start + place.end);
+            return self.diagnostics.push(codes::untyped_param(span, &instead, ty));
         }
         if let Some((whole, part)) = repair::decimal_comma(&source[line..start], text) {
             let span = self.place(start - whole, start + part);
@@ -634,6 +652,7 @@ fn describe(rule: Rule) -> Option<&'static str> {
         | Rule::junk_item
         | Rule::junk_entry
         | Rule::balanced
+        | Rule::within
         | Rule::piece
         | Rule::dark
         | Rule::plain

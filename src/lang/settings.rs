@@ -10,6 +10,7 @@ use super::parse::parse_value;
 use super::{Loaded, codes};
 use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
 use crate::signature::Form;
+use crate::units::{Dimension, parse_unit};
 
 /// The word of a block that multiplies a declaration.
 const MATRIX: &str = "matrix";
@@ -30,7 +31,7 @@ pub struct Setting {
 impl Setting {
     /// The setting as it is recorded.
     pub fn text(&self, sources: &Sources) -> String {
-        format!("{} = {}", self.words(), sources.text(self.value.span))
+        format!("{} = {}", self.words(), sources.plain_text(self.value.span))
     }
 
     /// The words that lead to what is set.
@@ -257,18 +258,18 @@ fn axes_of<'a>(
                 Some(first) => diagnostics.push(codes::duplicate_key(property.key.span, &property.key.text, *first)),
                 None if members(property).is_empty() => diagnostics.push(codes::empty_list(property.value.span)),
                 None => {
-                    let mut said: BTreeMap<&str, Span> = BTreeMap::new();
+                    let mut said: BTreeMap<String, Span> = BTreeMap::new();
                     for member in members(property) {
-                        let text = sources.text(member.span);
-                        if let Some(first) = said.insert(text, member.span) {
-                            diagnostics.push(codes::repeated_member(member.span, text, first));
+                        let value = in_si(member).unwrap_or_else(|| sources.plain_text(member.span));
+                        if let Some(first) = said.insert(value, member.span) {
+                            diagnostics.push(codes::repeated_member(member.span, sources.text(member.span), first));
                         }
                     }
                     seen.insert(&property.key.text, property.key.span);
                     axes.push(property);
                 }
             },
-            Entry::Bare(value) => diagnostics.push(codes::bare_argument(value.span, &[])),
+            Entry::Bare(value) => diagnostics.push(codes::bare_argument(value.span, sources.text(value.span), &[])),
             Entry::Unread(_) => {}
             Entry::Clause(clause) => diagnostics.push(codes::unexpected_clause(clause.event.span, MATRIX)),
             Entry::Child(child) => {
@@ -276,6 +277,14 @@ fn axes_of<'a>(
             }
         }
     }
+}
+
+/// A quantity in SI, however it is written; none for other values.
+fn in_si(value: &Expression) -> Option<String> {
+    let ExpressionKind::Number { value, unit } = &value.kind else { return None };
+    let unit = parse_unit(unit.as_ref().map_or("", |unit| unit.text.as_str())).ok();
+    let (factor, dimension) = unit.map_or((1.0, Dimension::RATIO), |unit| (unit.factor, unit.dimension));
+    Some(format!("{:e} {dimension}", value * factor))
 }
 
 fn members(axis: &Property) -> &[Expression] {

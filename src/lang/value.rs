@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
-use super::ast::{Expression, ExpressionKind, Known};
+use super::ast::{Expression, ExpressionKind, Known, Operator};
 use super::codes;
 use super::elsewhere::own_word;
 use super::formula::{Scope, Sort, formula, is_function};
 use super::names::Names;
 use crate::diagnostic::{Diagnostic, Sources, Span};
 use crate::signature::{Distribution, Form, Formula, LEAST, MOST, Type, Value, VariableId, Vocabulary, bounds, short};
-use crate::units::Dimension;
+use crate::units::{Dimension, parse_unit};
 
 /// What a value is checked against.
 pub(super) struct Context<'a> {
@@ -87,12 +87,26 @@ pub(super) fn value(
             let before = diagnostics.len();
             let inside = within(low, *min, *max, *dimension, span, context, diagnostics)
                 .and_then(|()| within(high, *min, *max, *dimension, span, context, diagnostics));
-            if let Distribution::Uniform(low, high) = drawn
-                && (*dimension, *min, *max) == (Dimension::ANGLE, -PI, PI)
-                && high - low <= TAU
-            {
+            let text = |span: Span| context.sources.text(span);
+            let meant = match (&drawn, &expression.kind) {
+                // More than a turn in radians was meant in degrees.
+                _ if *dimension == Dimension::ANGLE && high.max(-low) > TAU && text(span).contains("rad") => {
+                    Some(text(span).replace("rad", "deg"))
+                }
+                (Distribution::Uniform(low, high), _) if *dimension == Dimension::ANGLE && high - low <= TAU => {
+                    (*min == -PI && *max == PI).then(|| round_the_back(*low, *high))
+                }
+                (Distribution::Constant(angle), _) if *dimension == Dimension::ANGLE => {
+                    (*min == -PI && *max == PI).then(|| round_the_back(*angle, *angle))
+                }
+                (_, ExpressionKind::Binary { operator: Operator::Subtract, left, right }) => {
+                    Some(format!("{} .. {}", text(left.span), text(right.span)))
+                }
+                _ => None,
+            };
+            if let Some(meant) = meant {
                 let rest = diagnostics.split_off(before);
-                diagnostics.extend(rest.into_iter().map(|said| said.fix(round_the_back(low, high))));
+                diagnostics.extend(rest.into_iter().map(|said| said.fix(meant.clone())));
             }
             inside.map(|()| Value::Distribution(drawn))
         }
@@ -212,11 +226,7 @@ pub(super) fn plain_number(
             Some(formula)
         }
         (_, Sort::Quantity(dimension)) => {
-            let mut diagnostic = codes::wrong_unit(expression.span, Dimension::RATIO, dimension);
-            let unit = dimension.usual_units().first();
-            diagnostic.help =
-                unit.map(|unit| format!("a reward is a plain number: write `… in {unit}`")).into_iter().collect();
-            diagnostics.push(diagnostic);
+            diagnostics.push(codes::uncounted(expression.span, dimension));
             None
         }
         (_, Sort::Truth) => {
@@ -235,7 +245,10 @@ fn ends(
     context: &Context,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Option<(f64, f64)> {
+    let before = diagnostics.len();
     let (a, b) = (quantity(low, dimension, context, diagnostics), quantity(high, dimension, context, diagnostics));
+    as_beside(&mut diagnostics[before..], low, high, dimension, context);
+    as_beside(&mut diagnostics[before..], high, low, dimension, context);
     let (a, b) = (a?, b?);
     if a > b {
         let swapped = format!("{} .. {}", context.sources.text(high.span), context.sources.text(low.span));
@@ -246,8 +259,8 @@ fn ends(
     Some((a, b))
 }
 
-/// The directions from one to another (rad) that lies to the left of it by a turn at most, as they are written between -180° and
-/// 180°.
+/// The directions from one to another (rad) that lies to the left of it by a turn at most, or the one if they are the same, as they
+/// are written between -180° and 180°.
 fn round_the_back(from: f64, to: f64) -> String {
     let (from, width) = (from.to_degrees(), (to - from).to_degrees());
     let shown = |degrees: f64| format!("{} deg", short(degrees));
@@ -255,6 +268,9 @@ fn round_the_back(from: f64, to: f64) -> String {
     let end = start + width;
     if width > 360.0 - 1e-9 {
         return "-180 deg .. 180 deg".into();
+    }
+    if width == 0.0 {
+        return shown(start);
     }
     if end <= 180.0 + 1e-9 {
         return format!("{} .. {}", shown(start), shown(end));
@@ -436,9 +452,28 @@ fn quantity(
             None
         }
         Sort::Quantity(found) => {
-            diagnostics.push(codes::wrong_unit(expression.span, dimension, found));
+            let bare = matches!(expression.kind, ExpressionKind::Number { .. });
+            diagnostics.push(match dimension {
+                Dimension::RATIO if !bare => codes::uncounted(expression.span, found),
+                _ => codes::wrong_unit(expression.span, dimension, found),
+            });
             None
         }
+    }
+}
+
+/// Leaves of the units that a number may lack only that of another number beside it, if there is one.
+fn as_beside(
+    said: &mut [Diagnostic],
+    number: &Expression,
+    beside: &Expression,
+    dimension: Dimension,
+    context: &Context,
+) {
+    let ExpressionKind::Number { unit: Some(unit), .. } = &beside.kind else { return };
+    let lacking = said.iter_mut().find(|each| each.code == "missing-unit" && each.primary.span == number.span);
+    if let Some(said) = lacking.filter(|_| parse_unit(&unit.text).is_ok_and(|unit| unit.dimension == dimension)) {
+        said.fixes = vec![format!("{} {}", context.sources.text(number.span), unit.text)];
     }
 }
 

@@ -146,17 +146,19 @@ impl BinaryOperator {
         if found.0.is_nan() || found.1.is_nan() { ANY } else { found }
     }
 
-    /// Bounds of what it gives for two formulas whose values lie within bounds: closer where both are the same.
+    /// Bounds of what it gives for two formulas whose values lie within bounds: closer where both are the same, or one a
+    /// multiple of the other.
     pub fn bounds_between(self, left: &Formula, a: Bounds, right: &Formula, b: Bounds) -> Bounds {
-        let negates = |one: &Formula, other: &Formula| matches!(one, Formula::Negate(inner) if **inner == *other);
         if left == right {
-            self.bounds_of_same(a)
-        } else if self == BinaryOperator::Multiply && (negates(left, right) || negates(right, left)) {
-            let (low, high) = self.bounds_of_same(a);
-            (-high, -low)
-        } else {
-            self.bounds(a, b)
+            return self.bounds_of_same(a);
         }
+        let ((one, first), (other, second)) = (left.scaled(), right.scaled());
+        let ratio = other / one;
+        if self == BinaryOperator::Multiply && first == second && ratio.is_finite() && ratio != 0.0 {
+            let (low, high) = self.bounds_of_same(a);
+            return hull([ratio * low, ratio * high, ratio * low, ratio * high]);
+        }
+        self.bounds(a, b)
     }
 
     /// Bounds of what it gives for a value within bounds and the same value again.
@@ -202,6 +204,29 @@ impl Function {
 }
 
 impl Formula {
+    /// A factor, and the formula that it multiplies.
+    fn scaled(&self) -> (f64, &Self) {
+        match self {
+            Formula::Negate(inner) => {
+                let (factor, rest) = inner.scaled();
+                (-factor, rest)
+            }
+            Formula::Binary(operator, left, right) => match (operator, &**left, &**right) {
+                (BinaryOperator::Multiply, Formula::Constant(number), rest)
+                | (BinaryOperator::Multiply, rest, Formula::Constant(number)) => {
+                    let (factor, rest) = rest.scaled();
+                    (factor * number, rest)
+                }
+                (BinaryOperator::Divide, rest, Formula::Constant(number)) => {
+                    let (factor, rest) = rest.scaled();
+                    (factor / number, rest)
+                }
+                _ => (1.0, self),
+            },
+            _ => (1.0, self),
+        }
+    }
+
     /// Bounds of the value when the variables lie within bounds: the value is never outside, but the bounds may be wider than
     /// need be. A condition that is bounded by 0 above never holds, one that is bounded by 1 below always does.
     pub fn bounds(&self, values: &impl Fn(VariableId) -> Bounds) -> Bounds {

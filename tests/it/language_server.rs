@@ -297,7 +297,7 @@ fn what_the_library_declares_can_be_read() {
 
 #[test]
 fn repairs_are_offered_where_the_mistake_is() {
-    let text = "edition 1\nspwan s { bearing: -60 .. 60 deg }\nspawn t { bearing: -60 .. 60 deg }\n";
+    let text = "edition 1\nspwan s { bearing: -60 .. 60 deg }\nspawn t { bearing: -60 } // A direction.\n";
     let mut session = Session::new();
     session.open(FILE, text);
     let line = |number: u32, to: u32| json!({ "start": { "line": number, "character": 0 }, "end": { "line": number, "character": to } });

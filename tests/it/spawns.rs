@@ -12,12 +12,17 @@ use falsify::seed::Seed;
 
 /// The scenario of a campaign in the outline of CARLA's Town01 with this spawn.
 fn scenario(spawn: &str) -> Arc<Scenario> {
+    scenario_in("town01_outline", "", spawn)
+}
+
+/// The scenario of a campaign in a town, which may be declared here, with this spawn.
+fn scenario_in(town: &str, declared: &str, spawn: &str) -> Arc<Scenario> {
     let lib = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/lib");
     let text = format!(
         "edition 1\nimport suicidal, thirty_seconds, ppo_paper, r1 from \"{0}/paper.scn\"\n\
-         import \"{0}/drivers.scn\"\nimport \"{0}/carla_towns.scn\"\nspawn here {{ {spawn} }}\n\
+         import \"{0}/drivers.scn\"\nimport \"{0}/carla_towns.scn\"\n{declared}\nspawn here {{ {spawn} }}\n\
          campaign c {{ vehicle: model3 adversary: suicidal spawn: here episode: thirty_seconds training: ppo_paper\n\
-         train {{ towns: [town01_outline] policies: [behavior] rewards: [r1] }} }}",
+         train {{ towns: [{town}] policies: [behavior] rewards: [r1] }} }}",
         lib.display()
     );
     let root = Path::new("test.scn").to_path_buf();
@@ -148,4 +153,19 @@ fn rejected_constraints_hold_in_every_beginning() {
         let seen = spawn.pedestrian.to_local(spawn.ego.position());
         assert!(libm::atan2(seen.y, seen.x).to_degrees() < 90.0);
     }
+}
+
+/// Stretches of road that are half a percent of a town's lanes, and ground that most poses of the ego have none of.
+#[test]
+fn no_beginning_fails_where_few_poses_of_the_ego_will_do() {
+    let long = "town long { street { through: [(-1200 m, 0 m), (1200 m, 0 m), (1200 m, 200 m)] } }";
+    let bends = scenario_in("long", long, "ego_road: bend");
+    let drawn = draw(&bends, 2000);
+    assert!(drawn.iter().all(|spawn| spawn.ego.x > 1150.0), "the only bend is at the end");
+    let two = "town two {
+        street { through: [(0 m, 0 m), (86 m, 0 m), (86 m, 56 m), (0 m, 56 m), (0 m, 0 m)] }
+        street far { through: [(0 m, 400 m), (900 m, 400 m)] }
+    }";
+    let barren = scenario_in("two", two, "bearing: -63 deg  distance: 18 m .. 36 m  ground: driving");
+    assert!(draw(&barren, 20).iter().all(|spawn| spawn.ego.y < 100.0), "there is no ground beside the long street");
 }

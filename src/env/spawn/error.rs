@@ -1,5 +1,7 @@
 use std::fmt;
 
+use super::Survey;
+
 /// Why nobody can be placed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SpawnError {
@@ -46,13 +48,31 @@ pub struct Rarity {
     pub tried: u32,
     /// The constraint that most of them failed.
     pub worst: String,
-    /// Beginnings that satisfied it.
+    /// Beginnings that satisfied it, of those that were looked at.
     pub worst_passed: u32,
+    /// Whether enough satisfy all when they are drawn in any way, but around most poses of the ego none does; then the numbers
+    /// are those of beginnings that were drawn as episodes draw them, and of the tries that they took.
+    pub barren: bool,
+}
+
+impl Rarity {
+    /// What a survey has found.
+    pub(super) fn of(survey: &Survey) -> Self {
+        let (worst, worst_passed) = survey.worst().unwrap_or_default();
+        let (accepted, tried, worst) = (survey.accepted, survey.tried, worst.to_string());
+        Self { accepted, tried, worst, worst_passed, barren: false }
+    }
 }
 
 impl fmt::Display for Rarity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { accepted, tried, worst, worst_passed } = self;
+        let Self { accepted, tried, worst, worst_passed, barren } = self;
+        if *barren {
+            return write!(
+                f,
+                "{accepted} of them took {tried} tries, since around most poses of the ego nobody can be placed; the constraint that fails most is `{worst}`"
+            );
+        }
         write!(
             f,
             "only {accepted} of {tried} beginnings satisfy all constraints; the one that fails most is `{worst}`, satisfied by {worst_passed}"

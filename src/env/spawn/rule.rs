@@ -1,7 +1,7 @@
 use rand::RngExt;
 
 use super::constraint::placed;
-use super::{Constraint, EgoStart, Rarity, RoadShape, SpawnError};
+use super::{Constraint, EgoStart, Rarity, RoadShape, SpawnError, Survey};
 use crate::env::FirstHeading;
 use crate::geometry::{Obstacles, Point, Pose, Vector, wrap_angle};
 use crate::road::Town;
@@ -60,10 +60,19 @@ const RARE: u32 = 40;
 /// Most tries for each listed pose of the ego, or in all, and most tries altogether where many poses are listed.
 const MOST_PROBES: u32 = 40_000;
 const ALL_PROBES: u32 = 400_000;
+/// Tries within which a probe that finds enough says nothing of the poses of the ego.
+const QUICK_PROBES: u32 = 10 * ENOUGH;
+/// Beginnings that a probe draws where that may take long, and the tries for each of which nothing is said.
+const DRAWN: u32 = 8;
+const FEW_TRIES: u32 = 2000;
 /// Places that one [`SpawnRule::sample`] tries around one pose of the ego; then the ego moves on.
 const TRIES: u32 = 1000;
-/// Poses of the ego that one [`SpawnRule::sample`] tries.
-const EGOS: u32 = 1000;
+/// Poses of the ego around which one [`SpawnRule::sample`] tries so many; then it moves on with every try.
+const EGOS: u32 = 20;
+/// Most tries of those: with one in ten thousand accepted, so many fail once in 10⁴³⁴ beginnings.
+const LAST_TRIES: u32 = 10_000_000;
+/// Poses that are drawn until one lies on a stretch of road that the rule admits.
+const MOST_POSES: u32 = 1_000_000;
 /// Poses of the ego that one [`SpawnRule::sample_if_easy`] tries.
 const FEW_EGOS: u32 = 10;
 /// The part of the distances, from the nearest, with which a curriculum begins.
@@ -88,25 +97,48 @@ impl SpawnRule {
         let most = (ALL_PROBES / poses).clamp(FEW_PROBES, MOST_PROBES);
         let mut around = |ego: &mut dyn FnMut(&mut Stream) -> Pose| {
             let mut survey = |most: u32, enough| self.survey_from(ego, town, obstacles, first, (most, enough), stream);
-            if survey(FEW_PROBES, ENOUGH).accepted >= ENOUGH {
-                return Ok(None);
+            let few = survey(FEW_PROBES, ENOUGH);
+            if few.accepted >= ENOUGH {
+                return Ok((few, None));
             }
             let survey = survey(most, RARE);
             if survey.accepted * FEW_PROBES >= survey.tried * ENOUGH {
-                return Ok(None);
+                return Ok((survey, None));
             }
-            let (worst, worst_passed) = survey.worst().unwrap_or_default();
-            let (accepted, tried) = (survey.accepted, survey.tried);
-            let rarity = Rarity { accepted, tried, worst: worst.to_string(), worst_passed };
-            if accepted >= ENOUGH { Ok(Some(rarity)) } else { Err(SpawnError::Crowded(rarity)) }
+            let rarity = Rarity::of(&survey);
+            if survey.accepted >= ENOUGH { Ok((survey, Some(rarity))) } else { Err(SpawnError::Crowded(rarity)) }
         };
         match &self.ego_start {
             EgoStart::Poses(poses) => {
-                let rarities = poses.iter().map(|pose| around(&mut |_| *pose)).collect::<Result<Vec<_>, _>>()?;
-                Ok(rarities.into_iter().flatten().max_by_key(|rarity| rarity.tried))
+                let found = poses.iter().map(|pose| around(&mut |_| *pose)).collect::<Result<Vec<_>, _>>()?;
+                Ok(found.into_iter().filter_map(|(_, rarity)| rarity).max_by_key(|rarity| rarity.tried))
             }
-            start => around(&mut |stream| start.sample(town, stream)),
+            start => {
+                let (survey, rarity) = around(&mut |stream| start.sample(town, stream))?;
+                Ok(rarity.or_else(|| self.toil(&survey, town, obstacles, first, stream)))
+            }
         }
+    }
+
+    /// What is to be said of a rule that accepts enough when pose and place are drawn together, if most poses of the ego have no
+    /// place around them: each costs a thousand tries.
+    fn toil(
+        &self,
+        survey: &Survey,
+        town: &Town,
+        obstacles: &Obstacles,
+        first: FirstHeading,
+        stream: &mut Stream,
+    ) -> Option<Rarity> {
+        if survey.tried <= QUICK_PROBES {
+            return None;
+        }
+        let (mut accepted, mut tried) = (0, 0);
+        while accepted < DRAWN && tried <= DRAWN * FEW_TRIES {
+            tried += self.sample_counting(town, obstacles, first, stream).1;
+            accepted += 1;
+        }
+        (tried > DRAWN * FEW_TRIES).then(|| Rarity { accepted, tried, barren: true, ..Rarity::of(survey) })
     }
 
     /// Whether the ego has somewhere to begin in a town; else nothing can be drawn there.
@@ -129,10 +161,23 @@ impl SpawnRule {
     /// Draws a beginning; the rule must have passed [`SpawnRule::probe`].
     ///
     /// The ego's pose is drawn once, so crowded places are as likely as free ones; only where not one of a thousand
-    /// beginnings is accepted it is drawn again.
+    /// beginnings is accepted it is drawn again. After twenty such poses it is drawn anew for every try.
     pub fn sample(&self, town: &Town, obstacles: &Obstacles, first: FirstHeading, stream: &mut Stream) -> Spawn {
-        let beginning = self.search(EGOS, town, obstacles, first, stream);
-        beginning.expect("checked: the probe found beginnings")
+        self.sample_counting(town, obstacles, first, stream).0
+    }
+
+    /// Draws a beginning as [`SpawnRule::sample`], and tells how many places were tried.
+    fn sample_counting(
+        &self,
+        town: &Town,
+        obstacles: &Obstacles,
+        first: FirstHeading,
+        stream: &mut Stream,
+    ) -> (Spawn, u32) {
+        let mut tried = 0;
+        let mut search = |egos, tries| self.search((egos, tries), town, obstacles, first, stream, &mut tried);
+        let beginning = search(EGOS, TRIES).or_else(|| search(LAST_TRIES, 1));
+        (beginning.expect("checked: of ten thousand beginnings one is accepted"), tried)
     }
 
     /// Draws a beginning as [`SpawnRule::sample`], unless none is found about a few poses of the ego.
@@ -143,23 +188,24 @@ impl SpawnRule {
         first: FirstHeading,
         stream: &mut Stream,
     ) -> Option<Spawn> {
-        self.search(FEW_EGOS, town, obstacles, first, stream)
+        self.search((FEW_EGOS, TRIES), town, obstacles, first, stream, &mut 0)
     }
 
+    /// Tries places around poses of the ego.
     fn search(
         &self,
-        egos: u32,
+        (egos, tries): (u32, u32),
         town: &Town,
         obstacles: &Obstacles,
         first: FirstHeading,
         stream: &mut Stream,
+        tried: &mut u32,
     ) -> Option<Spawn> {
         (0..egos).find_map(|_| {
-            let ego = self.ego_start.sample(town, stream);
-            if !self.road_shape.admits(town, &ego) {
-                return None;
-            }
-            (0..TRIES).find_map(|_| {
+            let mut poses = (0..MOST_POSES).map(|_| self.ego_start.sample(town, stream));
+            let ego = poses.find(|ego| self.road_shape.admits(town, ego))?;
+            (0..tries).find_map(|_| {
+                *tried += 1;
                 let place = self.place(&ego, stream);
                 let stands = Spawn { ego, ..placed(place) };
                 let (places, rest) = (|c: &&Constraint| c.is_about_places(), |c: &&Constraint| !c.is_about_places());

@@ -1,6 +1,8 @@
 //! What is named wrongly: forms, kinds, keys, declarations, parameters, settings.
 
+use super::super::elsewhere::own_word;
 use super::super::shelf;
+use super::super::suggest::nearest;
 use super::{cut, one, quoted, unknown};
 use crate::diagnostic::{Diagnostic, Span};
 use crate::signature::Param;
@@ -28,8 +30,13 @@ pub fn reserved_word(span: Span, name: &str) -> Diagnostic {
         .help("give the parameter another name: it would stand in place of the word wherever that is written")
 }
 
-/// The type of a parameter is not known.
-pub fn unknown_type(span: Span, word: &str, known: &[&str]) -> Diagnostic {
+/// The type of a parameter is not known; its value would have another one, perhaps.
+pub fn unknown_type(span: Span, word: &str, of_value: Option<&str>, known: &[&str]) -> Diagnostic {
+    if let Some(own) = of_value.filter(|own| *own != "number" && own_word(word) == Some("number")) {
+        return Diagnostic::error("unknown-type", span, format!("unknown type `{}`", cut(word)))
+            .here(format!("its value is {}", one(own)))
+            .fix(own);
+    }
     unknown("unknown-type", span, format!("unknown type `{}`", cut(word)), word, known.iter().copied())
 }
 
@@ -46,9 +53,9 @@ pub fn repeated_setting(span: Span, path: &str, first: Span) -> Diagnostic {
 
 /// A matrix speaks of the key of a declaration.
 pub fn dotted_key(span: Span, path: &str) -> Diagnostic {
-    let key = path.rsplit('.').next().unwrap_or(path);
+    let name = path.replace('.', "_");
     Diagnostic::error("syntax", span, "this statement cannot be read").here("a key has no points").help(format!(
-        "a `matrix` sets parameters: declare one, as in `param {key}: number = …`, name it where `{path}` stands, and here"
+        "a `matrix` sets parameters: declare one, as in `param {name}: length = …`, name it where `{path}` stands, and here"
     ))
 }
 
@@ -109,9 +116,30 @@ pub fn missing_name(span: Span, form: &str) -> Diagnostic {
     Diagnostic::error("missing-name", span, format!("this {form} has no name")).help(format!("write `{form} name …`"))
 }
 
-/// A key is not in the signature.
-pub fn unknown_key(span: Span, owner: &str, word: &str, keys: &[&str]) -> Diagnostic {
-    unknown("unknown-key", span, format!("`{owner}` has no key `{}`", cut(word)), word, keys.iter().copied())
+/// Where else a key stands that is not in the signature.
+pub enum KeyOf<'a> {
+    /// In a block of the same owner.
+    Block(&'a str),
+    /// In another form.
+    Form(&'a str),
+}
+
+/// A key is not in the signature, of which these keys are not given either.
+pub fn unknown_key(span: Span, owner: &str, word: &str, keys: &[&str], elsewhere: Option<KeyOf>) -> Diagnostic {
+    let message = format!("`{owner}` has no key `{}`", cut(word));
+    let is_key = |of: &str| format!("`{word}` is a key of `{of}`");
+    if let Some(KeyOf::Block(block)) = elsewhere {
+        let diagnostic = Diagnostic::error("unknown-key", span, message).help(is_key(block));
+        let near = nearest(word, keys.iter().copied());
+        return near.into_iter().fold(diagnostic, Diagnostic::fix);
+    }
+    let diagnostic = unknown("unknown-key", span, message, word, keys.iter().copied());
+    match elsewhere {
+        _ if !diagnostic.fixes.is_empty() => diagnostic,
+        Some(KeyOf::Form(form)) => diagnostic.help(is_key(form)),
+        _ if word == "seed" => diagnostic.help("the seed is given when it is run: `falsify run --seed 7 …`"),
+        _ => diagnostic,
+    }
 }
 
 /// A key stands twice.
@@ -129,12 +157,13 @@ pub fn missing_key(span: Span, owner: &str, param: &Param) -> Diagnostic {
     ))
 }
 
-/// A value in parentheses has no key.
-pub fn bare_argument(span: Span, keys: &[&str]) -> Diagnostic {
+/// A value in parentheses has no key; these may be its.
+pub fn bare_argument(span: Span, written: &str, keys: &[&str]) -> Diagnostic {
     let diagnostic = Diagnostic::error("bare-argument", span, "this value has no key");
-    match keys.first() {
-        Some(first) => diagnostic.help(format!("write `{first}: …`; the keys are {}", quoted(keys.iter().copied()))),
-        None => diagnostic.help("this kind takes no keys"),
+    match keys {
+        [] => diagnostic.help("nothing here takes such a value"),
+        [only] => diagnostic.fix(format!("{only}: {written}")),
+        keys => diagnostic.help(format!("write `key: {}`, with one of {}", cut(written), quoted(keys.iter().copied()))),
     }
 }
 
@@ -145,6 +174,11 @@ pub fn named_argument(span: Span, word: &str) -> Diagnostic {
 
 /// A block may not stand here.
 pub fn unknown_block(span: Span, owner: &str, word: &str, blocks: &[&str], keys: &[&str]) -> Diagnostic {
+    if let Some(block) = blocks.iter().find(|block| word.starts_with(**block) && keys.contains(&word)) {
+        return Diagnostic::error("unknown-block", span, format!("`{word}` is a key of `{owner}`, not a block"))
+            .here(format!("did you mean `{block}`?"))
+            .fix(*block);
+    }
     if keys.contains(&word) {
         return Diagnostic::error("unknown-block", span, format!("`{word}` is a key of `{owner}`, not a block"))
             .help(format!("write `{word}: …`"));

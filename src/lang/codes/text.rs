@@ -74,6 +74,20 @@ pub fn stray_bracket(span: Span) -> Diagnostic {
         .help("remove it, or add its opening partner")
 }
 
+/// A declaration lacks the brace that its last line closes, or has a colon in its place.
+pub fn missing_brace(span: Span) -> Diagnostic {
+    Diagnostic::error("unclosed-bracket", span, "this statement cannot be read")
+        .here("what a declaration holds stands in `{ … }`")
+        .fix(" {")
+}
+
+/// A declaration has neither brace; what is indented below is what it was to hold.
+pub fn missing_braces(span: Span) -> Diagnostic {
+    Diagnostic::error("syntax", span, "this statement cannot be read")
+        .here("what a declaration holds stands in `{ … }`; blanks at the beginning of lines mean nothing")
+        .help("open a brace here, and close it below the indented lines")
+}
+
 /// What is said of the opening bracket that another one closes.
 pub(in crate::lang) const OPENED: &str = "opened here";
 
@@ -140,10 +154,13 @@ pub fn import_not_found(span: Span, path: &str, error: &std::io::Error) -> Diagn
         };
     }
     match error.kind() {
-        ErrorKind::NotFound => match library.iter().find(|file| file.ends_with(&format!("/{path}"))) {
-            Some(file) => diagnostic.here("the standard library has it").fix(format!("\"{file}\"")),
-            None => diagnostic.help("paths are relative to the folder of the file that imports"),
-        },
+        // `lib/paper.scn` stands beside the scenarios of the repository, and nowhere else.
+        ErrorKind::NotFound => {
+            match library.iter().find(|file| path.replace('\\', "/").rsplit('/').next() == file.strip_prefix("std/")) {
+                Some(file) => diagnostic.here("the standard library has it").fix(format!("\"{file}\"")),
+                None => diagnostic.help("paths are relative to the folder of the file that imports"),
+            }
+        }
         ErrorKind::InvalidData => diagnostic.help("save it as UTF-8"),
         _ => diagnostic,
     }

@@ -45,6 +45,26 @@ pub fn wrong_unit(span: Span, expected: Dimension, found: Dimension) -> Diagnost
     }
 }
 
+/// A quantity is counted in units of something else.
+pub fn wrong_count(unit: Span, measured: Dimension, quantity: Span, found: Dimension) -> Diagnostic {
+    let diagnostic =
+        Diagnostic::error("wrong-unit", unit, format!("{} is not counted in units of {measured}", one(found)))
+            .label(quantity, format!("this is {}", one(found)));
+    match found {
+        Dimension::RATIO => diagnostic.here("leave this away"),
+        _ => found.usual_units().iter().copied().fold(diagnostic, Diagnostic::fix),
+    }
+}
+
+/// A quantity stands where a plain number is wanted, and is no number with a unit that could be left away.
+pub fn uncounted(span: Span, found: Dimension) -> Diagnostic {
+    let diagnostic = Diagnostic::error("wrong-unit", span, format!("expected a plain number, found {}", one(found)));
+    match found.usual_units().first() {
+        Some(unit) => diagnostic.help(format!("count it on purpose: `… in {unit}`")),
+        None => diagnostic.help("divide it by another quantity of its kind"),
+    }
+}
+
 /// A unit is not known.
 pub fn unknown_unit(span: Span, written: &str, part: Option<&str>, units: &[&str]) -> Diagnostic {
     let Some(part) = part else {
@@ -54,6 +74,10 @@ pub fn unknown_unit(span: Span, written: &str, part: Option<&str>, units: &[&str
     let diagnostic = Diagnostic::error("unknown-unit", span, format!("`{part}` is no unit"));
     if let Some(whole) = own_unit(written).filter(|_| part != written) {
         return diagnostic.here(format!("did you mean `{whole}`?")).fix(whole);
+    }
+    let lower = written.to_lowercase();
+    if parse_unit(&lower).is_ok() {
+        return diagnostic.here(format!("did you mean `{lower}`?")).fix(lower);
     }
     // Of one letter nothing can be guessed.
     let like = |word: &&str| word.len() > 1 && part.len() > 1;
@@ -116,13 +140,20 @@ pub fn too_much(span: Span, limit: f64) -> Diagnostic {
 
 /// A distribution reaches beyond the bounds of its key.
 pub fn unbounded(span: Span, written: &str, bounds: &str) -> Diagnostic {
-    Diagnostic::error("unbounded", span, "this distribution knows no bounds")
-        .here(format!("allowed: {bounds}"))
-        .help(format!("hold it between two values: `truncated({written}, low .. high)`"))
+    let diagnostic =
+        Diagnostic::error("unbounded", span, "this distribution knows no bounds").here(format!("allowed: {bounds}"));
+    match bounds.split_once(" to ") {
+        Some((low, high)) => diagnostic.fix(format!("truncated({written}, {low} .. {high})")),
+        None => diagnostic.help(format!("hold it between two values: `truncated({written}, low .. high)`")),
+    }
 }
 
 /// A function that makes distributions is not known.
 pub fn unknown_distribution(span: Span, word: &str, known: &[&str]) -> Diagnostic {
+    if word == "TruncatedNormal" {
+        return Diagnostic::error("unknown-distribution", span, format!("unknown distribution `{word}`"))
+            .help("write `truncated(normal(mean, deviation), low .. high)`");
+    }
     // Elsewhere `range` may be a key.
     let own = if word == "range" { "Range" } else { word };
     let said = unknown(
@@ -178,6 +209,10 @@ pub fn unknown_choice(span: Span, word: &str, words: &[&str]) -> Diagnostic {
 
 /// A formula names an unknown variable.
 pub fn unknown_variable<'a>(span: Span, word: &str, known: impl IntoIterator<Item = &'a str>) -> Diagnostic {
+    if matches!(word, "return" | "if" | "else" | "then") {
+        return Diagnostic::error("unknown-variable", span, format!("there is no `{word}` in formulas"))
+            .help("a formula stands alone; what is asked goes into a condition, what is weighed into `min` and `max`");
+    }
     if parse_unit(word).is_ok() {
         return Diagnostic::error("unknown-variable", span, format!("unknown variable or parameter `{}`", cut(word)))
             .here("a unit stands behind a number")

@@ -1,5 +1,9 @@
 //! Commas that are missing, and such as stand where other languages have them.
 
+/// Words that join others: beside them nothing is told of a list.
+const JOINING: &[&str] =
+    &["between", "if", "else", "then", "is", "when", "where", "as", "at", "of", "with", "for", "than"];
+
 /// Where commas may be missing: the ends of values inside parentheses and brackets that another value follows.
 pub(in crate::lang) fn missing_commas(text: &str) -> Vec<usize> {
     let bytes = text.as_bytes();
@@ -11,6 +15,8 @@ pub(in crate::lang) fn missing_commas(text: &str) -> Vec<usize> {
     let mut value: Option<(usize, bool)> = None;
     // Whether the last token is a name, which parentheses may follow.
     let mut called = false;
+    // The first byte of the last token; whether that is a word in the place of a key, which may be a part of one.
+    let (mut last, mut alone) = (None, false);
     let mut at = 0;
     while at < bytes.len() {
         let rest = &text[at..];
@@ -31,6 +37,11 @@ pub(in crate::lang) fn missing_commas(text: &str) -> Vec<usize> {
         let token = &rest[..length];
         let starts = word > 0 && !token.starts_with('.') || matches!(bytes[at], b'"' | b'[');
         let operator = matches!(token, "and" | "or" | "not" | "in");
+        let is_key = rest[length..].trim_start().starts_with(':');
+        if JOINING.contains(&token) && !is_key && !open.is_empty() || is_key && alone {
+            // A sentence, or a key of two words.
+            return Vec::new();
+        }
         let grouped = groups.last() == Some(&true);
         if let Some((end, number)) = value
             && (starts || bytes[at] == b'(' && !called)
@@ -38,7 +49,6 @@ pub(in crate::lang) fn missing_commas(text: &str) -> Vec<usize> {
             && matches!(open.last(), Some(b'(' | b'['))
         {
             // The word after a number is its unit, unless it is a key.
-            let is_key = rest[length..].trim_start().starts_with(':');
             let is_unit = number && token.starts_with(|first: char| first.is_ascii_alphabetic()) && !is_key;
             if grouped && !number && !is_key && token.starts_with(|first: char| first.is_ascii_alphabetic()) {
                 // Words side by side within plain parentheses are a sentence.
@@ -60,6 +70,9 @@ pub(in crate::lang) fn missing_commas(text: &str) -> Vec<usize> {
             _ => {}
         }
         let ends = starts && !operator && bytes[at] != b'[' || matches!(bytes[at], b')' | b']');
+        let begins = matches!(last, Some(b'(' | b',')) && open.last() == Some(&b'(') && groups.last() == Some(&false);
+        alone = begins && word > 0 && !is_key && !token.starts_with(|first: char| first.is_ascii_digit());
+        last = Some(bytes[at]);
         called = token.starts_with(|first: char| first.is_ascii_alphabetic() || first == '_');
         value = ends.then_some((at + length, bytes[at].is_ascii_digit()));
         at += length;
@@ -83,6 +96,22 @@ pub(in crate::lang) fn unbracketed(before: &str, text: &str) -> Option<(usize, u
         let with_unit =
             text.starts_with(|first: char| first.is_ascii_digit()) && length > 0 && !is_key(&unit[length..]);
         if with_unit { text.len() - unit.len() + length } else { word }
+    };
+    // Comparisons and sums of such.
+    let value = |text: &str| {
+        let mut end = value(text);
+        loop {
+            let rest = text[end..].trim_start_matches(' ');
+            let sign =
+                rest.bytes().take_while(|byte| matches!(byte, b'<' | b'>' | b'=' | b'+' | b'-' | b'*' | b'/')).count();
+            let word = ["and ", "or ", "in "].into_iter().find(|word| rest.starts_with(word)).map_or(sign, str::len);
+            let next = rest[word..].trim_start_matches(' ');
+            let more = value(next);
+            if end == 0 || word == 0 || more == 0 || rest.starts_with("=") {
+                return end;
+            }
+            end = text.len() - next.len() + more;
+        }
     };
     let mut end = value(text);
     if end == 0 || !fine(first) || is_key(&text[end..]) {
@@ -144,5 +173,18 @@ mod tests {
         assert_eq!(decimal_comma("gamma: 0,", "95, steps"), Some((2, 2)));
         assert_eq!(decimal_comma("gamma: 0, ", "95"), None);
         assert_eq!(decimal_comma("(a, ", "b"), None);
+    }
+
+    #[test]
+    fn what_stands_side_by_side_ends_where_its_values_do() {
+        let listed = |before: &str, text: &str| {
+            unbracketed(before, text).map(|(back, on)| format!("{}{}", &before[before.len() - back..], &text[..on]))
+        };
+        assert_eq!(listed("hidden: 64, ", "64 steps: 3").as_deref(), Some("64, 64"));
+        assert_eq!(
+            listed("require: aside < 5 m, ", "distance > 8 m\n}").as_deref(),
+            Some("aside < 5 m, distance > 8 m")
+        );
+        assert_eq!(listed("towns: a, ", "b: 3"), None);
     }
 }

@@ -5,20 +5,62 @@ use std::ops::Range;
 use crate::lang::params::DIMENSIONS;
 use crate::units::parse_unit;
 
-/// The name of a parameter without a type, and the word for the type that its value has.
-pub(in crate::lang) fn untyped_param(text: &str) -> Option<(Range<usize>, Option<&'static str>)> {
-    let rest = text.strip_prefix("param")?;
+/// The end of a line that is the head of a declaration without its brace, behind the last word: a colon, perhaps, or nothing.
+pub(in crate::lang) fn unbraced(line: &str) -> Option<Range<usize>> {
+    let head = line.split("//").next()?.trim_end();
+    let named = head.strip_suffix(':').map_or(head, str::trim_end);
+    let fine = (2..=4).contains(&named.split_whitespace().count()) && !named.contains(['{', '}', '"', ':']);
+    let declares = !["edition", "import", "param", "on"].contains(&named.split_whitespace().next()?);
+    (fine && declares).then_some(named.len()..head.len())
+}
+
+/// The same of a statement without any brace, when `behind` goes on with an indented line.
+pub(in crate::lang) fn headless(statement: &str, behind: &str) -> Option<Range<usize>> {
+    let skipped = statement.len() - statement.trim_start().len();
+    let documented: usize =
+        statement.split_inclusive('\n').take_while(|line| line.trim_start().starts_with("//")).map(str::len).sum();
+    let start = skipped.max(documented);
+    let line = statement[start..].trim_end();
+    let next = behind
+        .split(['\n', '\r'])
+        .map(|line| line.split("//").next().unwrap_or_default())
+        .find(|line| !line.trim().is_empty())?;
+    let holds = next.starts_with([' ', '\t']) && next.contains([':', '{', '=']);
+    let place = unbraced(line).filter(|_| holds && !line.contains('\n'))?;
+    Some(start + place.start..start + place.end)
+}
+
+/// Whether a statement was meant to import something.
+pub(in crate::lang) fn imports(statement: &str) -> bool {
+    let mut lines = statement.lines().map(str::trim_start).filter(|line| !line.is_empty() && !line.starts_with("//"));
+    let word = lines.next().and_then(|line| line.split(|c: char| !c.is_ascii_alphabetic()).next()).unwrap_or_default();
+    ["import", "include", "from", "using", "require"].contains(&word.to_lowercase().as_str())
+}
+
+/// A parameter without a type: where its name stands, or what stands in place of `param` as well, what would be written there,
+/// and the word for the type that its value has.
+pub(in crate::lang) fn untyped_param(text: &str) -> Option<(Range<usize>, String, Option<&'static str>)> {
+    let (word, rest) = text.split_at(text.find(|c: char| !c.is_ascii_alphabetic())?);
+    let own = ["param", "parameter", "let", "var", "const"].contains(&word);
     let name = rest.trim_start();
     let start = text.len() - name.len();
     let length = name.bytes().take_while(|byte| *byte == b'_' || byte.is_ascii_alphanumeric()).count();
     let value = name[length..].trim_start().strip_prefix('=')?.trim();
-    if length == 0 || start == text.len() - rest.len() || value.starts_with('=') {
+    if !own || length == 0 || start == word.len() || value.starts_with('=') {
         return None;
     }
+    let name = &name[..length];
+    let place = if word == "param" { start..start + length } else { 0..start + length };
+    let instead = if word == "param" { name.to_string() } else { format!("param {name}") };
+    Some((place, instead, type_of(value)))
+}
+
+/// The word for the type of a value, as far as one look at its text tells.
+pub(in crate::lang) fn type_of(value: &str) -> Option<&'static str> {
     let number =
         value.trim_start_matches('-').bytes().take_while(|byte| byte.is_ascii_digit() || *byte == b'.').count();
     let unit = value.trim_start_matches('-')[number..].split_whitespace().next();
-    let ty = match unit {
+    match unit {
         _ if value == "true" || value == "false" => Some("boolean"),
         _ if value.starts_with('"') => Some("text"),
         _ if number == 0 => None,
@@ -26,8 +68,7 @@ pub(in crate::lang) fn untyped_param(text: &str) -> Option<(Range<usize>, Option
         Some(unit) => parse_unit(unit).ok().and_then(|unit| {
             DIMENSIONS.iter().find(|(_, dimension)| *dimension == unit.dimension).map(|(name, _)| *name)
         }),
-    };
-    Some((start..start + length, ty))
+    }
 }
 
 /// The words with points between them before a colon: no key, but what leads to one from outside.

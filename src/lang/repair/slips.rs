@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use crate::units::parse_unit;
+
 /// A sign or word that people bring along from other languages or from print.
 pub(in crate::lang) struct Slip {
     /// Where it stands.
@@ -18,6 +20,11 @@ pub(in crate::lang) struct Slip {
 
 /// Most slips of a statement that are told; what holds more is no statement.
 const MOST_SLIPS: usize = 100;
+
+/// What is said of conditionals.
+const NO_IF: &str = "there is no `if`: what is asked goes into a condition, what is weighed into `min` and `max`";
+/// What is said of signs around a value.
+const SIZE: &str = "the size of a number is `abs(…)`";
 
 /// The slips in a statement; `key_first` when it may be `key: value`.
 pub(in crate::lang) fn slips(text: &str, key_first: bool) -> Vec<Slip> {
@@ -68,9 +75,10 @@ impl Scan<'_> {
     }
 
     fn slip(&mut self, length: usize, instead: impl Into<String>, meant: bool, said: &'static str) {
-        let foreign = self
-            .rest()
-            .starts_with(|first: char| !first.is_ascii() || matches!(first, '#' | '%' | '\'' | '!' | '&' | '|' | '"'));
+        let foreign = said == NO_IF
+            || self.rest().starts_with(|first: char| {
+                !first.is_ascii() || matches!(first, '#' | '%' | '\'' | '!' | '&' | '|' | '"' | '?' | '$')
+            });
         let place = self.at..self.at + length;
         self.found.push(Slip { place, instead: instead.into(), meant, said, foreign });
         self.push(Token::Sign, length);
@@ -112,6 +120,10 @@ impl Scan<'_> {
             _ if starts("//") => self.at += line(),
             _ if starts("/*") => self.at += rest.find("*/").map_or(rest.len(), |end| end + 2),
             '"' => match rest[1..].find(['"', '\n', '\r']).filter(|end| rest[1 + end..].starts_with('"')) {
+                Some(end) if self.word(0) == "edition" && self.tokens.len() == 1 => {
+                    let number = rest[1..end + 1].to_string();
+                    self.slip(end + 2, number, true, "a number has no quotes");
+                }
                 Some(end) => self.push(Token::Closing, end + 2),
                 None => {
                     let line = line();
@@ -167,7 +179,7 @@ impl Scan<'_> {
                 let named = self.tokens.len() == 1 || self.tokens.len() == 4 && self.word(1) == "(";
                 if named && self.open.is_empty() && self.word(0) != "on" {
                     let place = self.tokens[0].1.clone();
-                    let instead = format!("on {}", self.word(0));
+                    let instead = format!("on {}", self.word(0).trim_start_matches("on_"));
                     let said = "what an event is worth begins with `on`";
                     self.found.push(Slip { place, instead, meant: true, said, foreign: false });
                 }
@@ -213,7 +225,29 @@ impl Scan<'_> {
             }
             _ if starts("&&") => self.slip(2, "and", true, "write `and`"),
             _ if starts("||") => self.slip(2, "or", true, "write `or`"),
-            '|' => self.slip(1, "", false, "the size of a number is `abs(…)`"),
+            '|' => {
+                let open = self.found.iter().filter(|slip| slip.said == SIZE).count() % 2 == 1;
+                if self.behind_value() && !open {
+                    self.slip(1, format!("{blank}or"), true, "write `or`");
+                } else {
+                    self.slip(1, "", false, SIZE);
+                }
+            }
+            '?' if self.behind_value() && rest.contains(':') => self.slip(1, "", false, NO_IF),
+            '$' => self.slip(1, "", true, "a parameter is named without a sign"),
+            '+' if !self.behind_value() => self.slip(1, "", true, "a number needs no `+`"),
+            ';' if matches!(self.open.last(), Some(b'(' | b'[')) => {
+                self.slip(1, ",", true, "values are parted by commas");
+            }
+            _ if starts("=<") => self.slip(2, "<=", true, "at most is written `<=`"),
+            ':' | '=' if self.tokens.len() == 1 && self.last() == Some(Token::Word) && opens_block(&rest[1..]) => {
+                self.slip(
+                    1,
+                    "",
+                    false,
+                    "a block has its brace right behind its name; a range is written `low .. high`, a list `[a, b]`",
+                );
+            }
             '!' => self.slip(1, "not ", true, "write `not`"),
             '^' if self.last() == Some(Token::Unit) => {
                 let digits = rest[1..].trim_start_matches('-').trim_start_matches(|c: char| c.is_ascii_digit());
@@ -250,8 +284,26 @@ impl Scan<'_> {
                     let quoted = format!("\"{}\"", &rest[..length]);
                     return self.slip(length, quoted, true, "a text stands in quotes");
                 }
+                if let Some((length, last)) = dotted(rest) {
+                    let parts: Vec<&str> = rest[..length].split('.').collect();
+                    return match parts.as_slice() {
+                        _ if rest[length..].starts_with('(') => {
+                            let function = last.to_string();
+                            self.slip(length, function, true, "functions are named alone");
+                        }
+                        [event, word] if self.word(0) == "on" && self.tokens.len() == 1 => {
+                            let instead = format!("{event}({word})");
+                            self.slip(length, instead, true, "what an event is narrowed to stands in parentheses");
+                        }
+                        parts => self.slip(length, parts.join("_"), true, "names hold no points"),
+                    };
+                }
                 let length = rest.bytes().take_while(|byte| byte.is_ascii_alphanumeric() || *byte == b'_').count();
                 let word = &rest[..length];
+                let first_word = self.tokens.is_empty() && !self.key_first;
+                if let Some(own) = first_word.then(|| own_statement(word)).flatten() {
+                    return self.slip(length, own, true, "this statement begins with another word");
+                }
                 let is_key = rest[length..].trim_start().starts_with(':');
                 let in_unit = joined && self.last() == Some(Token::Sign) && {
                     let before = self.tokens.len().checked_sub(2).map(|place| self.tokens[place].0);
@@ -266,6 +318,19 @@ impl Scan<'_> {
                         && self.tokens.last().is_none_or(|(_, place)| !self.text[place.clone()].eq("from")) =>
                     {
                         self.slip(length, "..", true, "a range is written `low .. high`");
+                    }
+                    "if" | "elif" | "else" | "then" if !is_key => {
+                        match self.found.iter().any(|slip| slip.said == NO_IF) {
+                            true => self.push(Token::Word, length),
+                            false => self.slip(length, "", false, NO_IF),
+                        }
+                    }
+                    "return" if !is_key => self.slip(length, "", true, "a formula stands alone"),
+                    _ if matches!(self.word(self.tokens.len().wrapping_sub(1)), ")" | "]")
+                        && !is_key
+                        && parse_unit(word).is_ok() =>
+                    {
+                        self.slip(length, "", false, "the unit stands behind every number");
                     }
                     "AND" | "OR" | "NOT" => {
                         self.slip(length, word.to_lowercase(), true, "the words of logic are `and`, `or`, `not`")
@@ -286,7 +351,41 @@ fn path(text: &str) -> Option<usize> {
     let points = whole.matches('.').count();
     let number = whole.parse::<f64>().is_ok() || whole.starts_with(|c: char| c.is_ascii_digit()) && points < 2;
     let plain = whole.contains("..") || whole.ends_with(['.', '/', '-']) || whole.contains("//");
-    (points > 0 && !number && !plain).then_some(whole.len())
+    // Words with points between them are a path when they end as the names of files do.
+    let ending = whole.rsplit('.').next().unwrap_or_default();
+    let file =
+        whole.contains('/') || FILES.contains(&ending) || whole.starts_with(|first: char| first.is_ascii_digit());
+    (points > 0 && !number && !plain && file).then_some(whole.len())
+}
+
+/// How the names of files end that scenarios speak of.
+const FILES: &[&str] = &["scn", "xodr", "onnx", "json", "toml", "py", "exe", "sh", "csv", "parquet", "xml"];
+
+/// The length of words with points between them, as other languages reach into things, and the last of them.
+fn dotted(text: &str) -> Option<(usize, &str)> {
+    let part = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '.';
+    let whole = &text[..text.find(|c: char| !part(c)).unwrap_or(text.len())];
+    let named = |word: &str| word.starts_with(|first: char| first.is_ascii_alphabetic() || first == '_');
+    let last = whole.split('.').next_back().filter(|_| whole.contains('.') && whole.split('.').all(named))?;
+    Some((whole.len(), last))
+}
+
+/// What a statement begins with here that begins with this word elsewhere.
+fn own_statement(word: &str) -> Option<&'static str> {
+    Some(match word {
+        "Edition" | "EDITION" => "edition",
+        "Import" | "IMPORT" | "include" | "using" | "require" => "import",
+        "Param" | "PARAM" | "parameter" | "var" | "let" | "const" => "param",
+        _ => return None,
+    })
+}
+
+/// Whether a text begins with a brace that a block may have, and not a list of values.
+fn opens_block(text: &str) -> bool {
+    let inside = text.trim_start_matches([' ', '\t']).strip_prefix('{').map(str::trim_start);
+    inside.is_some_and(|inside| {
+        inside.starts_with(|first: char| first.is_ascii_alphabetic() || matches!(first, '/' | '}'))
+    })
 }
 
 /// The text with what was meant in place of its slips.
@@ -343,6 +442,11 @@ mod tests {
             ("miss: 50%", "miss: 50 percent"),
             ("require: a && !b || c", "require: a and not b or c"),
             ("on hit => v_c^2 * .5", "on hit => v_c * 0.5"),
+            ("require: a | b", "require: a or b"),
+            ("on hit => max(3; +4)", "on hit => max(3, 4)"),
+            ("on hit.front => math.max(1, ego.speed)", "on hit(front) => max(1, ego_speed)"),
+            ("on_hit(front) => 1", "on hit(front) => 1"),
+            ("on step => return $far", "on step =>  far"),
         ] {
             assert_eq!(without(text, &slips(text, true)), meant);
         }

@@ -77,7 +77,7 @@ pub enum DesignError {
         node: String,
     },
     /// Streets cross where they have no node in common.
-    #[error("streets `{first}` and `{second}` cross at ({x:.1}, {y:.1}) without a common node")]
+    #[error("streets `{first}` and `{second}` cross at ({x:.1}, {y:.1}) without a common point there")]
     Crossing {
         /// A street.
         first: String,
