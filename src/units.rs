@@ -64,6 +64,17 @@ impl Dimension {
         })
     }
 
+    /// The dimension of a square root; `None` when a power is odd.
+    pub fn root(self) -> Option<Self> {
+        let half = |power: i8| (power % 2 == 0).then_some(power / 2);
+        Some(Self {
+            metre: half(self.metre)?,
+            second: half(self.second)?,
+            radian: half(self.radian)?,
+            kilogram: half(self.kilogram)?,
+        })
+    }
+
     /// Units a user would write for it, the most usual first; empty for dimensions without a name.
     pub fn usual_units(self) -> &'static [&'static str] {
         match self {

@@ -38,7 +38,7 @@ const FUNCTIONS: &[(&str, Function, &str)] = &[
     ("max", Function::Max, "The greatest of one or more quantities."),
     ("abs", Function::Abs, "The size of a quantity, without its sign."),
     ("exp", Function::Exp, "The exponential of a plain number."),
-    ("sqrt", Function::Sqrt, "The square root of a plain number, which must not be below 0."),
+    ("sqrt", Function::Sqrt, "The square root of a number, which must not be below 0; of an area a length."),
     (
         "log_likelihood",
         Function::LogLikelihood,
@@ -336,9 +336,13 @@ impl Checker<'_> {
             let (first, second) = (arguments[0].span, arguments[other].span);
             return self.say(codes::mixed_dimensions(first, dimension, second, checked[other].dimension));
         }
-        if matches!(function, Function::Exp | Function::Sqrt) && dimension != Dimension::RATIO {
-            return self.say(codes::uncounted(arguments[0].span, dimension));
-        }
+        let given = match function {
+            Function::Exp if dimension != Dimension::RATIO => None,
+            Function::Sqrt => dimension.root(),
+            Function::LogLikelihood => Some(Dimension::RATIO),
+            _ => Some(dimension),
+        };
+        let Some(given) = given else { return self.say(codes::uncounted(arguments[0].span, dimension)) };
         match function {
             Function::Sqrt => {
                 let (low, high) = checked[0].bounds;
@@ -346,8 +350,9 @@ impl Checker<'_> {
                     return self.say(codes::not_finite(span, "no number below 0 has a square root"));
                 }
                 if self.scope.whole && low < 0.0 {
-                    let help = "hold it at 0: `max(…, 0)`";
-                    return self.say(codes::maybe_nothing(arguments[0].span, "this may be below 0", help));
+                    let zero = if dimension == Dimension::RATIO { "0" } else { "0 * …" };
+                    let help = format!("hold it at 0: `max(…, {zero})`");
+                    return self.say(codes::maybe_nothing(arguments[0].span, "this may be below 0", &help));
                 }
             }
             Function::LogLikelihood => {
@@ -359,11 +364,10 @@ impl Checker<'_> {
             }
             _ => {}
         }
-        let dimension = if *function == Function::LogLikelihood { Dimension::RATIO } else { dimension };
         let bounds: Vec<Bounds> = checked.iter().map(|each| each.bounds).collect();
         let formulas: Vec<Formula> = checked.into_iter().map(|each| each.formula).collect();
         let lost = *function == Function::LogLikelihood && !bounds.iter().all(|each| is_finite(*each));
         let (formula, bounds) = (Formula::Call(*function, formulas.into()), function.bounds(&bounds));
-        self.counted(Part { formula, sort: Sort::Quantity(dimension), bounds }, lost, span)
+        self.counted(Part { formula, sort: Sort::Quantity(given), bounds }, lost, span)
     }
 }
