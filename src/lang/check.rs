@@ -171,7 +171,14 @@ impl<'f> Checker<'_, '_, 'f> {
         };
         let (form, block) = match forms.iter().find(|form| form.name == written.form.text) {
             None => {
-                self.diagnostics.push(codes::unknown_form(written.form.span, &written.form.text, form_names));
+                let Name { text, span } = &written.form;
+                let kind = written.kind.as_ref().filter(|_| written.name.is_none());
+                let has =
+                    |form: &&Form| kind.is_some_and(|kind| form.kinds.iter().any(|known| known.name == kind.text));
+                self.diagnostics.push(match forms.iter().find(has) {
+                    Some(form) => codes::missing_form(*span, text, form.name),
+                    None => codes::unknown_form(*span, text, form_names),
+                });
                 ("", empty(""))
             }
             Some(form) => {

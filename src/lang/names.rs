@@ -167,8 +167,10 @@ fn visit<'a>(
         names.import(import, &done[&source], diagnostics);
     }
     for (declaration, id) in file.declarations.iter().zip(&ids[&file.source]) {
-        if let Some(name) = &declaration.name {
-            names.declare(&declaration.form.text, &name.text, *id, name.span, diagnostics);
+        match &declaration.name {
+            Some(name) => names.declare(&declaration.form.text, &name.text, *id, name.span, diagnostics),
+            // A name without its form, perhaps.
+            None => drop(names.unread.insert(&declaration.form.text)),
         }
     }
     for (index, param) in file.params.iter().enumerate() {

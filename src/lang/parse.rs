@@ -57,7 +57,7 @@ pub fn parse(source: SourceId, text: &str) -> (File, Vec<Diagnostic>) {
                 Some(text) => read_parts(source, &text, [whole]),
                 None => (File { torn: true, ..empty(source) }, Vec::new()),
             };
-            file.unread.splice(0..0, balanced.left_out.iter().filter_map(|part| name_of(&text[part.clone()])));
+            file.unread.splice(0..0, balanced.left_out.iter().flat_map(|part| names_of(&text[part.clone()])));
             (file, [balanced.diagnostics, diagnostics].concat())
         }
     }
@@ -116,15 +116,16 @@ fn words_of(text: &str) -> Vec<String> {
     words.take(MOST).map(str::to_string).collect()
 }
 
-/// The name that a statement declares: its second word.
-fn name_of(statement: &str) -> Option<String> {
+/// The words among which the name is that a statement declares: those before its first `=`, `{` or `(`.
+fn names_of(statement: &str) -> impl Iterator<Item = String> {
+    /// Form, name, type, and one that does not belong there.
+    const MOST: usize = 4;
     let lines = statement.lines().map(str::trim_start).filter(|line| !line.starts_with("//"));
-    let first = lines.into_iter().find(|line| !line.is_empty())?;
-    let word = |text: &str| text.bytes().take_while(|byte| *byte == b'_' || byte.is_ascii_alphanumeric()).count();
-    let rest = &first[word(first)..];
-    let name = rest.trim_start();
-    let name = &name[..word(name)];
-    (rest.len() < first.len() && rest.starts_with([' ', '\t']) && !name.is_empty()).then(|| name.to_string())
+    let first = lines.into_iter().find(|line| !line.is_empty()).unwrap_or_default();
+    let head = first.split(['=', '{', '(']).next().unwrap_or_default();
+    let words = head.split(|c: char| c != '_' && !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
+    let words: Vec<String> = words.take(MOST).map(str::to_string).collect();
+    words.into_iter()
 }
 
 /// Reads statements of a text that hold no mistake: those of the standard library.
@@ -241,7 +242,7 @@ impl Reader {
                 if let Some(declaration) = file.declarations.last_mut().and_then(Arc::get_mut) {
                     declaration.entries.extend(unread_arguments(&pair));
                 }
-                file.unread.extend(name_of(pair.as_str()));
+                file.unread.extend(names_of(pair.as_str()));
                 // What it would have brought is not known.
                 file.torn |= repair::imports(pair.as_str());
                 let start = pair.as_span().start();
@@ -496,6 +497,10 @@ impl Reader {
         if let Some(values) = repair::unbracketed(&source[line..start], text).filter(|_| rule == Rule::whole_entry) {
             let (from, to) = (start - values.0, start + values.1);
             return self.diagnostics.push(codes::unbracketed_list(self.place(from, to), &source[from..to]));
+        }
+        if let Some(before) = source[line..start].trim_end().strip_suffix("return") {
+            let span = self.place(line + before.len(), start);
+            return self.diagnostics.push(codes::slip(span, "a formula stands alone", Some("")));
         }
         // So may parentheses, of a declaration that can do without, and what cannot begin a statement.
         let before = match rule {

@@ -91,6 +91,13 @@ pub fn too_many_combinations(span: Span, found: usize, limit: usize) -> Diagnost
     )
 }
 
+/// A declaration begins with its name; its kind is one of this form.
+pub fn missing_form(span: Span, word: &str, form: &str) -> Diagnostic {
+    Diagnostic::error("unknown-form", span, format!("unknown declaration `{}`", cut(word)))
+        .here(format!("the name of {}, perhaps", one(form)))
+        .fix(format!("{form} {word}"))
+}
+
 /// The first word of a declaration is no form.
 pub fn unknown_form(span: Span, word: &str, forms: &[&str]) -> Diagnostic {
     if matches!(word, "param" | "let" | "def" | "const" | "var" | "val") {

@@ -76,7 +76,7 @@ pub fn stray_bracket(span: Span) -> Diagnostic {
 
 /// A declaration lacks the brace that its last line closes, or has a colon in its place.
 pub fn missing_brace(span: Span) -> Diagnostic {
-    Diagnostic::error("unclosed-bracket", span, "this statement cannot be read")
+    Diagnostic::error("unclosed-bracket", span, "a `{` is missing")
         .here("what a declaration holds stands in `{ … }`")
         .fix(" {")
 }

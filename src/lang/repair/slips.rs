@@ -107,6 +107,12 @@ impl Scan<'_> {
             || self.tokens.is_empty()
     }
 
+    /// Whether what comes next is the name of a declaration.
+    fn is_name_next(&self) -> bool {
+        let importing = ["import", "from", "edition"].contains(&self.word(0));
+        !self.key_first && self.tokens.len() == 1 && self.last() == Some(Token::Word) && !importing
+    }
+
     fn step(&mut self) {
         let rest = self.rest();
         let first = rest.chars().next().expect("there is more to read");
@@ -123,6 +129,10 @@ impl Scan<'_> {
                 Some(end) if self.word(0) == "edition" && self.tokens.len() == 1 => {
                     let number = rest[1..end + 1].to_string();
                     self.slip(end + 2, number, true, "a number has no quotes");
+                }
+                Some(end) if self.is_name_next() => {
+                    let name = rest[1..end + 1].to_string();
+                    self.slip(end + 2, name, true, "names have no quotes");
                 }
                 Some(end) => self.push(Token::Closing, end + 2),
                 None => {
@@ -209,6 +219,7 @@ impl Scan<'_> {
             '=' if self.tokens.len() == 2 && rest[1..].trim_start().starts_with('{') => {
                 self.slip(1, "", true, "a block stands right behind the name");
             }
+            ':' if self.is_name_next() => self.slip(1, "", true, "the name stands right behind the word"),
             ':' if !self.key_first && self.tokens.len() == 2 && self.open.is_empty() && self.word(0) != "param" => {
                 self.slip(1, format!("{blank}="), true, "a kind stands behind `=`");
             }
@@ -240,7 +251,12 @@ impl Scan<'_> {
                 self.slip(1, ",", true, "values are parted by commas");
             }
             _ if starts("=<") => self.slip(2, "<=", true, "at most is written `<=`"),
-            ':' | '=' if self.tokens.len() == 1 && self.last() == Some(Token::Word) && opens_block(&rest[1..]) => {
+            ':' | '='
+                if self.key_first
+                    && self.tokens.len() == 1
+                    && self.last() == Some(Token::Word)
+                    && opens_block(&rest[1..]) =>
+            {
                 self.slip(
                     1,
                     "",
