@@ -490,17 +490,8 @@ impl Reader {
             let span = self.place(start + place.start, start + place.end);
             return self.diagnostics.push(codes::untyped_param(span, &instead, ty));
         }
-        if let Some((whole, part)) = repair::decimal_comma(&source[line..start], text) {
-            let span = self.place(start - whole, start + part);
-            return self.diagnostics.push(codes::decimal_comma(span, &source[start - whole..start + part]));
-        }
-        if let Some(values) = repair::unbracketed(&source[line..start], text).filter(|_| rule == Rule::whole_entry) {
-            let (from, to) = (start - values.0, start + values.1);
-            return self.diagnostics.push(codes::unbracketed_list(self.place(from, to), &source[from..to]));
-        }
-        if let Some(before) = source[line..start].trim_end().strip_suffix("return") {
-            let span = self.place(line + before.len(), start);
-            return self.diagnostics.push(codes::slip(span, "a formula stands alone", Some("")));
+        if let Some(said) = self.left_over(&source[line..start], text, start, rule) {
+            return self.diagnostics.push(said);
         }
         // So may parentheses, of a declaration that can do without, and what cannot begin a statement.
         let before = match rule {
@@ -543,6 +534,29 @@ impl Reader {
             Ok(_) => codes::syntax(self.span(pair), "this cannot stand here".into()),
         };
         self.diagnostics.push(diagnostic);
+    }
+
+    /// What is wrong with a value that ends where `text` begins, which goes on from it.
+    fn left_over(&self, before: &str, text: &str, start: usize, rule: Rule) -> Option<Diagnostic> {
+        let around = |(back, on): (usize, usize)| {
+            let written = format!("{}{}", &before[before.len() - back..], &text[..on]);
+            (self.place(start - back, start + on), written)
+        };
+        if let Some((span, number)) = repair::decimal_comma(before, text).map(around) {
+            return Some(codes::decimal_comma(span, &number));
+        }
+        let listed = repair::unbracketed(before, text).filter(|_| rule == Rule::whole_entry);
+        if let Some((span, values)) = listed.map(around) {
+            return Some(codes::unbracketed_list(span, &values));
+        }
+        let value = before.trim_end();
+        if value.ends_with("return") {
+            let span = self.place(start - (before.len() - value.len()) - "return".len(), start);
+            return Some(codes::slip(span, "a formula stands alone", Some("")));
+        }
+        let unit = text.find(|c: char| !(c.is_ascii_alphanumeric() || "/^*".contains(c))).unwrap_or(text.len());
+        let counted = value.ends_with([')', ']']) && parse_unit(&text[..unit]).is_ok();
+        counted.then(|| codes::slip(self.place(start, start + unit), "the unit stands behind every number", None))
     }
 
     /// A part of the text that is being parsed, as a place of the source.
