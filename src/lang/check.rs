@@ -1,5 +1,6 @@
 //! AST → HIR: forms, kinds, keys, references, defaults.
 
+use std::cell::LazyCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -228,6 +229,15 @@ impl<'f> Checker<'_, '_, 'f> {
         let mut named: BTreeMap<(&str, &str), Span> = BTreeMap::new();
         // Keys that were probably meant, which has been said: nothing more is to be said of their absence.
         let mut meant: BTreeSet<String> = BTreeSet::new();
+        // Keys that nobody has written, for suggestions.
+        let left = LazyCell::new(|| {
+            let key = |entry: &Entry| match entry {
+                Entry::Property(property) => keys.iter().find(|key| **key == property.key.text).copied(),
+                _ => None,
+            };
+            let given: BTreeSet<&str> = written.entries.iter().filter_map(key).collect();
+            keys.iter().copied().filter(|key| !given.contains(key)).collect::<Vec<&str>>()
+        });
         // Where the values end that have been told of as one.
         let mut told = 0;
         for (place, entry) in written.entries.iter().enumerate() {
@@ -236,12 +246,6 @@ impl<'f> Checker<'_, '_, 'f> {
                     None => {
                         let Name { text, span } = &property.key;
                         let elsewhere = key_of(text, signature, self.context.forms);
-                        let is_given = |key: &&str| {
-                            let same =
-                                |entry: &Entry| matches!(entry, Entry::Property(other) if other.key.text == *key);
-                            written.entries.iter().any(same)
-                        };
-                        let left: Vec<&str> = keys.iter().copied().filter(|key| !is_given(key)).collect();
                         let unknown = codes::unknown_key(*span, signature.name, text, &left, elsewhere);
                         meant.extend(unknown.fixes.iter().cloned());
                         self.diagnostics.push(unknown);
@@ -283,14 +287,14 @@ impl<'f> Checker<'_, '_, 'f> {
                 Entry::Bare(expression) => {
                     // It may be the value of any key that is missing.
                     meant.extend(keys.iter().map(|key| (*key).to_string()));
-                    let written = self.context.sources.text(expression.span);
-                    let of_kind = type_of(written)
+                    let text = self.context.sources.text(expression.span);
+                    let of_kind = type_of(text)
                         .and_then(|word| DIMENSIONS.iter().find(|(name, _)| *name == word))
                         .map(|(_, dimension)| *dimension);
                     let params =
                         signature.params.iter().filter(|param| of_kind.is_none_or(|kind| measures(&param.ty, kind)));
                     let fitting: Vec<&str> = params.map(|param| param.name).collect();
-                    self.diagnostics.push(codes::bare_argument(expression.span, written, &fitting));
+                    self.diagnostics.push(codes::bare_argument(expression.span, text, &fitting));
                 }
                 Entry::Unread(words) => {
                     self.whole = false;

@@ -87,26 +87,11 @@ pub(super) fn value(
             let before = diagnostics.len();
             let inside = within(low, *min, *max, *dimension, span, context, diagnostics)
                 .and_then(|()| within(high, *min, *max, *dimension, span, context, diagnostics));
-            let text = |span: Span| context.sources.text(span);
-            let meant = match (&drawn, &expression.kind) {
-                // More than a turn in radians was meant in degrees.
-                _ if *dimension == Dimension::ANGLE && high.max(-low) > TAU && text(span).contains("rad") => {
-                    Some(text(span).replace("rad", "deg"))
-                }
-                (Distribution::Uniform(low, high), _) if *dimension == Dimension::ANGLE && high - low <= TAU => {
-                    (*min == -PI && *max == PI).then(|| round_the_back(*low, *high))
-                }
-                (Distribution::Constant(angle), _) if *dimension == Dimension::ANGLE => {
-                    (*min == -PI && *max == PI).then(|| round_the_back(*angle, *angle))
-                }
-                (_, ExpressionKind::Binary { operator: Operator::Subtract, left, right }) => {
-                    Some(format!("{} .. {}", text(left.span), text(right.span)))
-                }
-                _ => None,
-            };
-            if let Some(meant) = meant {
-                let rest = diagnostics.split_off(before);
-                diagnostics.extend(rest.into_iter().map(|said| said.fix(meant.clone())));
+            if inside.is_none()
+                && let Some(meant) = as_meant(expression, &drawn, ty, context)
+            {
+                let said = diagnostics.split_off(before);
+                diagnostics.extend(said.into_iter().map(|said| said.fix(meant.clone())));
             }
             inside.map(|()| Value::Distribution(drawn))
         }
@@ -257,6 +242,29 @@ fn ends(
         return None;
     }
     Some((a, b))
+}
+
+/// What was probably meant by a distribution beyond the bounds of its key.
+fn as_meant(expression: &Expression, drawn: &Distribution, ty: &Type, context: &Context) -> Option<String> {
+    let text = |span: Span| context.sources.text(span);
+    let (low, high) = drawn.support();
+    let Type::Distribution { dimension, min, max } = ty else { return None };
+    if *dimension == Dimension::ANGLE {
+        // More than a turn in radians was meant in degrees.
+        let written = text(expression.span);
+        if high.max(-low) > TAU && written.contains("rad") {
+            return Some(written.replace("rad", "deg"));
+        }
+        let all_round = *min == -PI && *max == PI && high - low <= TAU;
+        let even = matches!(drawn, Distribution::Uniform(..) | Distribution::Constant(_));
+        return (all_round && even).then(|| round_the_back(low, high));
+    }
+    match &expression.kind {
+        ExpressionKind::Binary { operator: Operator::Subtract, left, right } => {
+            Some(format!("{} .. {}", text(left.span), text(right.span)))
+        }
+        _ => None,
+    }
 }
 
 /// The directions from one to another (rad) that lies to the left of it by a turn at most, or the one if they are the same, as they

@@ -362,8 +362,7 @@ impl Scan<'_> {
 
 /// The length of a path or a release that stands where a text does begin, with a point within but no number and no range.
 fn path(text: &str) -> Option<usize> {
-    let part = |c: char| c.is_ascii_alphanumeric() || "_./-".contains(c);
-    let whole = &text[..text.find(|c: char| !part(c)).unwrap_or(text.len())];
+    let whole = run(text, |byte| byte.is_ascii_alphanumeric() || b"_./-".contains(&byte))?;
     let points = whole.matches('.').count();
     let number = whole.parse::<f64>().is_ok() || whole.starts_with(|c: char| c.is_ascii_digit()) && points < 2;
     let plain = whole.contains("..") || whole.ends_with(['.', '/', '-']) || whole.contains("//");
@@ -374,13 +373,19 @@ fn path(text: &str) -> Option<usize> {
     (points > 0 && !number && !plain && file).then_some(whole.len())
 }
 
+/// The bytes that a text begins with, as long as they are such; none when they are more than anybody would write.
+fn run(text: &str, such: impl Fn(u8) -> bool) -> Option<&str> {
+    const MOST: usize = 1000;
+    let length = text.bytes().take(MOST).take_while(|byte| such(*byte)).count();
+    (length < MOST).then(|| &text[..length])
+}
+
 /// How the names of files end that scenarios speak of.
 const FILES: &[&str] = &["scn", "xodr", "onnx", "json", "toml", "py", "exe", "sh", "csv", "parquet", "xml"];
 
 /// The length of words with points between them, as other languages reach into things, and the last of them.
 fn dotted(text: &str) -> Option<(usize, &str)> {
-    let part = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '.';
-    let whole = &text[..text.find(|c: char| !part(c)).unwrap_or(text.len())];
+    let whole = run(text, |byte| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'.'))?;
     let named = |word: &str| word.starts_with(|first: char| first.is_ascii_alphabetic() || first == '_');
     let last = whole.split('.').next_back().filter(|_| whole.contains('.') && whole.split('.').all(named))?;
     Some((whole.len(), last))
