@@ -281,81 +281,84 @@ impl Scan<'_> {
                 self.slip(1, "0.", true, "a number begins with a digit");
                 self.tokens.pop();
             }
-            _ if first.is_ascii_digit() => {
-                let digits =
-                    |text: &str| text.bytes().take_while(|byte| byte.is_ascii_digit() || *byte == b'_').count();
-                if let Some(length) = path(rest) {
-                    let quoted = format!("\"{}\"", &rest[..length]);
-                    return self.slip(length, quoted, true, "a text stands in quotes");
-                }
-                let mut length = digits(rest);
-                if rest[length..].starts_with('.') && rest[length + 1..].starts_with(|next: char| next.is_ascii_digit())
-                {
-                    length += 1 + digits(&rest[length + 1..]);
-                }
-                self.push(Token::Number, length);
-            }
-            _ if first.is_ascii_alphabetic() || first == '_' => {
-                if let Some(length) = path(rest) {
-                    let quoted = format!("\"{}\"", &rest[..length]);
-                    return self.slip(length, quoted, true, "a text stands in quotes");
-                }
-                if let Some((length, last)) = dotted(rest) {
-                    let parts: Vec<&str> = rest[..length].split('.').collect();
-                    return match parts.as_slice() {
-                        _ if rest[length..].starts_with('(') => {
-                            let function = last.to_string();
-                            self.slip(length, function, true, "functions are named alone");
-                        }
-                        [event, word] if self.word(0) == "on" && self.tokens.len() == 1 => {
-                            let instead = format!("{event}({word})");
-                            self.slip(length, instead, true, "what an event is narrowed to stands in parentheses");
-                        }
-                        parts => self.slip(length, parts.join("_"), true, "names hold no points"),
-                    };
-                }
-                let length = rest.bytes().take_while(|byte| byte.is_ascii_alphanumeric() || *byte == b'_').count();
-                let word = &rest[..length];
-                let first_word = self.tokens.is_empty() && !self.key_first;
-                if let Some(own) = first_word.then(|| own_statement(word)).flatten() {
-                    return self.slip(length, own, true, "this statement begins with another word");
-                }
-                let is_key = rest[length..].trim_start().starts_with(':');
-                let in_unit = joined && self.last() == Some(Token::Sign) && {
-                    let before = self.tokens.len().checked_sub(2).map(|place| self.tokens[place].0);
-                    before == Some(Token::Unit)
-                };
-                match word {
-                    "to" if self.behind_value()
-                        && !is_key
-                        && rest[length..]
-                            .trim_start()
-                            .starts_with(|next: char| next.is_ascii_digit() || matches!(next, '-' | '('))
-                        && self.tokens.last().is_none_or(|(_, place)| !self.text[place.clone()].eq("from")) =>
-                    {
-                        self.slip(length, "..", true, "a range is written `low .. high`");
-                    }
-                    "if" | "elif" | "else" | "then" if !is_key => {
-                        match self.found.iter().any(|slip| slip.said == NO_IF) {
-                            true => self.push(Token::Word, length),
-                            false => self.slip(length, "", false, NO_IF),
-                        }
-                    }
-                    "return" if !is_key => self.slip(length, "", true, "a formula stands alone"),
-                    _ if matches!(self.word(self.tokens.len().wrapping_sub(1)), ")" | "]")
-                        && !is_key
-                        && parse_unit(word).is_ok() =>
-                    {
-                        self.slip(length, "", false, "the unit stands behind every number");
-                    }
-                    "AND" | "OR" | "NOT" => {
-                        self.slip(length, word.to_lowercase(), true, "the words of logic are `and`, `or`, `not`")
-                    }
-                    _ if self.last() == Some(Token::Number) || in_unit => self.push(Token::Unit, length),
-                    _ => self.push(Token::Word, length),
-                }
-            }
+            _ if first.is_ascii_digit() => self.step_number(),
+            _ if first.is_ascii_alphabetic() || first == '_' => self.step_word(joined),
             _ => self.push(Token::Sign, first.len_utf8()),
+        }
+    }
+
+    fn step_number(&mut self) {
+        let rest = self.rest();
+        let digits = |text: &str| text.bytes().take_while(|byte| byte.is_ascii_digit() || *byte == b'_').count();
+        if let Some(length) = path(rest) {
+            let quoted = format!("\"{}\"", &rest[..length]);
+            return self.slip(length, quoted, true, "a text stands in quotes");
+        }
+        let mut length = digits(rest);
+        if rest[length..].starts_with('.') && rest[length + 1..].starts_with(|next: char| next.is_ascii_digit()) {
+            length += 1 + digits(&rest[length + 1..]);
+        }
+        self.push(Token::Number, length);
+    }
+
+    /// Reads a word; `joined` when nothing stands between it and what is before.
+    fn step_word(&mut self, joined: bool) {
+        let rest = self.rest();
+        if let Some(length) = path(rest) {
+            let quoted = format!("\"{}\"", &rest[..length]);
+            return self.slip(length, quoted, true, "a text stands in quotes");
+        }
+        if let Some((length, last)) = dotted(rest) {
+            let parts: Vec<&str> = rest[..length].split('.').collect();
+            return match parts.as_slice() {
+                _ if rest[length..].starts_with('(') => {
+                    let function = last.to_string();
+                    self.slip(length, function, true, "functions are named alone");
+                }
+                [event, word] if self.word(0) == "on" && self.tokens.len() == 1 => {
+                    let instead = format!("{event}({word})");
+                    self.slip(length, instead, true, "what an event is narrowed to stands in parentheses");
+                }
+                parts => self.slip(length, parts.join("_"), true, "names hold no points"),
+            };
+        }
+        let length = rest.bytes().take_while(|byte| byte.is_ascii_alphanumeric() || *byte == b'_').count();
+        let word = &rest[..length];
+        let first_word = self.tokens.is_empty() && !self.key_first;
+        if let Some(own) = first_word.then(|| own_statement(word)).flatten() {
+            return self.slip(length, own, true, "this statement begins with another word");
+        }
+        let is_key = rest[length..].trim_start().starts_with(':');
+        let in_unit = joined && self.last() == Some(Token::Sign) && {
+            let before = self.tokens.len().checked_sub(2).map(|place| self.tokens[place].0);
+            before == Some(Token::Unit)
+        };
+        match word {
+            "to" if self.behind_value()
+                && !is_key
+                && rest[length..]
+                    .trim_start()
+                    .starts_with(|next: char| next.is_ascii_digit() || matches!(next, '-' | '('))
+                && self.tokens.last().is_none_or(|(_, place)| !self.text[place.clone()].eq("from")) =>
+            {
+                self.slip(length, "..", true, "a range is written `low .. high`");
+            }
+            "if" | "elif" | "else" | "then" if !is_key => match self.found.iter().any(|slip| slip.said == NO_IF) {
+                true => self.push(Token::Word, length),
+                false => self.slip(length, "", false, NO_IF),
+            },
+            "return" if !is_key => self.slip(length, "", true, "a formula stands alone"),
+            _ if matches!(self.word(self.tokens.len().wrapping_sub(1)), ")" | "]")
+                && !is_key
+                && parse_unit(word).is_ok() =>
+            {
+                self.slip(length, "", false, "the unit stands behind every number");
+            }
+            "AND" | "OR" | "NOT" => {
+                self.slip(length, word.to_lowercase(), true, "the words of logic are `and`, `or`, `not`")
+            }
+            _ if self.last() == Some(Token::Number) || in_unit => self.push(Token::Unit, length),
+            _ => self.push(Token::Word, length),
         }
     }
 }
@@ -375,7 +378,7 @@ fn path(text: &str) -> Option<usize> {
 
 /// The bytes that a text begins with, as long as they are such; none when they are more than anybody would write.
 fn run(text: &str, such: impl Fn(u8) -> bool) -> Option<&str> {
-    const MOST: usize = 1000;
+    const MOST: usize = 256;
     let length = text.bytes().take(MOST).take_while(|byte| such(*byte)).count();
     (length < MOST).then(|| &text[..length])
 }
