@@ -194,6 +194,7 @@ impl Reader {
         let before = &pair.get_input()[..pair.as_span().start()];
         let indented = before.ends_with([' ', '\t']) && before.trim_end_matches([' ', '\t']).ends_with('\n');
         if self.headless && indented && matches!(pair.as_rule(), Rule::junk_item | Rule::declaration) {
+            file.unread.extend(names_of(pair.as_str()));
             return;
         }
         self.headless &= pair.as_rule() == Rule::doc;

@@ -34,7 +34,7 @@ pub(in crate::lang) fn headless(statement: &str, behind: &str) -> Option<Range<u
 pub(in crate::lang) fn imports(statement: &str) -> bool {
     let mut lines = statement.lines().map(str::trim_start).filter(|line| !line.is_empty() && !line.starts_with("//"));
     let word = lines.next().and_then(|line| line.split(|c: char| !c.is_ascii_alphabetic()).next()).unwrap_or_default();
-    ["import", "include", "from", "using", "require"].contains(&word.to_lowercase().as_str())
+    ["import", "include", "from", "using"].contains(&word.to_lowercase().as_str())
 }
 
 /// A parameter without a type: where its name stands, or what stands in place of `param` as well, what would be written there,

@@ -398,7 +398,7 @@ fn dotted(text: &str) -> Option<(usize, &str)> {
 fn own_statement(word: &str) -> Option<&'static str> {
     Some(match word {
         "Edition" | "EDITION" => "edition",
-        "Import" | "IMPORT" | "include" | "using" | "require" => "import",
+        "Import" | "IMPORT" | "include" | "using" => "import",
         "Param" | "PARAM" | "parameter" | "var" | "let" | "const" => "param",
         _ => return None,
     })
