@@ -13,6 +13,6 @@ mod sarif;
 pub use lines::Lines;
 pub use record::{Place, PlacedText, Record, records};
 pub use render::{Colour, render};
-pub use report::{Diagnostic, Label, Severity};
+pub use report::{Diagnostic, Fix, Label, Severity};
 pub use sarif::{Log, sarif, uri};
 pub use source::{Source, SourceId, Sources, Span};

@@ -74,11 +74,7 @@ pub fn records(diagnostics: &[Diagnostic], sources: &Sources) -> Vec<Record> {
         label: each.primary.text.clone(),
         labels: each.labels.iter().map(placed).collect(),
         help: each.help.clone(),
-        fixes: each
-            .fixes
-            .iter()
-            .map(|text| PlacedText { text: text.clone(), place: place(each.primary.span) })
-            .collect(),
+        fixes: each.fixes.iter().map(|fix| PlacedText { text: fix.text.clone(), place: place(fix.span) }).collect(),
     };
     diagnostics.iter().map(record).collect()
 }

@@ -31,12 +31,12 @@ pub fn render(diagnostic: &Diagnostic, sources: &Sources, colour: Colour) -> Str
     }
     let mut groups = vec![main];
     if let [fix] = diagnostic.fixes.as_slice() {
-        let span = diagnostic.primary.span;
+        let span = fix.span;
         let excerpt = Excerpt::new(sources, span.source, &[span]);
         let snippet = Snippet::source(excerpt.text)
             .line_start(excerpt.line)
             .path(sources.get(span.source).path.to_string_lossy())
-            .patch(Patch::new(excerpt.range(span), fix.as_str()));
+            .patch(Patch::new(excerpt.range(span), fix.text.as_str()));
         groups.push(Group::with_title(Level::HELP.secondary_title("write it like this")).element(snippet));
     }
     let renderer = match colour {

@@ -19,6 +19,15 @@ pub struct Label {
     pub text: String,
 }
 
+/// A text that would repair the files when it stands at its place.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fix {
+    /// The place; empty where the text is to be added.
+    pub span: Span,
+    /// The text.
+    pub text: String,
+}
+
 /// One message about the user's files.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Diagnostic {
@@ -34,8 +43,15 @@ pub struct Diagnostic {
     pub labels: Vec<Label>,
     /// What to do about it.
     pub help: Vec<String>,
-    /// Texts each of which would repair the primary span when it stands there instead.
-    pub fixes: Vec<String>,
+    /// Repairs, each of which would do; most are at the primary place.
+    pub fixes: Vec<Fix>,
+}
+
+impl Fix {
+    /// The repair in words.
+    pub fn offer(&self) -> String {
+        format!("write `{}`", self.text.trim())
+    }
 }
 
 impl Diagnostic {
@@ -76,8 +92,14 @@ impl Diagnostic {
     }
 
     /// Offers a text in place of the primary span.
-    pub fn fix(mut self, text: impl Into<String>) -> Self {
-        self.fixes.push(text.into());
+    pub fn fix(self, text: impl Into<String>) -> Self {
+        let span = self.primary.span;
+        self.fix_at(span, text)
+    }
+
+    /// Offers a text at another place.
+    pub fn fix_at(mut self, span: Span, text: impl Into<String>) -> Self {
+        self.fixes.push(Fix { span, text: text.into() });
         self
     }
 
@@ -85,9 +107,9 @@ impl Diagnostic {
     pub fn offer(&self) -> Option<String> {
         match self.fixes.as_slice() {
             [] => None,
-            [fix] => Some(format!("write `{fix}`")),
+            [fix] => Some(fix.offer()),
             fixes => {
-                let quoted: Vec<String> = fixes.iter().map(|fix| format!("`{fix}`")).collect();
+                let quoted: Vec<String> = fixes.iter().map(|fix| format!("`{}`", fix.text.trim())).collect();
                 Some(format!("did you mean {}?", quoted.join(" or ")))
             }
         }

@@ -141,7 +141,7 @@ fn finding(record: &Record, rule_index: usize) -> Finding {
         ..location(&label.place)
     });
     let fixes = record.fixes.iter().map(|fix| Fix {
-        description: message(&format!("write `{}`", fix.text)),
+        description: message(&format!("write `{}`", fix.text.trim())),
         artifact_changes: vec![ArtifactChange {
             artifact_location: ArtifactLocation { uri: uri(&fix.place.file) },
             replacements: vec![Replacement {

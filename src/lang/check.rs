@@ -247,7 +247,7 @@ impl<'f> Checker<'_, '_, 'f> {
                         let Name { text, span } = &property.key;
                         let elsewhere = key_of(text, signature, self.context.forms);
                         let unknown = codes::unknown_key(*span, signature.name, text, &left, elsewhere);
-                        meant.extend(unknown.fixes.iter().cloned());
+                        meant.extend(unknown.fixes.iter().map(|fix| fix.text.clone()));
                         self.diagnostics.push(unknown);
                     }
                     Some(param) => {

@@ -7,7 +7,7 @@ use super::ast::{File, Import, Name};
 use super::codes;
 use super::hir::ParamId;
 use super::suggest::nearest;
-use crate::diagnostic::{Diagnostic, SourceId, Span};
+use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
 use crate::signature::{DeclarationId, Form};
 
 /// The names a file can see.
@@ -19,6 +19,8 @@ pub(super) struct Names<'a> {
     unread: BTreeSet<&'a str>,
     /// Whether there may be any other name as well, in what could not be read.
     torn: bool,
+    /// Behind which word an import would stand; none for what is no file.
+    imports: Option<Span>,
 }
 
 impl<'a> Names<'a> {
@@ -72,6 +74,17 @@ impl<'a> Names<'a> {
         // As many as are compared for a suggestion.
         const MOST: usize = 200;
         self.unread.contains(name) || self.torn && nearest(name, known.into_iter().take(MOST)).is_none()
+    }
+
+    /// The place where another import would stand, and whether something is on its line already.
+    pub fn another_import(&self, sources: &Sources) -> Option<(Span, bool)> {
+        let word = self.imports?;
+        let text = &sources.get(word.source).text;
+        let line = text[word.end..].lines().next().unwrap_or_default();
+        // A comment stays with the line that it is about.
+        let comment = line.trim_start().starts_with("//");
+        let at = word.end + if comment { line.len() } else { 0 };
+        Some((Span { source: word.source, start: at, end: at }, at > 0))
     }
 
     pub fn has_params(&self) -> bool {
@@ -154,7 +167,10 @@ fn visit<'a>(
         return;
     }
     let unread = file.unread.iter().map(String::as_str).collect();
-    let mut names = Names { unread, torn: file.torn, ..Names::default() };
+    let first = Span { source: file.source, start: 0, end: 0 };
+    let before = file.imports.iter().map(|import| import.span).max();
+    let imports = before.or(file.edition.map(|(_, span)| span)).unwrap_or(first);
+    let mut names = Names { unread, torn: file.torn, imports: Some(imports), ..Names::default() };
     for import in &file.imports {
         let Some(source) = import.source else {
             // What it would have brought is not known.

@@ -446,18 +446,26 @@ impl Reader {
                     return Expression { kind: ExpressionKind::Name(function.text), span };
                 };
                 let span = span.to(self.span(&list));
-                let mut arguments = Vec::new();
+                let (mut arguments, mut keys) = (Vec::new(), Vec::new());
+                let text = list.get_input();
                 for argument in list.into_inner() {
                     match self.argument(argument) {
                         Entry::Bare(value) => arguments.push(value),
                         Entry::Property(property) => {
-                            self.diagnostics.push(codes::named_argument(property.key.span, &property.key.text));
+                            keys.push(property.key);
                             arguments.push(property.value);
                         }
                         Entry::Clause(_) | Entry::Child(_) | Entry::Unread(_) => {
                             unreachable!("an argument is a value")
                         }
                     }
+                }
+                if !keys.is_empty() {
+                    let written =
+                        |value: &Expression| &text[value.span.start - self.offset..value.span.end - self.offset];
+                    let values: Vec<&str> = arguments.iter().map(written).collect();
+                    let call = format!("{}({})", function.text, values.join(", "));
+                    self.diagnostics.push(codes::named_argument(&keys, span, &call));
                 }
                 return Expression { kind: ExpressionKind::Call { function, arguments }, span };
             }
@@ -490,6 +498,9 @@ impl Reader {
         if let Some((place, instead, ty)) = repair::untyped_param(text).filter(|_| rule == Rule::whole_item) {
             let span = self.place(start + place.start, start + place.end);
             return self.diagnostics.push(codes::untyped_param(span, &instead, ty));
+        }
+        if let Some(sign) = repair::open_end(&source[..start], text) {
+            return self.diagnostics.push(codes::open_end(self.place(sign.start, sign.end)));
         }
         if let Some(said) = self.left_over(&source[line..start], text, start, rule) {
             return self.diagnostics.push(said);

@@ -8,7 +8,8 @@ use super::codes;
 use super::elsewhere::own_word;
 use super::formula::{Scope, Sort, formula, is_function};
 use super::names::Names;
-use crate::diagnostic::{Diagnostic, Sources, Span};
+use super::shelf;
+use crate::diagnostic::{Diagnostic, Fix, Sources, Span};
 use crate::signature::{Distribution, Form, Formula, LEAST, MOST, Type, Value, VariableId, Vocabulary, bounds, short};
 use crate::units::{Dimension, parse_unit};
 
@@ -132,6 +133,16 @@ pub(super) fn value(
             None if context.names.may_be_unread(word, context.names.of_form(form))
                 || context.names.has_form_beside(context.forms, word) =>
             {
+                None
+            }
+            None if let Some(file) = shelf::home(form, word) => {
+                diagnostics.push(codes::not_imported(
+                    span,
+                    form,
+                    word,
+                    file,
+                    context.names.another_import(context.sources),
+                ));
                 None
             }
             None => {
@@ -377,7 +388,12 @@ fn distribution(
                 }
             }
         }
-        _ if is_formula(expression) => quantity(expression, dimension, context, said).map(Distribution::Constant),
+        _ if is_formula(expression) => {
+            let before = said.len();
+            let constant = quantity(expression, dimension, context, said).map(Distribution::Constant);
+            as_dashed_range(&mut said[before..], expression, context);
+            constant
+        }
         _ => {
             let (min, max) = (f64::NEG_INFINITY, f64::INFINITY);
             said.push(codes::wrong_type(span, &Type::Distribution { dimension, min, max }, &describe(expression)));
@@ -470,6 +486,21 @@ fn quantity(
     }
 }
 
+/// Takes a difference such as `20-50 km/h`, which lacks a unit, for the range that it is in print.
+fn as_dashed_range(said: &mut [Diagnostic], expression: &Expression, context: &Context) {
+    if let ExpressionKind::Binary { operator: Operator::Subtract, left, right } = &expression.kind
+        && let ExpressionKind::Number { value: low, unit: None } = left.kind
+        && let ExpressionKind::Number { value: high, unit: Some(unit) } = &right.kind
+        && low < *high
+        && let Some(said) = said.iter_mut().find(|each| each.code == "missing-unit" && each.primary.span == left.span)
+    {
+        let (low, high) = (context.sources.text(left.span), context.sources.text(right.span));
+        let text = format!("{low} {} .. {high}", unit.text);
+        said.help.push("`-` takes away; a range is written `low .. high`".into());
+        said.fixes = vec![Fix { span: expression.span, text }];
+    }
+}
+
 /// Leaves of the units that a number may lack only that of another number beside it, if there is one.
 fn as_beside(
     said: &mut [Diagnostic],
@@ -481,7 +512,8 @@ fn as_beside(
     let ExpressionKind::Number { unit: Some(unit), .. } = &beside.kind else { return };
     let lacking = said.iter_mut().find(|each| each.code == "missing-unit" && each.primary.span == number.span);
     if let Some(said) = lacking.filter(|_| parse_unit(&unit.text).is_ok_and(|unit| unit.dimension == dimension)) {
-        said.fixes = vec![format!("{} {}", context.sources.text(number.span), unit.text)];
+        let text = format!("{} {}", context.sources.text(number.span), unit.text);
+        said.fixes = vec![Fix { span: number.span, text }];
     }
 }
 

@@ -254,10 +254,10 @@ impl<W: Write> Server<W> {
                 continue;
             }
             repairs.extend(each.fixes.iter().map(|fix| {
-                let edit = TextEdit { range, new_text: fix.clone() };
+                let edit = TextEdit { range: self::range(&lines, fix.span), new_text: fix.text.clone() };
                 let changes = Some([(uri.clone(), vec![edit])].into());
                 CodeActionOrCommand::CodeAction(CodeAction {
-                    title: format!("write `{fix}`"),
+                    title: fix.offer(),
                     kind: Some(CodeActionKind::QUICKFIX),
                     diagnostics: Some(vec![shown(each, &lines)]),
                     edit: Some(WorkspaceEdit { changes, ..WorkspaceEdit::default() }),

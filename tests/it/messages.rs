@@ -49,6 +49,41 @@ fn drawn(text: &str) -> String {
     if said.is_empty() { "no mistake".into() } else { said.join("\n\n") }
 }
 
+/// How much is said about a file, and what the file is when it imports what is offered first.
+fn mended(text: &str) -> (usize, String) {
+    let root = Path::new("my.scn");
+    let read = |path: &Path| if path == root { Ok(text.to_string()) } else { std::fs::read_to_string(path) };
+    let mut sources = Sources::default();
+    let compiled = compile(&[root.to_path_buf()], &Catalog::builtin(), &read, &mut sources).unwrap();
+    let mut mended = text.to_string();
+    if let Some(fix) = compiled.diagnostics.iter().flat_map(|each| &each.fixes).find(|fix| fix.text.contains("import"))
+    {
+        mended.replace_range(fix.span.start..fix.span.end, &fix.text);
+    }
+    (compiled.diagnostics.len(), mended)
+}
+
+#[test]
+fn an_import_is_offered_where_it_can_stand() {
+    let paper = "edition 1\nimport \"std/paper.scn\"\n";
+    let spawn = "campaign c { spawn: ahead }\n";
+    for (before, after) in [
+        ("", "import \"std/paper.scn\"\n"),
+        ("edition 1\n", paper),
+        ("edition 1 // the first\n", "edition 1 // the first\nimport \"std/paper.scn\"\n"),
+        ("edition 1 /* the\nfirst */\n", "edition 1\nimport \"std/paper.scn\" /* the\nfirst */\n"),
+        (
+            "edition 1\nimport careful from \"std/drivers.scn\" // drivers\n",
+            "edition 1\nimport careful from \"std/drivers.scn\" // drivers\nimport \"std/paper.scn\"\n",
+        ),
+    ] {
+        let text = format!("{before}{spawn}");
+        let (told, mended) = mended(&text);
+        assert_eq!(mended, format!("{after}{spawn}"));
+        assert_eq!(self::mended(&mended).0, told - 1, "{mended}");
+    }
+}
+
 #[test]
 fn messages_look_as_they_did() {
     let mut page = String::new();

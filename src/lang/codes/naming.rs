@@ -1,10 +1,10 @@
 //! What is named wrongly: forms, kinds, keys, declarations, parameters, settings.
 
 use super::super::elsewhere::own_word;
-use super::super::shelf;
 use super::super::suggest::nearest;
 use super::{cut, one, quoted, unknown};
 use crate::diagnostic::{Diagnostic, Span};
+use crate::lang::ast::Name;
 use crate::signature::Param;
 
 /// An import names something that the file does not declare.
@@ -174,9 +174,16 @@ pub fn bare_argument(span: Span, written: &str, keys: &[&str]) -> Diagnostic {
     }
 }
 
-/// A function's argument has a key.
-pub fn named_argument(span: Span, word: &str) -> Diagnostic {
-    Diagnostic::error("named-argument", span, format!("functions take no keys such as `{word}`"))
+/// Arguments of a function have keys; `call` is the call without them.
+pub fn named_argument(keys: &[Name], place: Span, call: &str) -> Diagnostic {
+    let (first, others) = keys.split_first().expect("a key is named");
+    let message = format!("functions take no keys such as `{}`", first.text);
+    let diagnostic = Diagnostic::error("named-argument", first.span, message);
+    // Other libraries have names for what comes second here.
+    const SECOND: [&str; 10] = ["sd", "std", "stddev", "sigma", "scale", "deviation", "high", "hi", "max", "to"];
+    let turned = SECOND.contains(&first.text.as_str());
+    let diagnostic = others.iter().fold(diagnostic, |said, key| said.label(key.span, "nor this"));
+    if turned { diagnostic.help("what they take stands in its order") } else { diagnostic.fix_at(place, call) }
 }
 
 /// A block may not stand here.
@@ -210,12 +217,20 @@ pub fn duplicate_declaration(span: Span, form: &str, name: &str, first: Span) ->
 
 /// A reference leads to no declaration.
 pub fn unknown_name<'a>(span: Span, form: &str, word: &str, known: impl IntoIterator<Item = &'a str>) -> Diagnostic {
-    let message = format!("unknown {form} `{}`", cut(word));
-    match shelf::home(form, word) {
-        Some(file) => Diagnostic::error("unknown-name", span, message)
-            .here("not among what this file sees")
-            .help(format!("the standard library has it: `import \"std/{file}\"`")),
-        None => unknown("unknown-name", span, message, word, known),
+    unknown("unknown-name", span, format!("unknown {form} `{}`", cut(word)), word, known)
+}
+
+/// A reference leads to a declaration of the standard library that the file does not import; `place` is where the import
+/// would stand, and whether something is before it on its line.
+pub fn not_imported(span: Span, form: &str, word: &str, file: &str, place: Option<(Span, bool)>) -> Diagnostic {
+    let diagnostic = Diagnostic::error("unknown-name", span, format!("unknown {form} `{}`", cut(word)))
+        .here("not among what this file sees");
+    let import = format!("import \"std/{file}\"");
+    match place {
+        None => diagnostic.help(format!("the standard library has it: `{import}`")),
+        Some((place, behind)) => diagnostic
+            .help("the standard library has it")
+            .fix_at(place, if behind { format!("\n{import}") } else { format!("{import}\n") }),
     }
 }
 
@@ -235,9 +250,6 @@ pub fn other_form<'a>(
 
 /// A reference names a kind.
 pub fn kind_for_name(span: Span, form: &str, word: &str) -> Diagnostic {
-    if shelf::home(form, word).is_some() {
-        return unknown_name(span, form, word, []);
-    }
     Diagnostic::error("unknown-name", span, format!("unknown {form} `{word}`"))
         .here(format!("this is a kind of {form}, not the name of one"))
         .help(format!("declare one, and name it here: `{form} mine = {word}()`"))

@@ -11,6 +11,11 @@ pub fn syntax(span: Span, text: String) -> Diagnostic {
     Diagnostic::error("syntax", span, "this statement cannot be read").here(text)
 }
 
+/// A value ends with a sign that something is to stand behind.
+pub fn open_end(span: Span) -> Diagnostic {
+    syntax(span, "a value is missing behind this".into())
+}
+
 /// A statement holds a sign of another language, or of print.
 pub fn slip(span: Span, said: &str, meant: Option<&str>) -> Diagnostic {
     let diagnostic = Diagnostic::error("syntax", span, "this statement cannot be read").here(said);

@@ -163,7 +163,7 @@ pub fn unknown_distribution(span: Span, word: &str, known: &[&str]) -> Diagnosti
         own,
         known.iter().copied(),
     );
-    let uniform = said.fixes.iter().any(|fix| fix == "uniform");
+    let uniform = said.fixes.iter().any(|fix| fix.text == "uniform");
     if uniform { said.help("all values of a range: `low .. high`") } else { said }
 }
 

@@ -79,3 +79,32 @@ pub(in crate::lang) fn dotted_key(text: &str) -> Option<&str> {
     let named = words > 1 && words == path.split('.').count();
     (named && text[path.len()..].trim_start().starts_with(':')).then_some(path)
 }
+
+/// The sign with which the value of the line above ends, when the key of this line was taken for what it lacks: `before` ends with
+/// that key, and `text` goes on with the colon behind it.
+pub(in crate::lang) fn open_end(before: &str, text: &str) -> Option<Range<usize>> {
+    let (above, key) = before.rsplit_once('\n')?;
+    let is_part = |c: char| c == '_' || c.is_ascii_alphanumeric();
+    let value = above.lines().next_back()?.split("//").next()?.trim_end();
+    let line = above.len() - above.lines().next_back()?.len();
+    let sign = ["..", "+", "-", "*", "/", "<=", ">=", "<", ">"].into_iter().find(|sign| value.ends_with(sign))?;
+    let alone = !key.trim().is_empty() && key.trim().chars().all(is_part) && text.starts_with(':');
+    let end = line + value.len();
+    alone.then_some(end - sign.len()..end)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_without_its_end_is_told_of_on_its_line() {
+        for (before, sign) in [("a: 1 m..\n  b", ".."), ("a: 1\na: 2 * // twice\n b ", "*")] {
+            let place = open_end(before, ": 3").expect("the line above goes on");
+            assert_eq!(&before[place], sign);
+        }
+        assert_eq!(open_end("a: 1 m\n  b", ": 3"), None);
+        assert_eq!(open_end("a: 1 m ..\n  b", " 3"), None);
+        assert_eq!(open_end("a: 1 m .. b", ": 3"), None);
+    }
+}

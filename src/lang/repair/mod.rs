@@ -6,5 +6,5 @@ mod heads;
 mod slips;
 
 pub(super) use commas::{decimal_comma, missing_commas, unbracketed};
-pub(super) use heads::{dotted_key, headless, imports, type_of, unbraced, untyped_param};
+pub(super) use heads::{dotted_key, headless, imports, open_end, type_of, unbraced, untyped_param};
 pub(super) use slips::{missing_colon, slips, without};
