@@ -43,7 +43,7 @@ pub fn form() -> Form {
                 "pedestrians",
                 Type::List(Box::new(Type::Choice(PEDESTRIANS))),
                 "[trained, random]",
-                "Who tries: the trained ones doing what they think best (`trained`) or drawing from their policy (`sampled`), one that chooses at random, one that walks straight at the ego (`homing`), one that walks to where it would meet the ego.",
+                "Who tries: the trained ones doing what they think best (`trained`) or drawing from their policy (`sampled`), one that chooses at random, one that walks straight at the ego (`homing`), one that walks to where it would meet the ego. Only the first two need a `train` block.",
             ),
             Param::optional(
                 "vehicles",
@@ -86,7 +86,7 @@ pub fn form() -> Form {
         Param::required("adversary", name("adversary"), "The pedestrian."),
         Param::required("spawn", name("spawn"), "Where episodes begin."),
         Param::required("episode", name("episode"), "How long they last."),
-        Param::required("training", name("training"), "How pedestrians are trained."),
+        Param::optional("training", name("training"), "How pedestrians are trained, where any are."),
         Param::optional("beside", names("published"), "Published figures to stand beside those of this campaign."),
     ];
     Form {

@@ -51,15 +51,23 @@ pub fn form(kinds: &[FalsifierKind]) -> Form {
     }
 }
 
-/// The falsifier.
+/// Whether a falsifier trains pedestrians.
+pub fn learns(kinds: &[FalsifierKind], declaration: &Declaration) -> bool {
+    let signature = kinds.iter().map(|kind| (kind.signature)()).find(|signature| signature.name == declaration.kind);
+    signature.is_some_and(|signature| signature.params.iter().any(|param| param.name == "training"))
+}
+
+/// The falsifier; one that [learns] needs a training.
 pub fn lower(
     kinds: &[FalsifierKind],
     declaration: &Declaration,
-    training: &(PpoConfig, usize),
+    training: Option<(PpoConfig, usize)>,
     said: &mut Vec<Diagnostic>,
 ) -> Arc<dyn Falsifier> {
     let found = kinds.iter().find(|candidate| (candidate.signature)().name == declaration.kind);
     let arguments = &declaration.block.arguments;
+    // The others do not look at it.
+    let training = training.unwrap_or_else(|| (PpoConfig::paper(), 1));
     let number = |key: &str| match optional(arguments, key) {
         Some(Value::Integer(number)) => Some(*number),
         _ => None,
@@ -70,7 +78,7 @@ pub fn lower(
         let message = format!("an elite of {elite} is more than the population of {population}");
         said.push(codes::contradiction(declaration.block.place("elite"), message));
     }
-    (found.expect("checked: the kind is in the catalogue").make)(arguments, training)
+    (found.expect("checked: the kind is in the catalogue").make)(arguments, &training)
 }
 
 /// The declaration that an optional key names; none when this kind has no such key.

@@ -26,6 +26,9 @@ const MOST_WEIGHTS: usize = 1 << 24;
 /// Most trainings, evaluations or searches that one block may ask for.
 const MOST_CELLS: usize = 200_000;
 
+/// What stands for the name of a reward where nobody is trained for one.
+const NO_REWARD: &str = "none";
+
 /// A member of one axis of the grid.
 #[derive(Clone)]
 struct Axis<T> {
@@ -40,7 +43,7 @@ struct Rival {
     method: &'static str,
     reward: (String, RewardRule),
     /// It, and how pedestrians are trained where it does not say so.
-    declarations: [DeclarationId; 2],
+    declarations: Vec<DeclarationId>,
     falsifier: Arc<dyn Falsifier>,
 }
 
@@ -49,7 +52,7 @@ struct Usual {
     car: Axis<VehicleBlueprint>,
     walker: Axis<Adversary>,
     rule: Axis<EpisodeRule>,
-    training: Axis<(PpoConfig, usize)>,
+    training: Option<Axis<(PpoConfig, usize)>>,
 }
 
 /// Where the episodes of a block happen, against whom, and how they begin.
@@ -115,7 +118,7 @@ impl Lowering<'_> {
             car: self.vehicle(referred("vehicle")),
             walker: self.adversary(referred("adversary")),
             rule: self.episode(referred("episode")),
-            training: self.training(referred("training")),
+            training: block.arguments.has("training").then(|| self.training(referred("training"))),
         };
         let mut campaign = Campaign {
             name: declaration.name.clone(),
@@ -134,10 +137,10 @@ impl Lowering<'_> {
             self.train(block, train, &usual, &mut campaign, &mut rewards);
         }
         self.forbid_repeated_trainings(block, &campaign);
-        let searches = block.nested("search").next().is_some() && block.nested("evaluate").next().is_none();
-        if block.nested("train").next().is_none() && !searches {
-            let message = "this campaign has no `train` block, so there is nobody to try".to_string();
-            self.said.push(codes::contradiction(block.head, message));
+        if ["train", "evaluate", "search"].iter().all(|word| block.nested(word).next().is_none()) {
+            let message = "this campaign trains nobody, tries nobody and searches for nothing".to_string();
+            let help = "give it a block: `train { … }`, `evaluate { … }` or `search { … }`";
+            self.said.push(codes::contradiction(block.head, message).help(help));
         }
         for (number, evaluate) in (0..).zip(block.nested("evaluate")) {
             self.evaluate(block, evaluate, number, &usual, &mut campaign, &rewards);
@@ -158,18 +161,21 @@ impl Lowering<'_> {
         rewards: &mut BTreeMap<String, Axis<RewardRule>>,
     ) {
         let (car, walker) = (&usual.car.value, &usual.walker.value);
+        let Some(training) = &usual.training else {
+            return self.said.push(codes::no_training(campaign_block.head, block.head));
+        };
         let Some(ground) = self.ground(campaign_block, block, &[(car, walker)]) else { return };
         let (paid, runs) = (self.rewards(block), block.arguments.integer("runs") as u32);
         if !self.fits(block, [ground.towns.len(), ground.policies.len(), paid.len(), runs as usize]) {
             return;
         }
         note_towns(&mut campaign.towns, &ground.towns);
-        let (config, environments) = &usual.training.value;
+        let (config, environments) = &training.value;
         for place in ground.places() {
             for reward in &paid {
                 let scenario = place.scenario(car, walker, &usual.rule.value, &reward.value);
                 let ground = place.declarations(&usual.car, &usual.walker, &usual.rule);
-                let recipe = self.recipe(&[ground.as_slice(), &[reward.id, usual.training.id]].concat());
+                let recipe = self.recipe(&[ground.as_slice(), &[reward.id, training.id]].concat());
                 campaign.trainings.extend((0..runs).map(|run| Training {
                     key: TrainingKey {
                         town: place.town.name.to_string(),
@@ -204,7 +210,14 @@ impl Lowering<'_> {
         let bodies = || cars.iter().flat_map(|car| walkers.iter().map(move |walker| (car, walker)));
         let values: Vec<_> = bodies().map(|(car, walker)| (&car.value, &walker.value)).collect();
         let Some(ground) = self.ground(campaign_block, block, &values) else { return };
-        let who = pedestrians(block.arguments.list("pedestrians"), &campaign.trainings);
+        let words = block.arguments.list("pedestrians");
+        let untrained = campaign_block.nested("train").next().is_none();
+        if untrained && words.iter().any(|word| matches!(word, Value::Choice("trained" | "sampled"))) {
+            let place =
+                block.places.iter().find(|(key, _)| *key == "pedestrians").map_or(block.head, |(_, span)| *span);
+            return self.said.push(codes::nobody_trained(place));
+        }
+        let who = if untrained { untrained_pedestrians(words) } else { pedestrians(words, &campaign.trainings) };
         let each = who.len().max(rewards.len());
         if !self.fits(block, [ground.towns.len(), ground.policies.len(), values.len(), each]) {
             return;
@@ -212,12 +225,17 @@ impl Lowering<'_> {
         note_towns(&mut campaign.towns, &ground.towns);
         for (place, (car, walker)) in ground.places().flat_map(|place| bodies().map(move |body| (place, body))) {
             let ground = place.declarations(car, walker, &usual.rule);
-            let mut scenario = |reward: &Axis<RewardRule>| {
-                let scenario = place.scenario(&car.value, &walker.value, &usual.rule.value, &reward.value);
-                (scenario, self.recipe(&[ground.as_slice(), &[reward.id]].concat()))
+            let mut scenario = |rule: &RewardRule, declared: &[DeclarationId]| {
+                let scenario = place.scenario(&car.value, &walker.value, &usual.rule.value, rule);
+                (scenario, self.recipe(&[ground.as_slice(), declared].concat()))
             };
-            let scenarios: BTreeMap<&String, _> =
-                rewards.iter().map(|(name, reward)| (name, scenario(reward))).collect();
+            let mut scenarios: BTreeMap<&str, _> = BTreeMap::new();
+            for (name, reward) in rewards {
+                scenarios.insert(name, scenario(&reward.value, &[reward.id]));
+            }
+            if untrained {
+                scenarios.insert(NO_REWARD, scenario(&RewardRule::default(), &[]));
+            }
             campaign.evaluations.extend(who.iter().map(|(pedestrian, trained)| Evaluation {
                 id: RunId::default(),
                 pedestrian: *pedestrian,
@@ -227,9 +245,9 @@ impl Lowering<'_> {
                 vehicle: car.name.clone(),
                 adversary: walker.name.clone(),
                 block: number,
-                scenario: scenarios[&trained.reward].0.clone(),
+                scenario: scenarios[trained.reward.as_str()].0.clone(),
                 episodes: block.arguments.integer("episodes") as u32,
-                recipe: scenarios[&trained.reward].1,
+                recipe: scenarios[trained.reward.as_str()].1,
                 halfwidth: block.arguments.has("halfwidth").then(|| block.arguments.number("halfwidth")),
             }));
         }
@@ -238,7 +256,7 @@ impl Lowering<'_> {
     fn search(&mut self, campaign_block: &Block, block: &Block, number: u32, usual: &Usual, campaign: &mut Campaign) {
         let (car, walker) = (&usual.car.value, &usual.walker.value);
         let Some(ground) = self.ground(campaign_block, block, &[(car, walker)]) else { return };
-        let falsifiers = self.falsifiers(block, &usual.training);
+        let falsifiers = self.falsifiers(campaign_block, block, usual.training.as_ref());
         let runs = block.arguments.integer("runs") as u32;
         if !self.fits(block, [ground.towns.len(), ground.policies.len(), falsifiers.len(), runs as usize]) {
             return;
@@ -307,22 +325,31 @@ impl Lowering<'_> {
         cells <= MOST_CELLS
     }
 
-    fn falsifiers(&mut self, block: &Block, usual: &Axis<(PpoConfig, usize)>) -> Vec<Rival> {
+    fn falsifiers(&mut self, campaign: &Block, block: &Block, usual: Option<&Axis<(PpoConfig, usize)>>) -> Vec<Rival> {
         let mut rivals = Vec::new();
         for id in block.arguments.references("falsifiers") {
             let declaration = self.program.get(id);
             let arguments = &declaration.block.arguments;
             let training = match falsifier::named(arguments, "training") {
-                Some(id) => self.training(id),
-                None => usual.clone(),
+                Some(id) => Some(self.training(id)),
+                None => usual.cloned(),
             };
+            if training.is_none() && falsifier::learns(&self.catalog.falsifiers, declaration) {
+                self.said.push(codes::no_training(campaign.head, declaration.block.head));
+                continue;
+            }
             let reward = falsifier::named(arguments, "reward").map(|id| self.reward(id));
             rivals.push(Rival {
                 name: declaration.name.clone(),
                 method: declaration.kind,
                 reward: reward.map(|reward| (reward.name.to_string(), reward.value)).unwrap_or_default(),
-                declarations: [id, training.id],
-                falsifier: falsifier::lower(&self.catalog.falsifiers, declaration, &training.value, self.said),
+                declarations: [Some(id), training.as_ref().map(|training| training.id)].into_iter().flatten().collect(),
+                falsifier: falsifier::lower(
+                    &self.catalog.falsifiers,
+                    declaration,
+                    training.map(|training| training.value),
+                    self.said,
+                ),
             });
         }
         rivals
@@ -485,6 +512,19 @@ fn note_towns(noted: &mut Vec<NamedTown>, towns: &[Axis<BuiltTown>]) {
             noted.push(NamedTown { name: town.name.to_string(), town: town.value.town.clone() });
         }
     }
+}
+
+/// Who is tried where nobody is trained: each once, for no reward.
+fn untrained_pedestrians(words: &[Value]) -> Vec<(Pedestrian, Arc<TrainingKey>)> {
+    let reward = NO_REWARD.to_string();
+    let key = Arc::new(TrainingKey { town: String::new(), policy: String::new(), reward, run: 0 });
+    let untrained = |word: &Value| match word {
+        Value::Choice("random") => Some(Pedestrian::Random),
+        Value::Choice("homing") => Some(Pedestrian::Homing),
+        Value::Choice("intercept") => Some(Pedestrian::Intercept),
+        _ => None,
+    };
+    words.iter().filter_map(untrained).map(|pedestrian| (pedestrian, key.clone())).collect()
 }
 
 /// Who is tried: every trained pedestrian, and for every run of a reward a random one, which draws anew in each; the

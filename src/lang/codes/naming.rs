@@ -164,6 +164,13 @@ pub fn missing_key(span: Span, owner: &str, param: &Param) -> Diagnostic {
     ))
 }
 
+/// A campaign does not say how those are trained whom it, or a falsifier of it, trains.
+pub fn no_training(campaign: Span, trains: Span) -> Diagnostic {
+    Diagnostic::error("missing-key", campaign, "`campaign` needs the key `training`")
+        .label(trains, "pedestrians are trained here")
+        .help("`training` is a name of a training: How pedestrians are trained.")
+}
+
 /// A value in parentheses has no key; these may be its.
 pub fn bare_argument(span: Span, written: &str, keys: &[&str]) -> Diagnostic {
     let diagnostic = Diagnostic::error("bare-argument", span, "this value has no key");

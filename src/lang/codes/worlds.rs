@@ -17,6 +17,12 @@ pub fn contradiction(span: Span, message: String) -> Diagnostic {
     Diagnostic::error("contradiction", span, message)
 }
 
+/// Trained pedestrians are to be tried where none are trained.
+pub fn nobody_trained(span: Span) -> Diagnostic {
+    contradiction(span, "this campaign has no `train` block, so there are no trained pedestrians to try".into())
+        .help("without one there are `random`, `homing` and `intercept`: `pedestrians: [random]`")
+}
+
 /// A value lies above one that it must not exceed.
 pub fn not_rising(span: Span, low: &str, high: &str, other: Option<Span>) -> Diagnostic {
     let diagnostic = contradiction(span, format!("`{low}` is more than `{high}`"));

@@ -44,6 +44,9 @@ fn number(value: Option<f64>) -> String {
 
 /// The collision rate of each training.
 fn trainings(page: &mut String, cells: &[(&Cell, &CellEvidence)], who: Who) {
+    if cells.iter().all(|(cell, _)| cell.trained.0.is_empty() && cell.runs == 1) {
+        return;
+    }
     page.push_str("\n## Would other trainings show the same?\n\n");
     head(page, WHO, " collision rate of each run | middle half | bootstrap 95 % | Student 95 % |");
     for (cell, found) in cells {
