@@ -18,6 +18,23 @@ fn campaign() -> String {
 }
 
 #[test]
+fn who_is_not_trained_is_tried_without_a_training() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "edition 1\nimport \"std/paper.scn\"\nimport \"std/drivers.scn\"\nimport \"std/towns.scn\"\n\
+        campaign naive { vehicle: model3 adversary: suicidal spawn: ahead episode: thirty_seconds\n\
+        evaluate { towns: [harbour] policies: [blind] pedestrians: [random, homing, intercept] episodes: 10 } }\n";
+    std::fs::write(folder.path().join("naive.scn"), text).unwrap();
+    let output = falsify(&["run", "naive.scn", "--out", "out"], folder.path());
+    assert!(output.status.success(), "{}", error(&output));
+    let cells = std::fs::read_to_string(folder.path().join("out/naive/cells.csv")).unwrap();
+    let who = |row: &str| row.split(',').take(4).collect::<Vec<_>>().join(",");
+    let rows: Vec<String> = cells.lines().skip(1).map(who).collect();
+    assert_eq!(rows, ["none,\"\",\"\",random", "none,\"\",\"\",homing", "none,\"\",\"\",intercept"]);
+    let summary = std::fs::read_to_string(folder.path().join("out/naive/summary.md")).unwrap();
+    assert!(!summary.contains("other trainings show"), "{summary}");
+}
+
+#[test]
 fn no_arguments_show_the_usage() {
     let folder = tempfile::tempdir().unwrap();
     let output = falsify(&[], folder.path());
