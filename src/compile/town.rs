@@ -1,3 +1,4 @@
+use std::f64::consts::SQRT_2;
 use std::path::Path;
 
 use crate::diagnostic::{Diagnostic, Sources, Span};
@@ -15,6 +16,8 @@ use crate::lang::Reader;
 const SAME_NODE: f64 = 0.01;
 /// Half size of the box in which a speed sign takes effect (m): 0.35 of CARLA's lanes.
 const SIGN_HALF_SIZE: f64 = 1.4;
+/// Who stands farther than this from all streets is neither met nor seen (m).
+const FAR: f64 = 500.0;
 /// Most trees of a grove.
 const MOST_TREES: f64 = 20_000.0;
 /// Step with which the ground under an obstacle is searched for lanes (m).
@@ -234,7 +237,24 @@ pub fn lower(
             said.push(codes::unbuildable_town(*place, &format!("this stands on a driving lane of road {road}")));
         }
     }
-    (said.len() == before).then_some(town)
+    let whole = said.len() == before;
+    said.extend(idle(&town, block, &standing));
+    whole.then_some(town)
+}
+
+/// Says what stands where it has no effect.
+fn idle(town: &Town, block: &Block, standing: &[(Span, OrientedBox)]) -> Vec<Diagnostic> {
+    let far = |own: &OrientedBox| !town.roads.iter().any(|road| comes_near(road, own, FAR));
+    let lost = standing.iter().filter(|(_, own)| far(own)).map(|(place, _)| codes::far_from_streets(*place, FAR));
+    let unseen = |sign: &&Block| {
+        let at = pose(sign.arguments.value("at")).position();
+        town.nearest_lane(at, LaneFilter::Driving).is_none_or(|lane| {
+            let reach = town.lane_width(lane) / 2.0 + SIGN_HALF_SIZE * SQRT_2;
+            town.pose(lane).to_local(at).norm() > reach
+        })
+    };
+    let passed_by_none = block.nested("speed_sign").filter(unseen).map(|sign| codes::sign_off_lanes(sign.head));
+    lost.chain(passed_by_none).collect()
 }
 
 /// Says what is wrong with a design where its street, its corner or its measure stands.

@@ -63,6 +63,19 @@ pub fn rare_beginnings(span: Span, town: &str, found: &str) -> Diagnostic {
         .help("drawing one takes long; `falsify check --sample 1000` shows what each constraint leaves")
 }
 
+/// Something stands so far away (m) that nobody meets it.
+pub fn far_from_streets(span: Span, far: f64) -> Diagnostic {
+    Diagnostic::warning("out-of-reach", span, format!("this stands more than {far} m from every street"))
+        .here("nobody meets it there, nor sees it")
+}
+
+/// A sign stands where no car drives.
+pub fn sign_off_lanes(span: Span) -> Diagnostic {
+    Diagnostic::warning("out-of-reach", span, "this sign stands on no driving lane")
+        .here("no car passes it")
+        .help("`at` is the middle of the lane where the limit begins")
+}
+
 /// Whether a diagnostic says that nobody can be placed.
 pub fn is_unplaceable(diagnostic: &Diagnostic) -> bool {
     diagnostic.code == "unplaceable"
