@@ -14,7 +14,7 @@ use crate::lang::codes;
 use crate::lang::hir::{Block, Declaration};
 use crate::rl::PpoConfig;
 use crate::seed::Seed;
-use crate::signature::{DeclarationId, Value};
+use crate::signature::{DeclarationId, Value, short};
 use crate::sim::VehicleBlueprint;
 
 /// Most decisions between two updates, over all environments.
@@ -164,7 +164,7 @@ impl Lowering<'_> {
         let Some(training) = &usual.training else {
             return self.said.push(codes::no_training(campaign_block.head, block.head));
         };
-        let Some(ground) = self.ground(campaign_block, block, &[(car, walker)]) else { return };
+        let Some(ground) = self.ground(campaign_block, block, &[(&usual.car, &usual.walker)]) else { return };
         let (paid, runs) = (self.rewards(block), block.arguments.integer("runs") as u32);
         if !self.fits(block, [ground.towns.len(), ground.policies.len(), paid.len(), runs as usize]) {
             return;
@@ -208,8 +208,8 @@ impl Lowering<'_> {
         let cars: Vec<_> = cars.unwrap_or_else(|| vec![usual.car.clone()]);
         let walkers: Vec<_> = walkers.unwrap_or_else(|| vec![usual.walker.clone()]);
         let bodies = || cars.iter().flat_map(|car| walkers.iter().map(move |walker| (car, walker)));
-        let values: Vec<_> = bodies().map(|(car, walker)| (&car.value, &walker.value)).collect();
-        let Some(ground) = self.ground(campaign_block, block, &values) else { return };
+        let all: Vec<_> = bodies().collect();
+        let Some(ground) = self.ground(campaign_block, block, &all) else { return };
         let words = block.arguments.list("pedestrians");
         let untrained = campaign_block.nested("train").next().is_none();
         if untrained && words.iter().any(|word| matches!(word, Value::Choice("trained" | "sampled"))) {
@@ -219,7 +219,7 @@ impl Lowering<'_> {
         }
         let who = if untrained { untrained_pedestrians(words) } else { pedestrians(words, &campaign.trainings) };
         let each = who.len().max(rewards.len());
-        if !self.fits(block, [ground.towns.len(), ground.policies.len(), values.len(), each]) {
+        if !self.fits(block, [ground.towns.len(), ground.policies.len(), all.len(), each]) {
             return;
         }
         note_towns(&mut campaign.towns, &ground.towns);
@@ -255,7 +255,7 @@ impl Lowering<'_> {
 
     fn search(&mut self, campaign_block: &Block, block: &Block, number: u32, usual: &Usual, campaign: &mut Campaign) {
         let (car, walker) = (&usual.car.value, &usual.walker.value);
-        let Some(ground) = self.ground(campaign_block, block, &[(car, walker)]) else { return };
+        let Some(ground) = self.ground(campaign_block, block, &[(&usual.car, &usual.walker)]) else { return };
         let falsifiers = self.falsifiers(campaign_block, block, usual.training.as_ref());
         let runs = block.arguments.integer("runs") as u32;
         if !self.fits(block, [ground.towns.len(), ground.policies.len(), falsifiers.len(), runs as usize]) {
@@ -292,7 +292,7 @@ impl Lowering<'_> {
         &mut self,
         campaign: &Block,
         block: &Block,
-        bodies: &[(&VehicleBlueprint, &Adversary)],
+        bodies: &[(&Axis<VehicleBlueprint>, &Axis<Adversary>)],
     ) -> Option<Ground> {
         let spawn = self.spawn(campaign, block)?;
         let ground = Ground { towns: self.towns(block), policies: self.policies(block), spawn };
@@ -454,23 +454,23 @@ impl Lowering<'_> {
         block: &Block,
         towns: &[Axis<BuiltTown>],
         spawn: &SpawnRule,
-        bodies: &[(&VehicleBlueprint, &Adversary)],
+        bodies: &[(&Axis<VehicleBlueprint>, &Axis<Adversary>)],
     ) {
         let place = if block.arguments.has("spawn") { block.place("spawn") } else { campaign.place("spawn") };
-        for (car, walker) in bodies {
+        for (Axis { name, value: car, .. }, Axis { value: walker, .. }) in bodies {
             let corner = (car.half_length * car.half_length + car.half_width * car.half_width).sqrt();
             let reach = corner + walker.body.radius;
             let nearest = spawn.distance.support().0;
             if nearest <= reach {
                 let message = format!(
-                    "a pedestrian {} m from the middle of the car may stand inside it: its corners reach {reach:.2} m",
-                    nearest
+                    "a pedestrian {} m from the middle of `{name}` may stand inside it: its corners reach {reach:.2} m",
+                    short(nearest)
                 );
                 self.said.push(codes::contradiction(place, message));
                 return;
             }
         }
-        let looks = |first: &FirstHeading| bodies.iter().any(|(_, walker)| walker.first_heading == *first);
+        let looks = |first: &FirstHeading| bodies.iter().any(|(_, walker)| walker.value.first_heading == *first);
         let headings = [FirstHeading::Random, FirstHeading::TowardsEgo].into_iter().filter(looks);
         for town in towns {
             let probe = |first: FirstHeading| {
