@@ -80,3 +80,21 @@ fn options<T: Args>(command: Command) -> Command {
     let about = command.get_about().cloned().unwrap_or_default();
     T::augment_args(command).about(about)
 }
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::super::args::Arguments;
+    use super::*;
+
+    #[test]
+    fn every_command_has_its_options_or_none() {
+        let without: Vec<String> = Arguments::command()
+            .get_subcommands()
+            .filter(|each| !each.has_subcommands() && each.get_arguments().next().is_none() && make(each).is_none())
+            .map(|each| each.get_name().to_string())
+            .collect();
+        assert!(without.is_empty(), "{without:?}: a command whose options come later needs a line in `COMMANDS`");
+    }
+}
