@@ -25,14 +25,19 @@ const MOST_BYTES: u64 = 512 << 20;
 /// Most diagnostics that are shown at once.
 const SHOWN: usize = 50;
 
+/// Writes a line to the error stream. Nobody can be told when that fails, and what was asked for is done all the same.
+pub fn note(line: &str) {
+    let _ = writeln!(anstream::stderr(), "{line}");
+}
+
 /// Says that something went wrong, in the manner of the diagnostics.
 pub fn fail(message: &str) {
-    anstream::eprintln!("{ERROR}error{ERROR:#}: {message}");
+    note(&format!("{ERROR}error{ERROR:#}: {message}"));
 }
 
 /// Says something that may be of interest, but is no error.
 pub fn warn(message: &str) {
-    anstream::eprintln!("{WARNING}warning{WARNING:#}: {message}");
+    note(&format!("{WARNING}warning{WARNING:#}: {message}"));
 }
 
 /// The command of this process as a user would type it again.
@@ -105,10 +110,10 @@ pub fn count(number: usize, thing: &str) -> String {
 pub fn show(diagnostics: &[Diagnostic], sources: &Sources) {
     for diagnostic in diagnostics.iter().take(SHOWN) {
         // The stream strips the colours where they are not wanted.
-        anstream::eprintln!("{}\n", render(diagnostic, sources, Colour::Always));
+        note(&format!("{}\n", render(diagnostic, sources, Colour::Always)));
     }
     if diagnostics.len() > SHOWN {
-        anstream::eprintln!("… and {} more\n", diagnostics.len() - SHOWN);
+        note(&format!("… and {} more\n", diagnostics.len() - SHOWN));
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use super::ExitCode;
+use super::{ExitCode, front};
 
 static ASKED: AtomicUsize = AtomicUsize::new(0);
 static HELD: AtomicBool = AtomicBool::new(false);
@@ -22,7 +22,7 @@ pub fn listen() {
             }
             end_at_once();
         }
-        anstream::eprintln!("\nstopping after the work in hand; once more to stop at once");
+        front::note("\nstopping after the work in hand; once more to stop at once");
     });
 }
 

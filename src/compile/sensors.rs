@@ -4,9 +4,11 @@ use super::sensor_suites::{SUITES, Suite};
 use crate::av::senses::{Field, Seam, Sector, SensorModel};
 use crate::geometry::Vector;
 use crate::lang::hir::Block;
-use crate::signature::{Form, MOST, Param, Signature, Type};
+use crate::signature::{Form, LEAST, MOST, Param, Signature, Type};
 use crate::units::Dimension;
 
+/// Most length and width of what a pedestrian is taken for (m): more than any vehicle has.
+const LONGEST_CONFUSED: f64 = 30.0;
 /// Where misses begin to change with the distance, and where they end to.
 const RISING: &[&str] = &["near", "far"];
 
@@ -135,11 +137,16 @@ fn params() -> Vec<Param> {
         ),
         Param::with_default(
             "confused_length",
-            Type::positive(Dimension::LENGTH),
+            Type::Quantity { dimension: Dimension::LENGTH, min: LEAST, max: LONGEST_CONFUSED },
             "1.8 m",
             "Length of that vehicle: a bicycle's (assumed).",
         ),
-        Param::with_default("confused_width", Type::positive(Dimension::LENGTH), "0.8 m", "Its width (assumed)."),
+        Param::with_default(
+            "confused_width",
+            Type::Quantity { dimension: Dimension::LENGTH, min: LEAST, max: LONGEST_CONFUSED },
+            "0.8 m",
+            "Its width (assumed).",
+        ),
         Param::with_default(
             "false_alarms",
             Type::non_negative(Dimension::FREQUENCY),

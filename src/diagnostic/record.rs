@@ -62,8 +62,10 @@ pub fn records(diagnostics: &[Diagnostic], sources: &Sources) -> Vec<Record> {
     let place = |span: Span| {
         let index = ids.binary_search(&span.source).expect("a span lies in a source");
         let ((line, column), (end_line, end_column)) = lines[index].span(span);
-        let file = sources.get(span.source).path.display().to_string();
-        Place { file, line, column, end_line, end_column, byte_start: span.start, byte_end: span.end }
+        let source = sources.get(span.source);
+        let (file, byte_start, byte_end) =
+            (source.path.display().to_string(), source.mark + span.start, source.mark + span.end);
+        Place { file, line, column, end_line, end_column, byte_start, byte_end }
     };
     let placed = |label: &Label| PlacedText { text: label.text.clone(), place: place(label.span) };
     let record = |each: &Diagnostic| Record {

@@ -28,9 +28,14 @@ impl Span {
 pub struct Source {
     /// Where it came from, as the user wrote it; imports are relative to its folder.
     pub path: PathBuf,
-    /// The whole text.
+    /// The whole text, without a byte order mark.
     pub text: Cow<'static, str>,
+    /// Bytes of the file before the text: its byte order mark.
+    pub mark: usize,
 }
+
+/// What some editors begin files with.
+const BYTE_ORDER_MARK: char = '\u{feff}';
 
 /// All texts of one run of the front end.
 #[derive(Debug, Clone, Default)]
@@ -41,16 +46,23 @@ pub struct Sources {
 impl Sources {
     /// Adds a text and names it.
     pub fn add(&mut self, path: impl AsRef<Path>, text: impl Into<String>) -> SourceId {
-        self.push(path.as_ref(), Cow::Owned(text.into()))
+        self.push(path.as_ref(), Cow::Owned(text.into()), 0)
+    }
+
+    /// Adds the text of a file, which may begin with a byte order mark.
+    pub fn add_file(&mut self, path: impl AsRef<Path>, mut text: String) -> SourceId {
+        let mark = if text.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len_utf8() } else { 0 };
+        text.drain(..mark);
+        self.push(path.as_ref(), Cow::Owned(text), mark)
     }
 
     /// Adds a text that is part of the program.
     pub fn add_builtin(&mut self, path: impl AsRef<Path>, text: &'static str) -> SourceId {
-        self.push(path.as_ref(), Cow::Borrowed(text))
+        self.push(path.as_ref(), Cow::Borrowed(text), 0)
     }
 
-    fn push(&mut self, path: &Path, text: Cow<'static, str>) -> SourceId {
-        self.all.push(Source { path: path.to_path_buf(), text });
+    fn push(&mut self, path: &Path, text: Cow<'static, str>, mark: usize) -> SourceId {
+        self.all.push(Source { path: path.to_path_buf(), text, mark });
         SourceId(self.all.len() as u32 - 1)
     }
 

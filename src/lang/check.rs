@@ -246,7 +246,12 @@ impl<'f> Checker<'_, '_, 'f> {
                     None => {
                         let Name { text, span } = &property.key;
                         let elsewhere = key_of(text, signature, self.context.forms);
-                        let unknown = codes::unknown_key(*span, signature.name, text, &left, elsewhere);
+                        let is_event =
+                            signature.clauses && self.context.vocabulary.events.iter().any(|event| event.name == text);
+                        let unknown = match is_event {
+                            true => codes::event_for_key(*span, signature.name, text),
+                            false => codes::unknown_key(*span, signature.name, text, &left, elsewhere),
+                        };
                         meant.extend(unknown.fixes.iter().map(|fix| fix.text.clone()));
                         self.diagnostics.push(unknown);
                     }
@@ -315,6 +320,12 @@ impl<'f> Checker<'_, '_, 'f> {
                         });
                     }
                     Some(inner) => {
+                        if let Some(kind) = &child.kind {
+                            let place = child.form.span.to(kind.span);
+                            let meant = child.name.is_none().then(|| format!("{} {}", child.form.text, kind.text));
+                            let said = "a block stands right behind its name";
+                            self.diagnostics.push(codes::slip(place, said, meant.as_deref()));
+                        }
                         if let Some(name) = &child.name {
                             let before = named.insert((&child.form.text, &name.text), name.span);
                             let again = |first| codes::duplicate_declaration(name.span, inner.name, &name.text, first);

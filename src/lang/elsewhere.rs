@@ -41,8 +41,8 @@ pub(super) fn own_word(word: &str) -> Option<&'static str> {
         "Normal" | "Gaussian" | "gaussian" => "normal",
         "Options" | "Choice" | "uniform_choice" => "choice",
         "Discrete" => "weighted",
-        "True" | "yes" | "TRUE" => "true",
-        "False" | "no" | "FALSE" => "false",
+        "True" | "yes" | "TRUE" | "on" => "true",
+        "False" | "no" | "FALSE" | "off" => "false",
         _ => return None,
     })
 }
@@ -52,6 +52,8 @@ pub(super) fn own_unit(word: &str) -> Option<&'static str> {
     let lower = word.to_lowercase();
     match lower.as_str() {
         "mps" => return Some("m/s"),
+        "mps2" | "m/s/s" | "mpss" => return Some("m/s^2"),
+        "pct" => return Some("percent"),
         "mi/h" | "mile/h" | "miles/h" | "miles/hour" => return Some("mph"),
         _ => {}
     }

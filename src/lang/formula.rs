@@ -34,8 +34,8 @@ pub fn functions() -> impl Iterator<Item = (&'static str, &'static str)> {
 }
 
 const FUNCTIONS: &[(&str, Function, &str)] = &[
-    ("min", Function::Min, "The least of one or more quantities."),
-    ("max", Function::Max, "The greatest of one or more quantities."),
+    ("min", Function::Min, "The least of two or more quantities."),
+    ("max", Function::Max, "The greatest of two or more quantities."),
     ("abs", Function::Abs, "The size of a quantity, without its sign."),
     ("exp", Function::Exp, "The exponential of a plain number."),
     ("sqrt", Function::Sqrt, "The square root of a number, which must not be below 0; of an area a length."),
@@ -70,6 +70,10 @@ pub(super) fn formula(
 pub(super) fn unit(name: &Name, diagnostics: &mut Vec<Diagnostic>) -> Option<Unit> {
     let names = || -> Vec<&str> { UNIT_NAMES.iter().map(|(name, _)| *name).collect() };
     match parse_unit(&name.text) {
+        Ok(_) if name.text == "m/h" => {
+            diagnostics.push(codes::unknown_unit(name.span, &name.text, Some(&name.text), &names()));
+            None
+        }
         Ok(unit) => Some(unit),
         Err(UnitError::Unknown { name: part }) => {
             diagnostics.push(codes::unknown_unit(name.span, &name.text, Some(&part), &names()));
@@ -80,6 +84,17 @@ pub(super) fn unit(name: &Name, diagnostics: &mut Vec<Diagnostic>) -> Option<Uni
             None
         }
     }
+}
+
+/// Leaves of the units that a number may lack that of the number beside it, if there is one.
+fn as_other(mut said: Diagnostic, beside: &Expression) -> Diagnostic {
+    if let ExpressionKind::Number { unit: Some(unit), .. } = &beside.kind {
+        let ends = format!(" {}", unit.text);
+        if said.fixes.iter().any(|fix| fix.text.ends_with(&ends)) {
+            said.fixes.retain(|fix| fix.text.ends_with(&ends));
+        }
+    }
+    said
 }
 
 /// A part of a formula.
@@ -255,10 +270,12 @@ impl Checker<'_> {
             _ if a.dimension != b.dimension && (compares(operator) || !self.scope.whole) => {
                 return match (plain(left), plain(right)) {
                     (Some(number), _) if a.dimension == Dimension::RATIO => {
-                        self.say(codes::bare_number(left.span, b.dimension, &number.to_string(), right.span))
+                        let said = codes::bare_number(left.span, b.dimension, &number.to_string(), right.span);
+                        self.say(as_other(said, right))
                     }
                     (_, Some(number)) if b.dimension == Dimension::RATIO => {
-                        self.say(codes::bare_number(right.span, a.dimension, &number.to_string(), left.span))
+                        let said = codes::bare_number(right.span, a.dimension, &number.to_string(), left.span);
+                        self.say(as_other(said, left))
                     }
                     _ => self.say(codes::mixed_dimensions(left.span, a.dimension, right.span, b.dimension)),
                 };
@@ -321,9 +338,17 @@ impl Checker<'_> {
         let Some((_, function, _)) = FUNCTIONS.iter().find(|(known, ..)| *known == name.text) else {
             return self.say(codes::unknown_function(name.span, &name.text, &known));
         };
+        let before = self.diagnostics.len();
         let checked: Vec<Option<Quantity>> = arguments.iter().map(|each| self.quantity(each)).collect();
+        // Between two arguments a comma is missing rather than a sign.
+        if let ([_], Function::Min | Function::Max) = (arguments, function)
+            && let Some(said) = self.diagnostics[before..].iter_mut().find(|said| codes::lacks_sign(said))
+        {
+            codes::or_comma(said);
+            return None;
+        }
         let (fits, expected) = match function {
-            Function::Min | Function::Max => (!arguments.is_empty(), "one argument or more"),
+            Function::Min | Function::Max => (arguments.len() > 1, "two arguments or more"),
             Function::LogLikelihood => (arguments.len() == 3, "a value, a mean and a standard deviation"),
             _ => (arguments.len() == 1, "one argument"),
         };

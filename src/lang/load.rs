@@ -104,9 +104,6 @@ fn load_as(
 /// How many files may import each other in a row.
 const LONGEST_CHAIN: usize = 256;
 
-/// What some editors begin files with.
-const BYTE_ORDER_MARK: char = '\u{feff}';
-
 struct Loader<'a> {
     /// Whether only the headings of the library's files are read.
     shelving: bool,
@@ -131,11 +128,7 @@ impl Loader<'_> {
         let source = if of_library {
             self.sources.add_builtin(path, library::read(path)?)
         } else {
-            let mut text = self.read.text(path)?;
-            if text.starts_with(BYTE_ORDER_MARK) {
-                text.drain(..BYTE_ORDER_MARK.len_utf8());
-            }
-            self.sources.add(path, text)
+            self.sources.add_file(path, self.read.text(path)?)
         };
         self.known.insert(key, source);
         let text = &self.sources.get(source).text;

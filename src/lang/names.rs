@@ -6,6 +6,7 @@ use std::ops::Bound;
 use super::ast::{File, Import, Name};
 use super::codes;
 use super::hir::ParamId;
+use super::shelf;
 use super::suggest::nearest;
 use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
 use crate::signature::{DeclarationId, Form};
@@ -21,6 +22,8 @@ pub(super) struct Names<'a> {
     torn: bool,
     /// Behind which word an import would stand; none for what is no file.
     imports: Option<Span>,
+    /// The paths of which single names are imported, with the place of the last of them.
+    selective: BTreeMap<&'a str, Span>,
 }
 
 impl<'a> Names<'a> {
@@ -76,15 +79,25 @@ impl<'a> Names<'a> {
         self.unread.contains(name) || self.torn && nearest(name, known.into_iter().take(MOST)).is_none()
     }
 
-    /// The place where another import would stand, and whether something is on its line already.
-    pub fn another_import(&self, sources: &Sources) -> Option<(Span, bool)> {
+    /// What would import a name of the standard library, and where that would stand.
+    pub fn another_import(&self, name: &str, file: &str, sources: &Sources) -> Option<(Span, String)> {
+        let path = format!("std/{file}");
+        if let Some(last) = self.selective.get(path.as_str()) {
+            return Some((Span { start: last.end, ..*last }, format!(", {name}")));
+        }
         let word = self.imports?;
+        // All of it cannot be imported beside a name of its own.
+        let own = self.known.iter().filter(|(_, (_, span))| span.source == word.source);
+        let clash = own.map(|((form, name), _)| shelf::home(form, name)).any(|home| home == Some(file));
+        let import = if clash { format!("import {name} from \"{path}\"") } else { format!("import \"{path}\"") };
         let text = &sources.get(word.source).text;
         let line = text[word.end..].lines().next().unwrap_or_default();
         // A comment stays with the line that it is about.
         let comment = line.trim_start().starts_with("//");
         let at = word.end + if comment { line.len() } else { 0 };
-        Some((Span { source: word.source, start: at, end: at }, at > 0))
+        let line_end = if text.contains("\r\n") { "\r\n" } else { "\n" };
+        let added = if at > 0 { format!("{line_end}{import}") } else { format!("{import}{line_end}") };
+        Some((Span { source: word.source, start: at, end: at }, added))
     }
 
     pub fn has_params(&self) -> bool {
@@ -170,7 +183,9 @@ fn visit<'a>(
     let first = Span { source: file.source, start: 0, end: 0 };
     let before = file.imports.iter().map(|import| import.span).max();
     let imports = before.or(file.edition.map(|(_, span)| span)).unwrap_or(first);
-    let mut names = Names { unread, torn: file.torn, imports: Some(imports), ..Names::default() };
+    let several = file.imports.iter().filter_map(|import| Some((import.path.as_str(), import.names.last()?.span)));
+    let selective = several.collect();
+    let mut names = Names { unread, torn: file.torn, imports: Some(imports), selective, ..Names::default() };
     for import in &file.imports {
         let Some(source) = import.source else {
             // What it would have brought is not known.

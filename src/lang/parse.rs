@@ -12,6 +12,7 @@ use super::ast::{
 };
 use super::{brackets, codes, repair};
 use crate::diagnostic::{Diagnostic, SourceId, Span};
+use crate::signature::short;
 use crate::units::parse_unit;
 
 #[allow(missing_docs, reason = "the derive writes the enum; the grammar documents the rules")]
@@ -390,8 +391,15 @@ impl Reader {
         let mut left = first;
         let binds = |pair: &Pair<Rule>| operator(pair).filter(|(_, tightness)| *tightness >= least);
         while let Some((operator, tightness)) = pairs.peek().and_then(binds) {
-            pairs.next();
+            let sign = pairs.next().expect("it was peeked at");
+            let joined = sign.as_str() == "+"
+                && pairs
+                    .peek()
+                    .is_some_and(|next| next.as_str() == "-" && next.as_span().start() == sign.as_span().end());
             let right = self.term(pairs);
+            if joined {
+                self.diagnostics.push(codes::tolerance(left.span.to(right.span), around(&left, &right)));
+            }
             let right = self.operations(right, pairs, tightness + 1);
             let span = left.span.to(right.span);
             let kind = ExpressionKind::Binary { operator, left: left.into(), right: right.into() };
@@ -417,6 +425,10 @@ impl Reader {
             return expression;
         }
         for (negative, span) in prefixes.into_iter().rev() {
+            if !negative {
+                // `not` is about a whole comparison.
+                expression = self.operations(expression, pairs, COMPARISON);
+            }
             let span = span.to(expression.span);
             let kind = match (negative, expression.kind) {
                 (true, ExpressionKind::Number { value, unit }) => ExpressionKind::Number { value: -value, unit },
@@ -457,6 +469,21 @@ impl Reader {
                         }
                         Entry::Clause(_) | Entry::Child(_) | Entry::Unread(_) => {
                             unreachable!("an argument is a value")
+                        }
+                    }
+                }
+                let pairs_of_two = arguments.windows(2).filter(|pair| pair[0].span.end + 1 == pair[1].span.start);
+                let close: Vec<&[Expression]> = pairs_of_two.collect();
+                // Who leaves blanks behind commas, but not behind this one, may have meant a fraction.
+                if keys.is_empty() && close.len() + 1 < arguments.len() {
+                    for pair in close {
+                        let at = |place: usize| place - self.offset;
+                        let (from, comma) = (at(pair[0].span.start), at(pair[0].span.end));
+                        let digits = text[comma + 1..].bytes().take_while(u8::is_ascii_digit).count();
+                        let whole = text[from..comma].bytes().all(|byte| byte.is_ascii_digit());
+                        if whole && digits > 0 && !text[comma + 1 + digits..].starts_with('.') {
+                            let place = self.place(from, comma + 1 + digits);
+                            self.diagnostics.push(codes::comma_in_number(place, &text[from..comma + 1 + digits]));
                         }
                     }
                 }
@@ -515,6 +542,10 @@ impl Reader {
         if let Some(key) = repair::dotted_key(text).filter(|_| rule == Rule::whole_entry) {
             return self.diagnostics.push(codes::dotted_key(self.place(start, start + key.len()), key));
         }
+        if let Some((place, said, meant)) = repair::split_words(text, rule == Rule::whole_entry) {
+            let span = self.place(start + place.start, start + place.end);
+            return self.diagnostics.push(codes::slip(span, said, meant.as_deref()));
+        }
         let reads = |text: &str| ScenarioParser::parse(rule, text).is_ok();
         let slips = repair::slips(text, rule == Rule::whole_entry);
         // A value that follows a word right away may lack the colon between.
@@ -529,6 +560,9 @@ impl Reader {
             if all || slips.iter().any(|slip| slip.foreign) {
                 return;
             }
+        }
+        if let Some(sign) = repair::ends_open(text) {
+            return self.diagnostics.push(codes::open_end(self.place(start + sign.start, start + sign.end)));
         }
         let before = if text.starts_with('(') { before } else { "" };
         let whole = format!("{before}{text}");
@@ -559,16 +593,82 @@ impl Reader {
         }
         let listed = repair::unbracketed(before, text).filter(|_| rule == Rule::whole_entry);
         if let Some((span, values)) = listed.map(around) {
-            return Some(codes::unbracketed_list(span, &values));
+            let quantity = |text: &str| {
+                text.trim_start_matches('-').starts_with(|c: char| c.is_ascii_digit()) && text.contains(' ')
+            };
+            return Some(match values.split_once(',').map(|(low, high)| (low.trim(), high.trim())) {
+                Some((low, high)) if !high.contains(',') && quantity(low) && quantity(high) => {
+                    codes::unbracketed_pair(span, (low, high))
+                }
+                _ => codes::unbracketed_list(span, &values),
+            });
         }
         let value = before.trim_end();
+        let word_end = text.find(|c: char| !(c == '_' || c.is_ascii_alphanumeric())).unwrap_or(text.len());
+        let (word, behind) = text.split_at(word_end);
+        let is_unit = |text: &str| !text.is_empty() && parse_unit(text).is_ok();
+        let behind_word = value.ends_with(|c: char| c == '_' || c.is_ascii_alphanumeric());
+        if matches!(word, "as" | "to") && is_unit(behind.trim()) {
+            let said = "a quantity is counted `in` a unit";
+            return Some(codes::slip(self.place(start, start + word.len()), said, Some("in")));
+        }
+        if matches!(word, "and" | "or" | "not") && behind.trim().is_empty() {
+            return Some(codes::open_end(self.place(start, start + word.len())));
+        }
+        if let Some(sign) = repair::compares(word).filter(|_| !behind.trim().is_empty()) {
+            let said = "quantities are compared by signs";
+            return Some(codes::slip(self.place(start, start + word.len()), said, Some(sign)));
+        }
+        let last = value.rsplit(|c: char| !(c == '_' || c.is_ascii_alphanumeric())).next().unwrap_or_default();
+        let behind_name = last.starts_with(|c: char| c.is_ascii_alphabetic());
+        if behind_name && is_unit(text.trim_matches([' ', '\t', '\r', '\n'])) && rule == Rule::whole_entry {
+            let said = "a unit stands behind a number; a quantity is counted `in` it";
+            let meant = format!("in {}", text.trim());
+            return Some(codes::slip(
+                self.place(start, start + text.len()),
+                said,
+                value.contains("=>").then_some(&*meant),
+            ));
+        }
+        if let Some((low, high)) = text.split_once(" to ").filter(|_| value.ends_with("from")) {
+            let from = start - (before.len() - value.len()) - "from".len();
+            let meant = format!("{low} .. {high}");
+            let said = "a range is written `low .. high`";
+            return Some(codes::slip(self.place(from, start + text.len()), said, Some(&meant)));
+        }
+        if value.trim_start().starts_with("import ") && value.ends_with('"') {
+            let said = "an import ends with its path; names stand before it: `import a, b from \"path\"`";
+            return Some(codes::slip(self.place(start, start + text.len()), said, None));
+        }
+        if value.ends_with(',') && text.starts_with('(') {
+            let comma = start - (before.len() - value.len());
+            return Some(codes::slip(
+                self.place(comma - 1, comma),
+                "several values stand in brackets: `[(…), (…)]`",
+                None,
+            ));
+        }
+        let kind = value.rsplit(|c: char| !(c == '_' || c.is_ascii_alphanumeric())).next().unwrap_or_default();
+        let keyed = text.find(':').is_some_and(|colon| {
+            text[..colon].trim_end().bytes().all(|byte| byte == b'_' || byte.is_ascii_alphanumeric())
+        });
+        if rule == Rule::whole_item && keyed && value.contains('=') && !kind.is_empty() {
+            let from = start - (before.len() - value.len()) - kind.len();
+            let meant = format!("{kind}({})", text.trim_end_matches(','));
+            let said = "what a kind takes stands in parentheses";
+            return Some(codes::slip(self.place(from, start + text.len()), said, Some(&meant)));
+        }
         if value.ends_with("return") {
             let span = self.place(start - (before.len() - value.len()) - "return".len(), start);
             return Some(codes::slip(span, "a formula stands alone", Some("")));
         }
         let unit = text.find(|c: char| !(c.is_ascii_alphanumeric() || "/^*".contains(c))).unwrap_or(text.len());
-        let counted = value.ends_with([')', ']']) && parse_unit(&text[..unit]).is_ok();
-        counted.then(|| codes::slip(self.place(start, start + unit), "the unit stands behind every number", None))
+        if value.ends_with([')', ']']) && parse_unit(&text[..unit]).is_ok() {
+            return Some(codes::slip(self.place(start, start + unit), "the unit stands behind every number", None));
+        }
+        let stray = rule == Rule::whole_entry && behind_word && behind.trim().is_empty() && !word.is_empty();
+        let said = "this does not belong to the value before it";
+        stray.then(|| codes::syntax(self.place(start, start + word.len()), said.into()))
     }
 
     /// A part of the text that is being parsed, as a place of the source.
@@ -580,6 +680,19 @@ impl Reader {
     fn with_commas(&self, text: &str, added: usize, start: usize, rule: Rule) -> Option<Diagnostic> {
         let commas = repair::missing_commas(text);
         let first = *commas.first()?;
+        // The first word in the parentheses of a kind is a key.
+        let head = text[..first].trim_end_matches(|c: char| c == '_' || c.is_ascii_alphanumeric());
+        let open = head.trim_end().strip_suffix(['(', ',']);
+        let of_kind =
+            open.is_some_and(|open| open.split('(').count() < 3 && open.contains('=')) && !text.contains("=>");
+        let named = text[head.len()..first].starts_with(|c: char| c.is_ascii_lowercase());
+        let keyed = format!("{}:{}", &text[..first], &text[first..]);
+        if commas.len() == 1 && of_kind && named && ScenarioParser::parse(rule, &keyed).is_ok() {
+            let key = start + head.len() - added;
+            let meant = format!("{}:", &text[head.len()..first]);
+            let said = "a key is followed by `:`";
+            return Some(codes::slip(self.place(key, start + first - added), said, Some(&meant)));
+        }
         let (mut repaired, mut last) = (String::new(), 0);
         for comma in &commas {
             repaired.extend([&text[last..*comma], ","]);
@@ -612,6 +725,17 @@ impl Reader {
     }
 }
 
+/// The range between a quantity less another and more by it, when both are plain and counted in one unit.
+fn around(middle: &Expression, less: &Expression) -> Option<String> {
+    let number = |expression: &Expression| match &expression.kind {
+        ExpressionKind::Number { value, unit } => Some((*value, unit.as_ref().map(|unit| unit.text.clone()))),
+        _ => None,
+    };
+    let ((middle, unit), (less, other)) = (number(middle)?, number(less)?);
+    let with_unit = |value: f64| format!("{} {}", short(value), unit.as_deref().unwrap_or_default()).trim().to_string();
+    (unit == other).then(|| format!("{} .. {}", with_unit(middle + less), with_unit(middle - less)))
+}
+
 fn read_number(text: &str) -> f64 {
     let number = if text.contains('_') { text.replace('_', "").parse() } else { text.parse() };
     number.expect("the grammar admits only numbers")
@@ -621,6 +745,9 @@ fn inner_text(pair: &Pair<Rule>) -> String {
     pair.clone().into_inner().next().map_or_else(String::new, |inner| inner.as_str().to_string())
 }
 
+/// How tightly comparisons bind: less than what they compare, more than `and` and `or`.
+const COMPARISON: u8 = 2;
+
 /// An operator, and how tightly it binds; none for another pair.
 fn operator(pair: &Pair<Rule>) -> Option<(Operator, u8)> {
     if pair.as_rule() != Rule::infix {
@@ -629,10 +756,10 @@ fn operator(pair: &Pair<Rule>) -> Option<(Operator, u8)> {
     Some(match pair.as_str() {
         "or" => (Operator::Or, 0),
         "and" => (Operator::And, 1),
-        "<" => (Operator::Less, 2),
-        "<=" => (Operator::LessEqual, 2),
-        ">" => (Operator::Greater, 2),
-        ">=" => (Operator::GreaterEqual, 2),
+        "<" => (Operator::Less, COMPARISON),
+        "<=" => (Operator::LessEqual, COMPARISON),
+        ">" => (Operator::Greater, COMPARISON),
+        ">=" => (Operator::GreaterEqual, COMPARISON),
         "+" => (Operator::Add, 3),
         "-" => (Operator::Subtract, 3),
         "*" => (Operator::Multiply, 4),

@@ -26,11 +26,19 @@ pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
                 return None;
             }
             let distance = strsim::damerau_levenshtein(&lower, &other);
-            // A word of which nothing is left is another word.
-            (distance <= most && distance < lower.len().max(other.len())).then_some((candidate, distance))
+            // A word of which nothing is left is another word, and so is one that is counted differently.
+            (!numbered_otherwise(&lower, &other) && distance <= most && distance < lower.len().max(other.len()))
+                .then_some((candidate, distance))
         })
         .min_by_key(|(_, distance)| *distance)
         .map(|(candidate, _)| candidate)
+}
+
+/// Whether two words differ in their digits alone.
+fn numbered_otherwise(a: &str, b: &str) -> bool {
+    let is_digit = |c: char| c.is_ascii_digit();
+    let letters = |word: &str| word.replace(is_digit, "");
+    a != b && a.contains(is_digit) && b.contains(is_digit) && letters(a) == letters(b)
 }
 
 /// How often which letter occurs; letters beyond ASCII share places.
@@ -52,6 +60,8 @@ mod tests {
         assert_eq!(nearest("rewrd", known), Some("reward"));
         assert_eq!(nearest("Distence", known), Some("distance"));
         assert_eq!(nearest("banana", known), None);
+        assert_eq!(nearest("r3", ["r1", "r2"]), None);
+        assert_eq!(nearest("model", ["model3"]), Some("model3"));
     }
 
     #[test]

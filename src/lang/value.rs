@@ -9,6 +9,7 @@ use super::elsewhere::own_word;
 use super::formula::{Scope, Sort, formula, is_function};
 use super::names::Names;
 use super::shelf;
+use super::suggest::nearest;
 use crate::diagnostic::{Diagnostic, Fix, Sources, Span};
 use crate::signature::{Distribution, Form, Formula, LEAST, MOST, Type, Value, VariableId, Vocabulary, bounds, short};
 use crate::units::{Dimension, parse_unit};
@@ -31,11 +32,19 @@ pub(super) fn value(
 ) -> Option<Value> {
     let span = expression.span;
     let wrong = |diagnostics: &mut Vec<Diagnostic>| {
-        diagnostics.push(otherwise(expression, ty, context));
+        // What could not be read may have been the parameter.
+        let lost = |word: &str| context.names.may_be_unread(word, context.names.params());
+        if !matches!(&expression.kind, ExpressionKind::Name(word) if lost(word)) {
+            diagnostics.push(otherwise(expression, ty, context));
+        }
         None
     };
     match (ty, &expression.kind) {
         (_, ExpressionKind::Known(Known::Wrong)) => None,
+        _ if let Some(meant) = places_with_units(expression, ty, context) => {
+            diagnostics.push(codes::missing_units(span, meant));
+            None
+        }
         (Type::List(item), ExpressionKind::List(members)) => {
             if members.is_empty() {
                 diagnostics.push(codes::empty_list(span));
@@ -68,7 +77,10 @@ pub(super) fn value(
         }
         (Type::List(item), _) => value(expression, item, context, diagnostics).map(|one| Value::List(vec![one])),
         (Type::Range { dimension, min, max }, ExpressionKind::Range(low, high)) => {
-            let (a, b) = ends(span, low, high, *dimension, context, diagnostics)?;
+            let before = diagnostics.len();
+            let ends = ends(span, low, high, *dimension, context, diagnostics);
+            as_allowed(&mut diagnostics[before..], expression, *dimension, (*min, *max));
+            let (a, b) = ends?;
             within(a, *min, *max, *dimension, low.span, context, diagnostics)?;
             within(b, *min, *max, *dimension, high.span, context, diagnostics)?;
             Some(Value::Range(a, b))
@@ -77,7 +89,10 @@ pub(super) fn value(
             wrong(diagnostics)
         }
         (Type::Distribution { dimension, min, max }, _) => {
-            let drawn = distribution(expression, *dimension, context, diagnostics)?;
+            let before = diagnostics.len();
+            let drawn = distribution(expression, *dimension, context, diagnostics);
+            as_allowed(&mut diagnostics[before..], expression, *dimension, (*min, *max));
+            let drawn = drawn?;
             let (low, high) = drawn.support();
             let unbounded = low == f64::NEG_INFINITY && *min > low || high == f64::INFINITY && *max < high;
             if unbounded {
@@ -94,15 +109,29 @@ pub(super) fn value(
                 let said = diagnostics.split_off(before);
                 diagnostics.extend(said.into_iter().map(|said| said.fix(meant.clone())));
             }
+            if inside.is_some() {
+                diagnostics.extend(as_difference(expression, &drawn, context));
+            }
             inside.map(|()| Value::Distribution(drawn))
         }
         (Type::Quantity { dimension, min, max }, _) if is_formula(expression) => {
-            let number = quantity(expression, *dimension, context, diagnostics)?;
+            let before = diagnostics.len();
+            let number = quantity(expression, *dimension, context, diagnostics);
+            as_allowed(&mut diagnostics[before..], expression, *dimension, (*min, *max));
+            let number = number?;
             within(number, *min, *max, *dimension, span, context, diagnostics)?;
             Some(Value::Number(number))
         }
         (Type::Integer { min, max }, _) if is_formula(expression) => {
             let number = quantity(expression, Dimension::RATIO, context, diagnostics)?;
+            let written = context.sources.text(span);
+            if number.fract() == 0.0
+                && written.contains('.')
+                && matches!(expression.kind, ExpressionKind::Number { .. })
+            {
+                diagnostics.push(codes::pointed(span, written));
+                return None;
+            }
             if number.fract() != 0.0 || number.abs() > 9e15 {
                 diagnostics.push(codes::not_whole(span, number));
                 return None;
@@ -136,13 +165,8 @@ pub(super) fn value(
                 None
             }
             None if let Some(file) = shelf::home(form, word) => {
-                diagnostics.push(codes::not_imported(
-                    span,
-                    form,
-                    word,
-                    file,
-                    context.names.another_import(context.sources),
-                ));
+                let added = context.names.another_import(word, file, context.sources);
+                diagnostics.push(codes::not_imported(span, form, word, file, added));
                 None
             }
             None => {
@@ -232,6 +256,27 @@ pub(super) fn plain_number(
     }
 }
 
+/// A place, or several, with the units that all of its numbers lack.
+fn places_with_units(expression: &Expression, ty: &Type, context: &Context) -> Option<String> {
+    let number = |part: &Expression, unit: &str| match &part.kind {
+        ExpressionKind::Number { unit: None, .. } => Some(format!("{} {unit}", context.sources.text(part.span))),
+        _ => None,
+    };
+    match (ty, &expression.kind) {
+        (Type::Point | Type::Pose, ExpressionKind::Group(parts)) => {
+            let units: &[&str] = if *ty == Type::Point { &["m", "m"] } else { &["m", "m", "deg"] };
+            let numbers = parts.iter().zip(units).map(|(part, unit)| number(part, unit)).collect::<Option<Vec<_>>>()?;
+            (parts.len() == units.len()).then(|| format!("({})", numbers.join(", ")))
+        }
+        (Type::List(place), ExpressionKind::List(members)) if matches!(**place, Type::Point | Type::Pose) => {
+            let places = members.iter().map(|member| places_with_units(member, place, context));
+            let places = places.collect::<Option<Vec<_>>>()?;
+            (!places.is_empty()).then(|| format!("[{}]", places.join(", ")))
+        }
+        _ => None,
+    }
+}
+
 /// Both ends of a range, in order.
 fn ends(
     span: Span,
@@ -241,6 +286,13 @@ fn ends(
     context: &Context,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> Option<(f64, f64)> {
+    let bare = |end: &Expression| matches!(end.kind, ExpressionKind::Number { unit: None, .. });
+    if bare(low) && bare(high) && dimension != Dimension::RATIO {
+        let written = context.sources.text(low.span.to(high.span));
+        let (a, b) = (context.sources.text(low.span), context.sources.text(high.span));
+        diagnostics.push(codes::missing_unit_of_both(low.span.to(high.span), dimension, written, (a, b)));
+        return None;
+    }
     let before = diagnostics.len();
     let (a, b) = (quantity(low, dimension, context, diagnostics), quantity(high, dimension, context, diagnostics));
     as_beside(&mut diagnostics[before..], low, high, dimension, context);
@@ -354,11 +406,15 @@ fn distribution(
                     Some(Distribution::Uniform(a, b))
                 }
                 ("normal", [mean, deviation]) => {
-                    let mean = quantity(mean, dimension, context, said);
-                    let spread = quantity(deviation, dimension, context, said)?;
+                    let before = said.len();
+                    let middle = quantity(mean, dimension, context, said);
+                    let spread = quantity(deviation, dimension, context, said);
+                    as_beside(&mut said[before..], mean, deviation, dimension, context);
+                    as_beside(&mut said[before..], deviation, mean, dimension, context);
+                    let (mean, spread) = (middle?, spread?);
                     within(spread, LEAST, MOST, dimension, deviation.span, context, said)?;
                     let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);
-                    Some(Distribution::Normal { mean: mean?, deviation: spread, low, high })
+                    Some(Distribution::Normal { mean, deviation: spread, low, high })
                 }
                 ("truncated", [inner, range]) => {
                     let whole = distribution(inner, dimension, context, said);
@@ -391,7 +447,7 @@ fn distribution(
         _ if is_formula(expression) => {
             let before = said.len();
             let constant = quantity(expression, dimension, context, said).map(Distribution::Constant);
-            as_dashed_range(&mut said[before..], expression, context);
+            as_dashed_range(&mut said[before..], expression, dimension, context);
             constant
         }
         _ => {
@@ -477,8 +533,12 @@ fn quantity(
         }
         Sort::Quantity(found) => {
             let bare = matches!(expression.kind, ExpressionKind::Number { .. });
-            diagnostics.push(match dimension {
-                Dimension::RATIO if !bare => codes::uncounted(expression.span, found),
+            let number = formula.evaluate(&|_: VariableId| unreachable!("no variable is in scope"));
+            diagnostics.push(match (dimension, found) {
+                (Dimension::RATIO, _) if !bare => codes::uncounted(expression.span, found),
+                (Dimension::TIME, Dimension::FREQUENCY) if bare && number > 0.0 => {
+                    codes::wrong_unit(expression.span, dimension, found).fix(format!("{} s", short(1.0 / number)))
+                }
                 _ => codes::wrong_unit(expression.span, dimension, found),
             });
             None
@@ -487,11 +547,12 @@ fn quantity(
 }
 
 /// Takes a difference such as `20-50 km/h`, which lacks a unit, for the range that it is in print.
-fn as_dashed_range(said: &mut [Diagnostic], expression: &Expression, context: &Context) {
+fn as_dashed_range(said: &mut [Diagnostic], expression: &Expression, dimension: Dimension, context: &Context) {
     if let ExpressionKind::Binary { operator: Operator::Subtract, left, right } = &expression.kind
         && let ExpressionKind::Number { value: low, unit: None } = left.kind
         && let ExpressionKind::Number { value: high, unit: Some(unit) } = &right.kind
         && low < *high
+        && parse_unit(&unit.text).is_ok_and(|unit| unit.dimension == dimension)
         && let Some(said) = said.iter_mut().find(|each| each.code == "missing-unit" && each.primary.span == left.span)
     {
         let (low, high) = (context.sources.text(left.span), context.sources.text(right.span));
@@ -499,6 +560,59 @@ fn as_dashed_range(said: &mut [Diagnostic], expression: &Expression, context: &C
         said.help.push("`-` takes away; a range is written `low .. high`".into());
         said.fixes = vec![Fix { span: expression.span, text }];
     }
+}
+
+/// Leaves of the units that a number may lack those with which its key allows it.
+///
+/// Of angles both are always offered: a turn more or less is soon written.
+fn as_allowed(said: &mut [Diagnostic], expression: &Expression, dimension: Dimension, (min, max): (f64, f64)) {
+    if dimension == Dimension::ANGLE {
+        return;
+    }
+    let ends = match &expression.kind {
+        ExpressionKind::Range(low, high) => [low.span, high.span, low.span.to(high.span)],
+        _ => [expression.span; 3],
+    };
+    let holds = |text: &str| {
+        let (number, unit) = text.split_once(' ')?;
+        let unit = parse_unit(unit).ok().filter(|unit| unit.dimension == dimension)?;
+        let value = number.replace('_', "").parse::<f64>().ok()? * unit.factor;
+        Some(value >= min && value <= max)
+    };
+    let allowed =
+        |fix: &Fix| fix.text.split(" .. ").map(holds).collect::<Option<Vec<bool>>>().map(|all| !all.contains(&false));
+    for said in said.iter_mut().filter(|each| each.code == "missing-unit" && ends.contains(&each.primary.span)) {
+        // Units that are less usual, where the usual ones make it too much.
+        let others = ["cm", "mm", "ms", "min"].map(|unit| Fix {
+            span: said.primary.span,
+            text: format!("{} {unit}", said.fixes.first().map_or("", |fix| fix.text.split(' ').next().unwrap_or(""))),
+        });
+        if said.fixes.iter().any(|fix| allowed(fix) == Some(true)) {
+            said.fixes.retain(|fix| allowed(fix) != Some(false));
+        } else if said.fixes.iter().all(|fix| allowed(fix) == Some(false)) {
+            said.fixes.extend(others.into_iter().find(|fix| allowed(fix) == Some(true)));
+            said.fixes.retain(|fix| allowed(fix) != Some(false));
+        }
+    }
+}
+
+/// Asks about a difference of two plain quantities of which the first is less: print writes ranges that way.
+fn as_difference(expression: &Expression, drawn: &Distribution, context: &Context) -> Option<Diagnostic> {
+    let (ExpressionKind::Binary { operator: Operator::Subtract, left, right }, Distribution::Constant(_)) =
+        (&expression.kind, drawn)
+    else {
+        return None;
+    };
+    let (
+        ExpressionKind::Number { value: low, unit: Some(unit) },
+        ExpressionKind::Number { value: high, unit: Some(other) },
+    ) = (&left.kind, &right.kind)
+    else {
+        return None;
+    };
+    let range = format!("{} .. {}", context.sources.text(left.span), context.sources.text(right.span));
+    let value = format!("{} {}", short(low - high), unit.text);
+    (unit.text == other.text && low < high).then(|| codes::difference(expression.span, &value, &range))
 }
 
 /// Leaves of the units that a number may lack only that of another number beside it, if there is one.
@@ -550,7 +664,15 @@ fn otherwise(expression: &Expression, ty: &Type, context: &Context) -> Diagnosti
     match (ty, &expression.kind) {
         (_, ExpressionKind::List(members) | ExpressionKind::Group(members)) if ranged => match members.as_slice() {
             [range @ Expression { kind: ExpressionKind::Range(..), .. }] => said(Some(text(range.span).into()), ""),
-            [low, high] => said(Some(format!("{} .. {}", text(low.span), text(high.span))), ""),
+            [low, high] => {
+                let (low, high) = (text(low.span), text(high.span));
+                let said = said(Some(format!("{low} .. {high}")), "");
+                let one_of = matches!((ty, &expression.kind), (Type::Distribution { .. }, ExpressionKind::List(_)));
+                if one_of { said.fix(format!("choice({low}, {high})")) } else { said }
+            }
+            _ if matches!(ty, Type::Distribution { .. }) => {
+                said(None, "a range is written `low .. high`, one of several values `choice(a, b, c)`")
+            }
             _ => said(None, "a range is written `low .. high`"),
         },
         (Type::Range { .. }, _) => said(None, "a range is written `low .. high`"),
@@ -560,8 +682,17 @@ fn otherwise(expression: &Expression, ty: &Type, context: &Context) -> Diagnosti
         },
         (Type::Reference(_), ExpressionKind::Text(word)) => said(Some(word.clone()), "names have no quotes"),
         (Type::Text | Type::Path, ExpressionKind::Name(word)) => said(Some(format!("\"{word}\"")), ""),
+        (Type::Boolean, ExpressionKind::Number { value, unit: None }) if *value == 0.0 || *value == 1.0 => {
+            said(Some((*value == 1.0).to_string()), "")
+        }
         (Type::Boolean, ExpressionKind::Name(word)) => {
             said(own_word(word).filter(|own| matches!(*own, "true" | "false")).map(str::to_string), "")
+        }
+        (_, ExpressionKind::List(members)) if members.len() == 1 && !matches!(ty, Type::List(_)) => {
+            said(Some(text(members[0].span).into()), "")
+        }
+        (_, ExpressionKind::Name(word)) if nearest(word, context.names.params()).is_some() => {
+            said(nearest(word, context.names.params()).map(str::to_string), "")
         }
         (_, ExpressionKind::Name(word)) if word == "None" || word == "null" => {
             said(None, "what may be left out is left out: take the key away")

@@ -253,7 +253,9 @@ impl<W: Write> Server<W> {
             if range.end < part.start || range.start > part.end {
                 continue;
             }
-            repairs.extend(each.fixes.iter().map(|fix| {
+            // One in another file is not for this document.
+            let fixes = each.fixes.iter().filter(|fix| fix.span.source == id);
+            repairs.extend(fixes.map(|fix| {
                 let edit = TextEdit { range: self::range(&lines, fix.span), new_text: fix.text.clone() };
                 let changes = Some([(uri.clone(), vec![edit])].into());
                 CodeActionOrCommand::CodeAction(CodeAction {

@@ -32,9 +32,9 @@ pub enum BinaryOperator {
 /// A function of formulas.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Function {
-    /// The least of one or more.
+    /// The least of two or more.
     Min,
-    /// The greatest of one or more.
+    /// The greatest of two or more.
     Max,
     /// The absolute value of one.
     Abs,

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use indicatif::{FormattedDuration, HumanCount, MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use super::super::front;
 use super::board::Board;
 use super::piece::Piece;
 
@@ -71,7 +72,7 @@ impl Bars {
 
     /// Says something above the bars.
     pub fn say(&self, line: &str) {
-        self.screen.suspend(|| anstream::eprintln!("{line}"));
+        self.screen.suspend(|| front::note(line));
     }
 
     /// Removes the bars.

@@ -1,6 +1,7 @@
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
+use super::super::front;
 use super::bars::Bars;
 use super::board::Board;
 use super::events::Event;
@@ -56,7 +57,7 @@ impl<'a> Progress<'a> {
         }
         let reused = self.reused.into_inner();
         if reused > 0 && (self.lines || self.bars.is_some()) {
-            anstream::eprintln!("{reused} of {cells} cells were there already");
+            front::note(&format!("{reused} of {cells} cells were there already"));
         }
     }
 
@@ -108,7 +109,7 @@ impl<'a> Progress<'a> {
         match &self.bars {
             // On a terminal the many evaluations would push everything else away.
             Some(bars) if error.is_some() || (piece.kind != Kind::Evaluation && !quiet) => bars.say(&line()),
-            None if error.is_some() || (self.lines && !quiet) => anstream::eprintln!("{}", line()),
+            None if error.is_some() || (self.lines && !quiet) => front::note(&line()),
             _ => {}
         }
         self.glance();

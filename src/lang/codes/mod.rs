@@ -38,6 +38,7 @@ pub(in crate::lang) fn one(thing: impl std::fmt::Display) -> String {
     let thing = thing.to_string();
     match thing.chars().next() {
         Some('`') => thing,
+        _ if ["a ", "an ", "the "].iter().any(|article| thing.starts_with(article)) => thing,
         _ if thing.starts_with("one of") || thing.starts_with("text") => thing,
         Some('a' | 'e' | 'i' | 'o') => format!("an {thing}"),
         _ => format!("a {thing}"),

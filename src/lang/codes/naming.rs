@@ -149,6 +149,13 @@ pub fn unknown_key(span: Span, owner: &str, word: &str, keys: &[&str], elsewhere
     }
 }
 
+/// An event stands where a key does.
+pub fn event_for_key(span: Span, owner: &str, word: &str) -> Diagnostic {
+    Diagnostic::error("unknown-key", span, format!("`{owner}` has no key `{word}`"))
+        .here("this is an event")
+        .help(format!("what an event is worth is written `on {word} => …`"))
+}
+
 /// A key stands twice.
 pub fn duplicate_key(span: Span, word: &str, first: Span) -> Diagnostic {
     Diagnostic::error("duplicate-key", span, format!("`{word}` is given twice")).label(first, "first given here")
@@ -186,9 +193,19 @@ pub fn named_argument(keys: &[Name], place: Span, call: &str) -> Diagnostic {
     let (first, others) = keys.split_first().expect("a key is named");
     let message = format!("functions take no keys such as `{}`", first.text);
     let diagnostic = Diagnostic::error("named-argument", first.span, message);
-    // Other libraries have names for what comes second here.
-    const SECOND: [&str; 10] = ["sd", "std", "stddev", "sigma", "scale", "deviation", "high", "hi", "max", "to"];
-    let turned = SECOND.contains(&first.text.as_str());
+    // What comes where, by the names that other libraries have for it; any order will do for some functions.
+    const ORDER: [&[&str]; 3] = [
+        &["x", "value", "low", "lo", "lower", "least", "min", "from", "start", "begin", "mean", "mu", "loc"],
+        &[
+            "mean", "mu", "loc", "high", "hi", "upper", "most", "max", "to", "end", "stop", "sd", "std", "stddev",
+            "sigma", "scale",
+        ],
+        &["sd", "std", "stddev", "sigma", "scale"],
+    ];
+    let any = call.starts_with("min(") || call.starts_with("max(") || others.is_empty();
+    let in_order = keys.len() < 4 && keys.iter().zip(ORDER).all(|(key, known)| known.contains(&key.text.as_str()));
+    let plain = !call.contains(':') && !call.contains("//") && !call.contains("/*");
+    let turned = !plain || !any && !in_order;
     let diagnostic = others.iter().fold(diagnostic, |said, key| said.label(key.span, "nor this"));
     if turned { diagnostic.help("what they take stands in its order") } else { diagnostic.fix_at(place, call) }
 }
@@ -227,17 +244,16 @@ pub fn unknown_name<'a>(span: Span, form: &str, word: &str, known: impl IntoIter
     unknown("unknown-name", span, format!("unknown {form} `{}`", cut(word)), word, known)
 }
 
-/// A reference leads to a declaration of the standard library that the file does not import; `place` is where the import
-/// would stand, and whether something is before it on its line.
-pub fn not_imported(span: Span, form: &str, word: &str, file: &str, place: Option<(Span, bool)>) -> Diagnostic {
+/// A reference leads to a declaration of the standard library that the file does not import; `added` is what would import it,
+/// and where.
+pub fn not_imported(span: Span, form: &str, word: &str, file: &str, added: Option<(Span, String)>) -> Diagnostic {
     let diagnostic = Diagnostic::error("unknown-name", span, format!("unknown {form} `{}`", cut(word)))
         .here("not among what this file sees");
-    let import = format!("import \"std/{file}\"");
-    match place {
-        None => diagnostic.help(format!("the standard library has it: `{import}`")),
-        Some((place, behind)) => diagnostic
-            .help("the standard library has it")
-            .fix_at(place, if behind { format!("\n{import}") } else { format!("{import}\n") }),
+    match added {
+        None => diagnostic.help(format!("the standard library has it: `import \"std/{file}\"`")),
+        Some((place, text)) => {
+            diagnostic.help(format!("the standard library has it, in `std/{file}`")).fix_at(place, text)
+        }
     }
 }
 

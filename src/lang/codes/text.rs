@@ -32,6 +32,10 @@ pub fn decimal_comma(span: Span, written: &str) -> Diagnostic {
     if written.matches(',').count() > 1 {
         return diagnostic.here("no comma stands in a number").fix(written.replace(',', "_"));
     }
+    // That would be the same number again, and more exact than anybody writes.
+    if thousands && written.ends_with(",000") {
+        return diagnostic.here("no comma stands in a number").fix(written.replace(',', "_"));
+    }
     if thousands {
         return diagnostic
             .here("no comma stands in a number")
@@ -41,11 +45,34 @@ pub fn decimal_comma(span: Span, written: &str) -> Diagnostic {
     diagnostic.here("the sign before the fraction of a number is a point").fix(written.replace(',', "."))
 }
 
+/// A sum of a quantity and a negative one is written as print has tolerances; `range` is what was meant, where that can be told.
+pub fn tolerance(span: Span, range: Option<String>) -> Diagnostic {
+    let diagnostic = syntax(span, "write both ends: `-60 deg .. 60 deg`".into());
+    range.into_iter().fold(diagnostic, Diagnostic::fix)
+}
+
+/// A comma without a blank stands where it may be that of a fraction.
+pub fn comma_in_number(span: Span, written: &str) -> Diagnostic {
+    let (whole, part) = written.split_once(',').unwrap_or((written, ""));
+    Diagnostic::warning("two-numbers", span, format!("`{written}` are two numbers"))
+        .here("the sign before the fraction of a number is a point")
+        .fix(format!("{whole}.{part}"))
+        .fix(format!("{whole}, {part}"))
+}
+
 /// Several values stand side by side.
 pub fn unbracketed_list(span: Span, written: &str) -> Diagnostic {
     Diagnostic::error("syntax", span, "this statement cannot be read")
         .here("several values stand in brackets")
         .fix(format!("[{written}]"))
+}
+
+/// Two quantities stand side by side: a range, or a list.
+pub fn unbracketed_pair(span: Span, (low, high): (&str, &str)) -> Diagnostic {
+    Diagnostic::error("syntax", span, "this statement cannot be read")
+        .here("this is neither a range nor a list")
+        .fix(format!("{low} .. {high}"))
+        .fix(format!("[{low}, {high}]"))
 }
 
 /// A parameter has no type.

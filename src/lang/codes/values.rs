@@ -1,9 +1,11 @@
 //! What is wrong with a value: its type, its unit, its bounds; with a formula, a range, a distribution, an event.
 
+use std::f64::consts::TAU;
+
 use super::super::elsewhere::own_unit;
 use super::super::suggest::nearest;
 use super::{cut, one, quoted, unknown};
-use crate::diagnostic::{Diagnostic, Label, Span};
+use crate::diagnostic::{Diagnostic, Fix, Label, Span};
 use crate::signature::{Param, Type};
 use crate::units::{Dimension, parse_unit};
 
@@ -24,7 +26,37 @@ pub fn missing_unit(span: Span, dimension: Dimension, written: &str) -> Diagnost
     let diagnostic = Diagnostic::error("missing-unit", span, format!("{} needs a unit", one(dimension)));
     let plain = written.trim_start_matches('-').chars().all(|c| c.is_ascii_digit() || matches!(c, '.' | '_'));
     let offer = |unit: &&str| if plain { format!("{written} {unit}") } else { format!("({written}) * 1 {unit}") };
-    dimension.usual_units().iter().map(offer).fold(diagnostic, Diagnostic::fix)
+    let mut units = dimension.usual_units().to_vec();
+    if likelier_second(dimension, written) {
+        units.reverse();
+    }
+    units.iter().map(offer).fold(diagnostic, Diagnostic::fix)
+}
+
+/// Both ends of a range lack their unit.
+pub fn missing_unit_of_both(span: Span, dimension: Dimension, written: &str, (low, high): (&str, &str)) -> Diagnostic {
+    let diagnostic = missing_unit(span, dimension, written);
+    let large = if high.len() >= low.len() { high } else { low };
+    let units: Vec<String> = missing_unit(span, dimension, large).fixes.into_iter().map(|fix| fix.text).collect();
+    let units = units.iter().filter_map(|text| text.strip_prefix(large)).map(str::trim);
+    let fixes = units.map(|unit| Fix { span, text: format!("{low} {unit} .. {high} {unit}") }).collect();
+    Diagnostic { fixes, ..diagnostic }
+}
+
+/// All numbers of a place, or of several, lack their units.
+pub fn missing_units(span: Span, meant: String) -> Diagnostic {
+    Diagnostic::error("missing-unit", span, "every number of a place needs a unit").fix(meant)
+}
+
+/// Whether a bare number is rather counted in the second of the usual units: what would be a speed beyond all towns in m/s, or a
+/// few degrees with a fraction.
+fn likelier_second(dimension: Dimension, written: &str) -> bool {
+    let number = written.replace('_', "").parse::<f64>().unwrap_or(0.0).abs();
+    match dimension {
+        Dimension::SPEED => number >= 15.0,
+        Dimension::ANGLE => number <= TAU && number.fract() != 0.0,
+        _ => false,
+    }
 }
 
 /// Shows what the key of a value with a wrong unit, or with none, measures.
@@ -72,6 +104,16 @@ pub fn unknown_unit(span: Span, written: &str, part: Option<&str>, units: &[&str
             .help("a power is a whole number from -9 to 9, as in `m/s^2`");
     };
     let diagnostic = Diagnostic::error("unknown-unit", span, format!("`{part}` is no unit"));
+    if written == "m/h" {
+        return diagnostic.here("nothing here is as slow as metres per hour").fix("mph").fix("km/h");
+    }
+    // A thousandth is another unit, and no slip of the pen.
+    if ["us", "ns", "um", "nm"].contains(&part) {
+        return diagnostic.help("the least units are `ms` and `mm`, with fractions as need be");
+    }
+    if ["k", "K"].contains(&written) {
+        return diagnostic.help("numbers are written in full: `100_000`, `1e5`");
+    }
     if let Some(whole) = own_unit(written).filter(|_| part != written) {
         return diagnostic.here(format!("did you mean `{whole}`?")).fix(whole);
     }
@@ -107,6 +149,18 @@ pub fn missing_sign(span: Span, word: &str) -> Diagnostic {
     Diagnostic::error("unknown-unit", span, format!("`{word}` is no unit"))
         .here("to multiply, write `*`")
         .fix(format!("* {word}"))
+}
+
+/// Whether it is said that a sign is missing.
+pub fn lacks_sign(said: &Diagnostic) -> bool {
+    said.code == "unknown-unit" && said.fixes.iter().any(|fix| fix.text.starts_with("* "))
+}
+
+/// Offers a comma instead of the sign.
+pub fn or_comma(said: &mut Diagnostic) {
+    said.primary.text = "a comma is missing, or a sign".into();
+    let with_comma = |fix: &Fix| Fix { text: fix.text.replacen("* ", ", ", 1), span: fix.span };
+    said.fixes = said.fixes.iter().map(with_comma).chain(said.fixes.iter().cloned()).collect();
 }
 
 /// Two comparisons share a quantity.
@@ -154,6 +208,10 @@ pub fn unknown_distribution(span: Span, word: &str, known: &[&str]) -> Diagnosti
         return Diagnostic::error("unknown-distribution", span, format!("unknown distribution `{word}`"))
             .help("write `truncated(normal(mean, deviation), low .. high)`");
     }
+    if ["degrees", "deg", "radians", "rad", "meters", "metres", "seconds", "kmh"].contains(&word) {
+        return Diagnostic::error("unknown-distribution", span, format!("unknown distribution `{word}`"))
+            .help("a unit stands behind its number: `90 deg`");
+    }
     // Elsewhere `range` may be a key.
     let own = if word == "range" { "Range" } else { word };
     let said = unknown(
@@ -183,6 +241,22 @@ pub fn empty_range(span: Span, swapped: String, around: Option<String>) -> Diagn
 /// A whole number has a fraction.
 pub fn not_whole(span: Span, value: f64) -> Diagnostic {
     Diagnostic::error("not-whole", span, format!("expected a whole number, found {value}"))
+}
+
+/// A whole number is written with a point, which some take for that between thousands.
+pub fn pointed(span: Span, written: &str) -> Diagnostic {
+    let diagnostic = Diagnostic::error("not-whole", span, "a whole number has no point");
+    let (whole, part) = written.split_once('.').unwrap_or((written, ""));
+    let plain = diagnostic.fix(whole);
+    if part.len() % 3 == 0 { plain.fix(format!("{whole}_{}", part.replace('.', "_"))) } else { plain }
+}
+
+/// A difference of two quantities stands where a range may, and was probably meant; `value` is what it is.
+pub fn difference(span: Span, value: &str, range: &str) -> Diagnostic {
+    Diagnostic::warning("difference", span, format!("this is {value}: `-` takes away"))
+        .here("a range is written `low .. high`")
+        .fix(range)
+        .fix(value)
 }
 
 /// A list has no members.

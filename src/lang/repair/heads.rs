@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::lang::params::DIMENSIONS;
+use crate::lang::params::{DIMENSIONS, OTHER_TYPES};
 use crate::units::parse_unit;
 
 /// The end of a line that is the head of a declaration without its brace, behind the last word: a colon, perhaps, or nothing.
@@ -41,6 +41,9 @@ pub(in crate::lang) fn imports(statement: &str) -> bool {
 /// and the word for the type that its value has.
 pub(in crate::lang) fn untyped_param(text: &str) -> Option<(Range<usize>, String, Option<&'static str>)> {
     let (word, rest) = text.split_at(text.find(|c: char| !c.is_ascii_alphabetic())?);
+    if let Some(found) = typed_first(text) {
+        return Some(found);
+    }
     let own = ["param", "parameter", "let", "var", "const"].contains(&word);
     let name = rest.trim_start();
     let start = text.len() - name.len();
@@ -53,6 +56,68 @@ pub(in crate::lang) fn untyped_param(text: &str) -> Option<(Range<usize>, String
     let place = if word == "param" { start..start + length } else { 0..start + length };
     let instead = if word == "param" { name.to_string() } else { format!("param {name}") };
     Some((place, instead, type_of(value)))
+}
+
+/// A parameter whose type stands before its name, or that has no word before it at all.
+fn typed_first(text: &str) -> Option<(Range<usize>, String, Option<&'static str>)> {
+    let (head, value) = text.split_once('=')?;
+    let words: Vec<&str> = head.split_whitespace().collect();
+    let of = |word: &str| {
+        let known = DIMENSIONS.iter().map(|(name, _)| *name).chain(OTHER_TYPES.iter().copied());
+        known.into_iter().find(|name| *name == word)
+    };
+    let (name, ty) = match words.as_slice() {
+        [name] => (*name, type_of(value.trim())?),
+        ["param", ty, name] | [ty, name] => (*name, of(ty)?),
+        _ => return None,
+    };
+    let named = name.starts_with(|first: char| first.is_ascii_alphabetic())
+        && name.bytes().all(|byte| byte == b'_' || byte.is_ascii_alphanumeric());
+    (named && !value.starts_with(['=', '>'])).then(|| (0..head.trim_end().len(), format!("param {name}"), Some(ty)))
+}
+
+/// What is wrong with the words before a brace or a colon that are no head and, in a block, no key: their place, what to say, and what would be
+/// written there.
+pub(in crate::lang) fn split_words(text: &str, in_block: bool) -> Option<(Range<usize>, &'static str, Option<String>)> {
+    let end = text.find(|c: char| !(c == '_' || c == '-' || c == ' ' || c.is_ascii_alphanumeric()))?;
+    let head = text[..end].trim_end();
+    let words: Vec<&str> = head.split(' ').filter(|word| !word.is_empty()).collect();
+    let at = |word: &str| word.as_ptr() as usize - text.as_ptr() as usize;
+    match (text[end..].chars().next()?, words.as_slice()) {
+        ('{', [_, name]) if name.starts_with(|first: char| first.is_ascii_digit()) => {
+            Some((at(name)..at(name) + name.len(), "a name begins with a letter", None))
+        }
+        ('{', [_, first, .., last]) => {
+            let place = at(first)..at(last) + last.len();
+            let one = text[place.clone()].split(' ').filter(|part| !part.is_empty()).collect::<Vec<_>>().join("_");
+            Some((place, "a name is one word", Some(one)))
+        }
+        (':', ["param", _]) if !in_block => {
+            // The head of a parameter: `param name: type: value`, or without a value.
+            let rest = &text[end + 1..];
+            let second = rest.find([':', '=', '\n']).filter(|at| rest[*at..].starts_with(':'));
+            let (place, meant) = match second {
+                Some(at) => (end + 1 + at..end + 2 + at, Some(" =".to_string())),
+                None => (text.trim_end().len()..text.trim_end().len(), None),
+            };
+            Some((place, "the value of a parameter stands behind `=`", meant))
+        }
+        (':', words) if in_block && (words.len() == 2 || head.contains('-')) => {
+            let joins = |word: &&str| ["on", "as", "and", "or", "in", "is", "if", "for", "to", "not"].contains(word);
+            let named = head.starts_with(|first: char| first.is_ascii_alphabetic());
+            (named && !words.iter().any(joins))
+                .then(|| (0..head.len(), "a key is one word", Some(head.replace([' ', '-'], "_"))))
+        }
+        _ => None,
+    }
+}
+
+/// The sign or word at the end of a statement behind which something is missing.
+pub(in crate::lang) fn ends_open(text: &str) -> Option<Range<usize>> {
+    let value = text.trim_end();
+    let signs = ["..", "+", "-", "*", "/", "<=", ">=", "<", ">", " and", " or", " not", "=>", ":"];
+    let sign = signs.into_iter().find(|sign| value.ends_with(sign))?.trim_start();
+    (value.len() > sign.len()).then(|| value.len() - sign.len()..value.len())
 }
 
 /// The word for the type of a value, as far as one look at its text tells.
@@ -85,11 +150,15 @@ pub(in crate::lang) fn dotted_key(text: &str) -> Option<&str> {
 pub(in crate::lang) fn open_end(before: &str, text: &str) -> Option<Range<usize>> {
     let (above, key) = before.rsplit_once('\n')?;
     let is_part = |c: char| c == '_' || c.is_ascii_alphanumeric();
-    let value = above.lines().next_back()?.split("//").next()?.trim_end();
-    let line = above.len() - above.lines().next_back()?.len();
-    let sign = ["..", "+", "-", "*", "/", "<=", ">=", "<", ">"].into_iter().find(|sign| value.ends_with(sign))?;
+    let code = |line: &'_ str| line.split("//").next().unwrap_or_default().trim_end().len();
+    // Blank lines and comments may stand between.
+    let line = above.split('\n').rev().find(|line| code(line) > 0)?;
+    let start = line.as_ptr() as usize - before.as_ptr() as usize;
+    let value = &line[..code(line)];
+    let signs = ["..", "+", "-", "*", "/", "<=", ">=", "<", ">", " and", " or", " not"];
+    let sign = signs.into_iter().find(|sign| value.ends_with(sign))?.trim_start();
     let alone = !key.trim().is_empty() && key.trim().chars().all(is_part) && text.starts_with(':');
-    let end = line + value.len();
+    let end = start + value.len();
     alone.then_some(end - sign.len()..end)
 }
 
@@ -99,7 +168,12 @@ mod tests {
 
     #[test]
     fn a_value_without_its_end_is_told_of_on_its_line() {
-        for (before, sign) in [("a: 1 m..\n  b", ".."), ("a: 1\na: 2 * // twice\n b ", "*")] {
+        for (before, sign) in [
+            ("a: 1 m..\n  b", ".."),
+            ("a: 1\na: 2 * // twice\n b ", "*"),
+            ("a: 1 m ..\r\n\r\n  // next\n\n  b", ".."),
+            ("a: 1 m < c and\n  b", "and"),
+        ] {
             let place = open_end(before, ": 3").expect("the line above goes on");
             assert_eq!(&before[place], sign);
         }

@@ -23,6 +23,10 @@ const MOST_SLIPS: usize = 100;
 
 /// What is said of conditionals.
 const NO_IF: &str = "there is no `if`: what is asked goes into a condition, what is weighed into `min` and `max`";
+/// What is said of several events side by side.
+const ONE_EVENT: &str = "every event has an `on event => formula` of its own";
+/// What is said of tolerances.
+const BOTH: &str = "write both ends: `-60 deg .. 60 deg`";
 /// What is said of signs around a value.
 const SIZE: &str = "the size of a number is `abs(…)`";
 
@@ -75,7 +79,7 @@ impl Scan<'_> {
     }
 
     fn slip(&mut self, length: usize, instead: impl Into<String>, meant: bool, said: &'static str) {
-        let foreign = said == NO_IF
+        let foreign = [NO_IF, ONE_EVENT].contains(&said)
             || self.rest().starts_with(|first: char| {
                 !first.is_ascii() || matches!(first, '#' | '%' | '\'' | '!' | '&' | '|' | '"' | '?' | '$')
             });
@@ -163,7 +167,13 @@ impl Scan<'_> {
             }
             '%' => self.slip(1, format!("{blank}percent"), true, "write `percent`, or the plain number"),
             '“' | '”' | '„' | '«' | '»' => {
-                self.slip(first.len_utf8(), "\"", true, "a text stands in straight quotes")
+                let inside = &rest[first.len_utf8()..line()];
+                let closing = inside.find(['“', '”', '«', '»', '"']).filter(|end| *end > 0);
+                let (length, instead) = match closing.and_then(|end| Some((end, inside[end..].chars().next()?))) {
+                    Some((end, last)) => (first.len_utf8() + end + last.len_utf8(), format!("\"{}\"", &inside[..end])),
+                    None => (first.len_utf8(), "\"".to_string()),
+                };
+                self.slip(length, instead, true, "a text stands in straight quotes");
             }
             '\u{a0}' | '\u{2009}' | '\u{202f}' | '\u{200b}' | '\u{feff}' => {
                 self.slip(first.len_utf8(), " ", true, "this is no ordinary blank");
@@ -172,24 +182,40 @@ impl Scan<'_> {
                 let power = if first == '²' { "^2" } else { "^3" };
                 self.slip(first.len_utf8(), power, true, "powers of units are written `^2`");
             }
-            '±' => self.slip(first.len_utf8(), "", false, "write both ends: `-60 deg .. 60 deg`"),
+            '±' => self.slip(first.len_utf8(), "", false, BOTH),
+            '：' => self.slip(first.len_utf8(), ":", true, "this is no ordinary colon"),
+            '，' => self.slip(first.len_utf8(), ",", true, "this is no ordinary comma"),
+            _ if !self.behind_value() && (starts("+-") || starts("+/-")) => {
+                self.slip(if starts("+-") { 2 } else { 3 }, "-", false, BOTH);
+            }
             '×' | '·' => self.slip(first.len_utf8(), "*", true, "the sign for times is `*`"),
             '≤' => self.slip(first.len_utf8(), "<=", true, "at most is written `<=`"),
             '≥' => self.slip(first.len_utf8(), ">=", true, "at least is written `>=`"),
             '…' => self.slip(first.len_utf8(), "..", true, "a range is written `low .. high`"),
-            '{' | '(' | '[' => {
-                self.open.push(first as u8);
-                self.push(Token::Sign, 1);
+            _ if starts("==>") || starts(">=") && self.after_event() => {
+                let length = if starts("==>") { 3 } else { 2 };
+                self.slip(length, "=>", true, "an event is followed by `=>`");
             }
-            '}' | ')' | ']' => {
-                self.open.pop();
-                self.push(Token::Closing, 1);
+            '[' if self.word(0) == "on" && self.tokens.len() == 2 && rest.contains(']') => {
+                let end = rest.find(']').unwrap_or(0);
+                let instead = format!("({})", rest[1..end].trim());
+                self.slip(end + 1, instead, true, "what an event is narrowed to stands in parentheses");
+            }
+            '{' if self.after_event() && rest.contains('}') => {
+                let end = rest.find('}').unwrap_or(0);
+                let instead = format!("=> {}", rest[1..end].trim());
+                self.slip(end + 1, instead, true, "an event is followed by `=>`");
+            }
+            ',' if self.after_event() => self.slip(1, "", false, ONE_EVENT),
+            ':' if self.tokens.len() == 4 && self.word(0) == "param" && self.open.is_empty() => {
+                self.slip(1, format!("{blank}="), true, "the value of a parameter stands behind `=`");
             }
             _ if starts("=>") => {
                 let named = self.tokens.len() == 1 || self.tokens.len() == 4 && self.word(1) == "(";
                 if named && self.open.is_empty() && self.word(0) != "on" {
                     let place = self.tokens[0].1.clone();
-                    let instead = format!("on {}", self.word(0).trim_start_matches("on_"));
+                    let event = self.word(0).trim_start_matches("on").trim_start_matches('_');
+                    let instead = format!("on {}", if event.is_empty() { self.word(0) } else { event });
                     let said = "what an event is worth begins with `on`";
                     self.found.push(Slip { place, instead, meant: true, said, foreign: false });
                 }
@@ -234,6 +260,14 @@ impl Scan<'_> {
             {
                 self.slip(1, ":", true, "a key is followed by `:`");
             }
+            '{' | '(' | '[' => {
+                self.open.push(first as u8);
+                self.push(Token::Sign, 1);
+            }
+            '}' | ')' | ']' => {
+                self.open.pop();
+                self.push(Token::Closing, 1);
+            }
             _ if starts("&&") => self.slip(2, "and", true, "write `and`"),
             _ if starts("||") => self.slip(2, "or", true, "write `or`"),
             '|' => {
@@ -269,12 +303,26 @@ impl Scan<'_> {
                 let digits = rest[1..].trim_start_matches('-').trim_start_matches(|c: char| c.is_ascii_digit());
                 self.push(Token::Unit, rest.len() - digits.len());
             }
+            _ if starts("**") && self.last() == Some(Token::Unit) => {
+                self.slip(2, "^", true, "powers of units are written `^2`");
+            }
+            '^' | '*'
+                if self.last() == Some(Token::Number) && (first == '^' || starts("**")) && self.ends_with("10") =>
+            {
+                self.slip(
+                    if first == '^' { 1 } else { 2 },
+                    "",
+                    false,
+                    "there are no powers: write `1e-4` for 10 to the power of -4",
+                );
+            }
             '^' | '*' if (first == '^' && self.last() != Some(Token::Unit)) || starts("**") => {
                 let sign = if first == '^' { 1 } else { 2 };
                 let digits =
                     rest[sign..].trim_start_matches([' ', '-']).trim_start_matches(|c: char| c.is_ascii_digit());
                 self.slip(rest.len() - digits.len(), "", false, "there are no powers: multiply, as in `v_c * v_c`");
             }
+            _ if starts("..=") || starts("..<") => self.slip(3, "..", true, "a range is written `low .. high`"),
             _ if starts("...") => self.slip(3, "..", true, "a range is written `low .. high`"),
             _ if starts("..") => self.push(Token::Sign, 2),
             '.' if rest[1..].starts_with(|next: char| next.is_ascii_digit()) => {
@@ -287,8 +335,16 @@ impl Scan<'_> {
         }
     }
 
+    /// Whether what was read last is this word.
+    fn ends_with(&self, word: &str) -> bool {
+        self.tokens.last().is_some_and(|(_, place)| self.text[place.clone()] == *word)
+    }
+
     fn step_number(&mut self) {
         let rest = self.rest();
+        if let Some((length, whole)) = grouped(rest) {
+            return self.slip(length, whole, true, "digits are grouped by `_`");
+        }
         let digits = |text: &str| text.bytes().take_while(|byte| byte.is_ascii_digit() || *byte == b'_').count();
         if let Some(length) = path(rest) {
             let quoted = format!("\"{}\"", &rest[..length]);
@@ -333,7 +389,35 @@ impl Scan<'_> {
             let before = self.tokens.len().checked_sub(2).map(|place| self.tokens[place].0);
             before == Some(Token::Unit)
         };
+        let behind = rest[length..].trim_start();
+        // The first word of a clause.
+        let clause = self.key_first && self.tokens.is_empty();
+        let unit = behind.split(|c: char| !(c.is_ascii_alphanumeric() || "/^".contains(c))).next().unwrap_or_default();
         match word {
+            "On" | "ON" | "when" | "When" | "upon" if clause && !is_key && behind.contains("=>") => {
+                self.slip(length, "on", true, "what an event is worth begins with `on`");
+            }
+            _ if self.after_event() && self.tokens.len() == 2 && behind.starts_with("=>") => {
+                let instead = format!("({word})");
+                self.slip(length, instead, true, "what an event is narrowed to stands in parentheses");
+            }
+            "as" | "to"
+                if self.last() == Some(Token::Word) && !is_key && parse_unit(unit).is_ok() && !unit.is_empty() =>
+            {
+                self.slip(length, "in", true, "a quantity is counted `in` a unit");
+            }
+            "from"
+                if self.key_first
+                    && self.tokens.len() == 2
+                    && behind.starts_with(|next: char| next.is_ascii_digit() || next == '-')
+                    && behind.contains(" to ") =>
+            {
+                self.slip(length, "", true, "a range is written `low .. high`");
+            }
+            _ if self.behind_value() && !is_key && !self.tokens.is_empty() && compares(word).is_some() => {
+                let sign = compares(word).unwrap_or_default();
+                self.slip(length, sign, true, "quantities are compared by signs");
+            }
             "to" if self.behind_value()
                 && !is_key
                 && rest[length..]
@@ -394,6 +478,31 @@ fn dotted(text: &str) -> Option<(usize, &str)> {
     Some((whole.len(), last))
 }
 
+/// A number whose digits are grouped by blanks or apostrophes: its length, and how it is written here.
+fn grouped(text: &str) -> Option<(usize, String)> {
+    let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
+    let first = digits(text);
+    let (mut length, mut groups) = (first, vec![&text[..first]]);
+    while text[length..].starts_with([' ', '\'']) && digits(&text[length + 1..]) == 3 {
+        groups.push(&text[length + 1..length + 4]);
+        length += 4;
+    }
+    let whole = (1..=3).contains(&first) && groups.len() > 1;
+    let ends = !text[length..].starts_with(|next: char| next.is_ascii_alphanumeric() || next == '.');
+    (whole && ends).then(|| (length, groups.join("_")))
+}
+
+/// The sign that a word of other languages stands for.
+pub(in crate::lang) fn compares(word: &str) -> Option<&'static str> {
+    Some(match word {
+        "gt" | "above" | "exceeds" => ">",
+        "lt" | "below" => "<",
+        "ge" | "gte" => ">=",
+        "le" | "lte" => "<=",
+        _ => return None,
+    })
+}
+
 /// What a statement begins with here that begins with this word elsewhere.
 fn own_statement(word: &str) -> Option<&'static str> {
     Some(match word {
@@ -427,6 +536,10 @@ pub(in crate::lang) fn without(text: &str, slips: &[Slip]) -> String {
 pub(in crate::lang) fn missing_colon(text: &str) -> Option<Vec<Slip>> {
     let word = |text: &str| text.bytes().take_while(|byte| *byte == b'_' || byte.is_ascii_alphanumeric()).count();
     let key = word(text);
+    // What opens a block is no value.
+    if text.split(['\n', '"', '(', '[', ':']).next().is_some_and(|head| head.contains('{')) {
+        return None;
+    }
     let value = text[key..].trim_start();
     let follows = text[key..].starts_with([' ', '\t']) && !value.is_empty() && !value.starts_with(['{', '=', ':', '(']);
     // Words that join things are no keys.
@@ -471,6 +584,20 @@ mod tests {
             ("on hit.front => math.max(1, ego.speed)", "on hit(front) => max(1, ego_speed)"),
             ("on_hit(front) => 1", "on hit(front) => 1"),
             ("on step => return $far", "on step =>  far"),
+            ("onhit => 1", "on hit => 1"),
+            ("on lost { -1 }", "on lost => -1"),
+            ("on hit >= 1", "on hit => 1"),
+            ("on hit ==> 1", "on hit => 1"),
+            ("on hit[ front ] => 1", "on hit(front) => 1"),
+            ("on hit front => 1", "on hit (front) => 1"),
+            ("when hit => v_c as m/s", "on hit => v_c in m/s"),
+            ("acceleration: 6 m/s**2", "acceleration: 6 m/s^2"),
+            ("steps: 100 000", "steps: 100_000"),
+            ("steps: 1'500'000", "steps: 1_500_000"),
+            ("distance: from 8 m to 25 m", "distance:  8 m .. 25 m"),
+            ("distance: 8 m ..= 25 m", "distance: 8 m .. 25 m"),
+            ("require: distance gt 80 m", "require: distance > 80 m"),
+            ("file: “a b”", "file: \"a b\""),
         ] {
             assert_eq!(without(text, &slips(text, true)), meant);
         }
