@@ -597,7 +597,9 @@ impl Reader {
                 text.trim_start_matches('-').starts_with(|c: char| c.is_ascii_digit()) && text.contains(' ')
             };
             return Some(match values.split_once(',').map(|(low, high)| (low.trim(), high.trim())) {
-                Some((low, high)) if !high.contains(',') && quantity(low) && quantity(high) => {
+                Some((low, high))
+                    if !high.contains(',') && quantity(low) && quantity(high) && !before.contains("matrix") =>
+                {
                     codes::unbracketed_pair(span, (low, high))
                 }
                 _ => codes::unbracketed_list(span, &values),

@@ -257,6 +257,11 @@ fn axes_of<'a>(
             Entry::Property(property) => match seen.get(property.key.text.as_str()) {
                 Some(first) => diagnostics.push(codes::duplicate_key(property.key.span, &property.key.text, *first)),
                 None if members(property).is_empty() => diagnostics.push(codes::empty_list(property.value.span)),
+                None if let ExpressionKind::Range(low, high) = &property.value.kind => {
+                    let ends = [low, high].map(|end| sources.text(end.span));
+                    diagnostics.push(codes::axis_range(property.value.span, ends));
+                    seen.insert(&property.key.text, property.key.span);
+                }
                 None => {
                     let mut said: BTreeMap<String, Span> = BTreeMap::new();
                     for member in members(property) {

@@ -43,6 +43,12 @@ pub fn missing_unit_of_both(span: Span, dimension: Dimension, written: &str, (lo
     Diagnostic { fixes, ..diagnostic }
 }
 
+/// A range stands where a matrix takes values one by one.
+pub fn axis_range(span: Span, [low, high]: [&str; 2]) -> Diagnostic {
+    Diagnostic::error("wrong-type", span, "a matrix takes a list of values, found a range")
+        .fix(format!("[{low}, {high}]"))
+}
+
 /// All numbers of a place, or of several, lack their units.
 pub fn missing_units(span: Span, meant: String) -> Diagnostic {
     Diagnostic::error("missing-unit", span, "every number of a place needs a unit").fix(meant)
