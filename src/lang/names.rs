@@ -86,8 +86,9 @@ impl<'a> Names<'a> {
             return Some((Span { start: last.end, ..*last }, format!(", {name}")));
         }
         let word = self.imports?;
-        // All of it cannot be imported beside a name of its own.
-        let own = self.known.iter().filter(|(_, (_, span))| span.source == word.source);
+        // All of it cannot be imported beside a name of its own. Somebody who has very many of them will be told.
+        const MOST: usize = 1000;
+        let own = self.known.iter().filter(|(_, (_, span))| span.source == word.source).take(MOST);
         let clash = own.map(|((form, name), _)| shelf::home(form, name)).any(|home| home == Some(file));
         let import = if clash { format!("import {name} from \"{path}\"") } else { format!("import \"{path}\"") };
         let text = &sources.get(word.source).text;

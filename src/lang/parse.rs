@@ -472,20 +472,8 @@ impl Reader {
                         }
                     }
                 }
-                let pairs_of_two = arguments.windows(2).filter(|pair| pair[0].span.end + 1 == pair[1].span.start);
-                let close: Vec<&[Expression]> = pairs_of_two.collect();
-                // Who leaves blanks behind commas, but not behind this one, may have meant a fraction.
-                if keys.is_empty() && close.len() + 1 < arguments.len() {
-                    for pair in close {
-                        let at = |place: usize| place - self.offset;
-                        let (from, comma) = (at(pair[0].span.start), at(pair[0].span.end));
-                        let digits = text[comma + 1..].bytes().take_while(u8::is_ascii_digit).count();
-                        let whole = text[from..comma].bytes().all(|byte| byte.is_ascii_digit());
-                        if whole && digits > 0 && !text[comma + 1 + digits..].starts_with('.') {
-                            let place = self.place(from, comma + 1 + digits);
-                            self.diagnostics.push(codes::comma_in_number(place, &text[from..comma + 1 + digits]));
-                        }
-                    }
+                if keys.is_empty() {
+                    self.ask_about_commas(text, &arguments);
                 }
                 if !keys.is_empty() {
                     let written =
@@ -501,6 +489,25 @@ impl Reader {
             other => unreachable!("no primary is a {other:?}"),
         };
         Expression { kind, span }
+    }
+
+    /// Asks whether two numbers of a call were to be one: who leaves blanks behind commas, but not behind this one, may have
+    /// meant a fraction.
+    fn ask_about_commas(&mut self, text: &str, arguments: &[Expression]) {
+        let joined = |pair: &&[Expression]| pair[0].span.end + 1 == pair[1].span.start;
+        let pairs: Vec<&[Expression]> = arguments.windows(2).filter(joined).collect();
+        if pairs.len() + 1 >= arguments.len() {
+            return;
+        }
+        for pair in pairs {
+            let (from, comma) = (pair[0].span.start - self.offset, pair[0].span.end - self.offset);
+            let whole = text[from..comma].bytes().all(|byte| byte.is_ascii_digit());
+            let digits = text[comma + 1..].bytes().take_while(u8::is_ascii_digit).count();
+            let end = comma + 1 + digits;
+            if whole && digits > 0 && !text[end..].starts_with('.') {
+                self.diagnostics.push(codes::comma_in_number(self.place(from, end), &text[from..end]));
+            }
+        }
     }
 
     /// Whether a statement of no known shape stands right behind a value, on its line.
@@ -605,72 +612,9 @@ impl Reader {
                 _ => codes::unbracketed_list(span, &values),
             });
         }
-        let value = before.trim_end();
-        let word_end = text.find(|c: char| !(c == '_' || c.is_ascii_alphanumeric())).unwrap_or(text.len());
-        let (word, behind) = text.split_at(word_end);
-        let is_unit = |text: &str| !text.is_empty() && parse_unit(text).is_ok();
-        let behind_word = value.ends_with(|c: char| c == '_' || c.is_ascii_alphanumeric());
-        if matches!(word, "as" | "to") && is_unit(behind.trim()) {
-            let said = "a quantity is counted `in` a unit";
-            return Some(codes::slip(self.place(start, start + word.len()), said, Some("in")));
-        }
-        if matches!(word, "and" | "or" | "not") && behind.trim().is_empty() {
-            return Some(codes::open_end(self.place(start, start + word.len())));
-        }
-        if let Some(sign) = repair::compares(word).filter(|_| !behind.trim().is_empty()) {
-            let said = "quantities are compared by signs";
-            return Some(codes::slip(self.place(start, start + word.len()), said, Some(sign)));
-        }
-        let last = value.rsplit(|c: char| !(c == '_' || c.is_ascii_alphanumeric())).next().unwrap_or_default();
-        let behind_name = last.starts_with(|c: char| c.is_ascii_alphabetic());
-        if behind_name && is_unit(text.trim_matches([' ', '\t', '\r', '\n'])) && rule == Rule::whole_entry {
-            let said = "a unit stands behind a number; a quantity is counted `in` it";
-            let meant = format!("in {}", text.trim());
-            return Some(codes::slip(
-                self.place(start, start + text.len()),
-                said,
-                value.contains("=>").then_some(&*meant),
-            ));
-        }
-        if let Some((low, high)) = text.split_once(" to ").filter(|_| value.ends_with("from")) {
-            let from = start - (before.len() - value.len()) - "from".len();
-            let meant = format!("{low} .. {high}");
-            let said = "a range is written `low .. high`";
-            return Some(codes::slip(self.place(from, start + text.len()), said, Some(&meant)));
-        }
-        if value.trim_start().starts_with("import ") && value.ends_with('"') {
-            let said = "an import ends with its path; names stand before it: `import a, b from \"path\"`";
-            return Some(codes::slip(self.place(start, start + text.len()), said, None));
-        }
-        if value.ends_with(',') && text.starts_with('(') {
-            let comma = start - (before.len() - value.len());
-            return Some(codes::slip(
-                self.place(comma - 1, comma),
-                "several values stand in brackets: `[(…), (…)]`",
-                None,
-            ));
-        }
-        let kind = value.rsplit(|c: char| !(c == '_' || c.is_ascii_alphanumeric())).next().unwrap_or_default();
-        let keyed = text.find(':').is_some_and(|colon| {
-            text[..colon].trim_end().bytes().all(|byte| byte == b'_' || byte.is_ascii_alphanumeric())
-        });
-        if rule == Rule::whole_item && keyed && value.contains('=') && !kind.is_empty() {
-            let from = start - (before.len() - value.len()) - kind.len();
-            let meant = format!("{kind}({})", text.trim_end_matches(','));
-            let said = "what a kind takes stands in parentheses";
-            return Some(codes::slip(self.place(from, start + text.len()), said, Some(&meant)));
-        }
-        if value.ends_with("return") {
-            let span = self.place(start - (before.len() - value.len()) - "return".len(), start);
-            return Some(codes::slip(span, "a formula stands alone", Some("")));
-        }
-        let unit = text.find(|c: char| !(c.is_ascii_alphanumeric() || "/^*".contains(c))).unwrap_or(text.len());
-        if value.ends_with([')', ']']) && parse_unit(&text[..unit]).is_ok() {
-            return Some(codes::slip(self.place(start, start + unit), "the unit stands behind every number", None));
-        }
-        let stray = rule == Rule::whole_entry && behind_word && behind.trim().is_empty() && !word.is_empty();
-        let said = "this does not belong to the value before it";
-        stray.then(|| codes::syntax(self.place(start, start + word.len()), said.into()))
+        let slip = repair::left_over(before, text, rule == Rule::whole_entry)?;
+        let place = self.place(start - before.len() + slip.place.start, start - before.len() + slip.place.end);
+        Some(codes::slip(place, slip.said, slip.meant.then_some(slip.instead.as_str())))
     }
 
     /// A part of the text that is being parsed, as a place of the source.

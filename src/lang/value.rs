@@ -491,6 +491,9 @@ fn weighted(
     Some((number, part?))
 }
 
+/// Most names that a word is compared with.
+const MOST_COMPARED: usize = 200;
+
 /// Whether an expression can be a constant quantity; words and texts get a better message from their type.
 fn is_formula(expression: &Expression) -> bool {
     match &expression.kind {
@@ -691,8 +694,10 @@ fn otherwise(expression: &Expression, ty: &Type, context: &Context) -> Diagnosti
         (_, ExpressionKind::List(members)) if members.len() == 1 && !matches!(ty, Type::List(_)) => {
             said(Some(text(members[0].span).into()), "")
         }
-        (_, ExpressionKind::Name(word)) if nearest(word, context.names.params()).is_some() => {
-            said(nearest(word, context.names.params()).map(str::to_string), "")
+        (_, ExpressionKind::Name(word))
+            if let Some(near) = nearest(word, context.names.params().take(MOST_COMPARED)) =>
+        {
+            said(Some(near.to_string()), "")
         }
         (_, ExpressionKind::Name(word)) if word == "None" || word == "null" => {
             said(None, "what may be left out is left out: take the key away")

@@ -76,8 +76,8 @@ fn typed_first(text: &str) -> Option<(Range<usize>, String, Option<&'static str>
     (named && !value.starts_with(['=', '>'])).then(|| (0..head.trim_end().len(), format!("param {name}"), Some(ty)))
 }
 
-/// What is wrong with the words before a brace or a colon that are no head and, in a block, no key: their place, what to say, and what would be
-/// written there.
+/// What is wrong with the words before a brace or a colon that are no head and, in a block, no key: their place, what to say,
+/// and what would be written there.
 pub(in crate::lang) fn split_words(text: &str, in_block: bool) -> Option<(Range<usize>, &'static str, Option<String>)> {
     let end = text.find(|c: char| !(c == '_' || c == '-' || c == ' ' || c.is_ascii_alphanumeric()))?;
     let head = text[..end].trim_end();
@@ -148,16 +148,17 @@ pub(in crate::lang) fn dotted_key(text: &str) -> Option<&str> {
 /// The sign with which the value of the line above ends, when the key of this line was taken for what it lacks: `before` ends with
 /// that key, and `text` goes on with the colon behind it.
 pub(in crate::lang) fn open_end(before: &str, text: &str) -> Option<Range<usize>> {
-    let (above, key) = before.rsplit_once('\n')?;
+    /// Most blank lines and comments between.
+    const MOST: usize = 100;
+    let (above, key) = before.rsplit_once('\n').filter(|_| text.starts_with(':'))?;
     let is_part = |c: char| c == '_' || c.is_ascii_alphanumeric();
     let code = |line: &'_ str| line.split("//").next().unwrap_or_default().trim_end().len();
-    // Blank lines and comments may stand between.
-    let line = above.split('\n').rev().find(|line| code(line) > 0)?;
+    let line = above.rsplit('\n').take(MOST).find(|line| code(line) > 0)?;
     let start = line.as_ptr() as usize - before.as_ptr() as usize;
     let value = &line[..code(line)];
     let signs = ["..", "+", "-", "*", "/", "<=", ">=", "<", ">", " and", " or", " not"];
     let sign = signs.into_iter().find(|sign| value.ends_with(sign))?.trim_start();
-    let alone = !key.trim().is_empty() && key.trim().chars().all(is_part) && text.starts_with(':');
+    let alone = !key.trim().is_empty() && key.trim().chars().all(is_part);
     let end = start + value.len();
     alone.then_some(end - sign.len()..end)
 }

@@ -3,10 +3,12 @@
 
 mod commas;
 mod heads;
+mod left_over;
 mod slips;
 
 pub(super) use commas::{decimal_comma, missing_commas, unbracketed};
 pub(super) use heads::{
     dotted_key, ends_open, headless, imports, open_end, split_words, type_of, unbraced, untyped_param,
 };
-pub(super) use slips::{compares, missing_colon, slips, without};
+pub(super) use left_over::left_over;
+pub(super) use slips::{missing_colon, slips, without};

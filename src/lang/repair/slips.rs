@@ -493,7 +493,7 @@ fn grouped(text: &str) -> Option<(usize, String)> {
 }
 
 /// The sign that a word of other languages stands for.
-pub(in crate::lang) fn compares(word: &str) -> Option<&'static str> {
+pub(super) fn compares(word: &str) -> Option<&'static str> {
     Some(match word {
         "gt" | "above" | "exceeds" => ">",
         "lt" | "below" => "<",
