@@ -15,7 +15,11 @@ impl Catalog {
     /// # Errors
     /// What is not known, with the nearest that is.
     pub fn explain(&self, words: &[String]) -> Result<String, String> {
-        let words: Vec<&str> = words.iter().flat_map(|word| word.split_whitespace()).collect();
+        // Settings lead to keys with points between the words.
+        let parts =
+            |word: &'_ str| word.split(if word.contains('/') { "\0" } else { "." }).map(str::to_string).collect();
+        let words: Vec<Vec<String>> = words.iter().flat_map(|word| word.split_whitespace()).map(parts).collect();
+        let words: Vec<&str> = words.iter().flatten().map(String::as_str).collect();
         let Some((first, rest)) = words.split_first() else { return Ok(self.topics()) };
         let mistakes = mistakes();
         if rest.is_empty() {
@@ -27,7 +31,8 @@ impl Catalog {
                 "variables" => return Ok(self.variables()),
                 "units" => return Ok(units()),
                 "functions" => return Ok(all_functions()),
-                "forms" => return Ok(self.topics()),
+                "forms" | "form" => return Ok(self.topics()),
+                "types" | "type" => return self.word(&["param"]).ok_or_else(String::new),
                 _ => {}
             }
         }

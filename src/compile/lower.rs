@@ -94,11 +94,16 @@ pub fn compile_with(
     }
     for variant in &variants {
         let (program, maps, digests) = (&variant.program, &overrides.maps, BTreeMap::new());
+        let before = diagnostics.len();
         let mut lowering =
             Lowering { program, catalog, sources, read, maps, said: &mut diagnostics, shared: &mut shared, digests };
         lowering.variant(variant, &mut plan);
         if overrides.imported_towns && variant.multiplied.is_none() {
             lowering.imported_towns(&mut plan);
+        }
+        if !variant.settings.is_empty() {
+            let combination = format!("so it is with {}", variant.settings.join(", "));
+            diagnostics[before..].iter_mut().for_each(|each| each.help.insert(0, combination.clone()));
         }
     }
     let outside: Vec<String> = settings.iter().map(|each| each.text(sources)).collect();

@@ -234,7 +234,11 @@ pub fn lower(
     let near = |own: &OrientedBox| town.roads.iter().any(|road| comes_near(road, own, reach));
     for (place, own) in standing.iter().filter(|(_, own)| near(own)) {
         if let Some(road) = road_under(&town, own) {
-            said.push(codes::unbuildable_town(*place, &format!("this stands on a driving lane of road {road}")));
+            let whose = match road.name.as_str() {
+                "" => format!("road {}", road.id),
+                name => format!("`{name}`"),
+            };
+            said.push(codes::unbuildable_town(*place, &format!("this stands on a driving lane of {whose}")));
         }
     }
     let whole = said.len() == before;
@@ -407,7 +411,7 @@ fn comes_near(road: &Road, own: &OrientedBox, reach: f64) -> bool {
 
 /// The road on one of whose driving lanes a box stands: places less than a metre apart are asked, beginning with whole parts of
 /// the box that lie far from all lanes.
-fn road_under(town: &Town, own: &OrientedBox) -> Option<u32> {
+fn road_under<'a>(town: &'a Town, own: &OrientedBox) -> Option<&'a Road> {
     let steps = (own.half * 2.0 / UNDER_STEP).map(|steps| steps.ceil().clamp(1.0, MOST_STEPS));
     let far = town.widest_driving_lane() / 2.0 + UNDER_SLACK;
     let mut open = vec![(Vector::zeros(), steps)];
@@ -419,7 +423,7 @@ fn road_under(town: &Town, own: &OrientedBox) -> Option<u32> {
         let beside = town.pose(lane).to_local(middle);
         if first == last {
             if beside.y.abs() < town.lane_width(lane) / 2.0 && beside.x.abs() < UNDER_STEP {
-                return Some(town.roads[lane.road.0 as usize].id);
+                return town.roads.get(lane.road.0 as usize);
             }
         } else if beside.norm() <= far + (place(last) - middle).norm() && beside.norm().is_finite() {
             let (side, extent) = (last - first).argmax();

@@ -55,10 +55,10 @@ impl<'a> Params<'a> {
     ) -> Self {
         let (known, used, uses) = (BTreeMap::new(), BTreeSet::new(), BTreeMap::new());
         let mut params = Self { loaded, names, forms, vocabulary, sources, known, used, uses };
-        for (place, file) in loaded.files.iter().enumerate() {
+        for file in &loaded.files {
             for index in 0..file.params.len() {
                 if !params.known.contains_key(&(file.source, index)) {
-                    params.find(place, (file.source, index), diagnostics);
+                    params.find((file.source, index), diagnostics);
                 }
             }
         }
@@ -82,7 +82,7 @@ impl<'a> Params<'a> {
         while let Some(id) = open.pop() {
             if seen.insert(id) {
                 found.push(id);
-                self::mentioned(&self.param(id).value, &self.names[self.place(id.0)], &mut open);
+                self::mentioned(&self.param(id).value, &self.names[self.read_in(id)], &mut open);
             }
         }
         found
@@ -147,9 +147,16 @@ impl<'a> Params<'a> {
         self.loaded.files.binary_search_by_key(&source, |file| file.source).expect("the file is loaded")
     }
 
+    /// The place of the file whose names a parameter's value is made of: where it is declared, or where a matrix sets it.
+    fn read_in(&self, id: ParamId) -> usize {
+        let param = self.param(id);
+        let set_in = |_| self.loaded.files.binary_search_by_key(&param.value.span.source, |file| file.source).ok();
+        param.setting.and_then(set_in).unwrap_or_else(|| self.place(id.0))
+    }
+
     /// Checks a parameter, after those that it is defined by; without recursion, since a chain of them may be of any length.
-    fn find(&mut self, place: usize, id: ParamId, diagnostics: &mut Vec<Diagnostic>) {
-        let mut open = vec![self.begin(place, id, diagnostics)];
+    fn find(&mut self, id: ParamId, diagnostics: &mut Vec<Diagnostic>) {
+        let mut open = vec![self.begin(id, diagnostics)];
         let mut begun = BTreeSet::from([id]);
         while let Some((place, id, needed)) = open.last_mut() {
             let (place, id) = (*place, *id);
@@ -158,7 +165,7 @@ impl<'a> Params<'a> {
                     continue;
                 }
                 if begun.insert(next) {
-                    let next = self.begin(self.place(next.0), next, diagnostics);
+                    let next = self.begin(next, diagnostics);
                     open.push(next);
                 } else {
                     let name = &self.param(next).name;
@@ -180,8 +187,8 @@ impl<'a> Params<'a> {
     }
 
     /// A parameter that is to be checked, with those that come before it, the first one last.
-    fn begin(&self, place: usize, id: ParamId, diagnostics: &mut Vec<Diagnostic>) -> (usize, ParamId, Vec<ParamId>) {
-        let param = self.param(id);
+    fn begin(&self, id: ParamId, diagnostics: &mut Vec<Diagnostic>) -> (usize, ParamId, Vec<ParamId>) {
+        let (param, place) = (self.param(id), self.read_in(id));
         if self.vocabulary.variables.iter().any(|variable| variable.name == param.name.text) {
             diagnostics.push(codes::reserved_name(param.name.span, &param.name.text));
         }
