@@ -212,7 +212,8 @@ impl Scan<'_> {
             }
             _ if starts("=>") => {
                 let named = self.tokens.len() == 1 || self.tokens.len() == 4 && self.word(1) == "(";
-                if named && self.open.is_empty() && self.word(0) != "on" {
+                let word = self.word(0).starts_with(|first: char| first.is_ascii_alphabetic());
+                if named && word && self.found.is_empty() && self.open.is_empty() && self.word(0) != "on" {
                     let place = self.tokens[0].1.clone();
                     let event = self.word(0).trim_start_matches("on").trim_start_matches('_');
                     let instead = format!("on {}", if event.is_empty() { self.word(0) } else { event });
@@ -610,6 +611,19 @@ mod tests {
             "spawn s = kind(a: 1 <= 2)",
         ] {
             assert!(slips(fine, true).is_empty(), "{fine}: {}", without(fine, &slips(fine, true)));
+        }
+    }
+
+    #[test]
+    fn slips_stand_one_behind_the_other() {
+        for text in
+            ["°=> 1", "..==> 30 m", "a.scn=> min(1)", "，=> 2", "onhit front => 1", "$x ==> [1] ±3° ** 10^2 +- “a"]
+        {
+            for key_first in [true, false] {
+                let found = slips(text, key_first);
+                assert!(found.windows(2).all(|pair| pair[0].place.end <= pair[1].place.start), "{text}");
+                without(text, &found);
+            }
         }
     }
 }
