@@ -325,6 +325,22 @@ fn repairs_are_offered_where_the_mistake_is() {
 }
 
 #[test]
+fn a_missing_import_is_added_where_imports_stand() {
+    let text = "edition 1\nimport \"std/paper.scn\"\ncampaign c { vehicle: model3 }\n";
+    let mut session = Session::new();
+    session.open(FILE, text);
+    let range = json!({ "start": { "line": 2, "character": 24 }, "end": { "line": 2, "character": 25 } });
+    let params = json!({ "textDocument": { "uri": FILE }, "range": range, "context": { "diagnostics": [] } });
+    let asked = session.ask("textDocument/codeAction", params);
+    let answers = session.hold();
+    let [action] = result(&answers, asked).as_array().unwrap().as_slice() else { panic!("one repair") };
+    let edit = &action["edit"]["changes"][FILE][0];
+    let place = json!({ "line": 1, "character": 22 });
+    assert_eq!(edit["newText"], "\nimport \"std/drivers.scn\"");
+    assert_eq!(edit["range"], json!({ "start": place, "end": place }));
+}
+
+#[test]
 fn a_program_as_driver_is_no_mistake_and_is_not_started() {
     let mut session = Session::new();
     let mark = tempfile::tempdir().unwrap();
