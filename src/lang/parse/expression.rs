@@ -1,0 +1,201 @@
+//! Values: numbers with their units, words, calls, and what operators make of them.
+
+use std::iter::Peekable;
+
+use pest::iterators::{Pair, Pairs};
+
+use super::rules::Rule;
+use super::{Reader, inner_text, read_number};
+use crate::lang::ast::{Entry, Expression, ExpressionKind, Operator};
+use crate::lang::codes;
+use crate::signature::short;
+
+/// Most terms and operators of one expression; later phases walk it recursively.
+const MAX_TERMS: usize = 500;
+
+impl Reader {
+    pub(super) fn value(&mut self, pair: Pair<Rule>) -> Expression {
+        let span = self.span(&pair);
+        let pairs = pair.into_inner();
+        let counts = |pair: &Pair<Rule>| {
+            let beside = [Rule::prefix, Rule::unit, Rule::arguments, Rule::conversion];
+            !beside.contains(&pair.as_rule())
+        };
+        if pairs.len() > MAX_TERMS && pairs.clone().filter(counts).count() > MAX_TERMS {
+            self.diagnostics.push(codes::too_long(span, MAX_TERMS));
+            return Expression { kind: ExpressionKind::Number { value: 0.0, unit: None }, span };
+        }
+        let mut pairs = pairs.peekable();
+        let low = self.expression(&mut pairs);
+        if pairs.peek().is_none() {
+            return low;
+        }
+        // A term without an operator before it begins the other end of a range.
+        let high = self.expression(&mut pairs);
+        let span = low.span.to(high.span);
+        Expression { kind: ExpressionKind::Range(low.into(), high.into()), span }
+    }
+
+    fn expression(&mut self, pairs: &mut Peekable<Pairs<Rule>>) -> Expression {
+        let first = self.term(pairs);
+        self.operations(first, pairs, 0)
+    }
+
+    /// What follows a term, as far as its operators bind at least so tightly.
+    fn operations(&mut self, first: Expression, pairs: &mut Peekable<Pairs<Rule>>, least: u8) -> Expression {
+        let mut left = first;
+        let binds = |pair: &Pair<Rule>| operator(pair).filter(|(_, tightness)| *tightness >= least);
+        while let Some((operator, tightness)) = pairs.peek().and_then(binds) {
+            let sign = pairs.next().expect("it was peeked at");
+            let joined = sign.as_str() == "+"
+                && pairs
+                    .peek()
+                    .is_some_and(|next| next.as_str() == "-" && next.as_span().start() == sign.as_span().end());
+            let right = self.term(pairs);
+            if joined {
+                self.diagnostics.push(codes::tolerance(left.span.to(right.span), around(&left, &right)));
+            }
+            let right = self.operations(right, pairs, tightness + 1);
+            let span = left.span.to(right.span);
+            let kind = ExpressionKind::Binary { operator, left: left.into(), right: right.into() };
+            left = Expression { kind, span };
+        }
+        left
+    }
+
+    /// Signs, what they stand before, and the unit that it is counted in.
+    fn term(&mut self, pairs: &mut Peekable<Pairs<Rule>>) -> Expression {
+        let mut prefixes = Vec::new();
+        while let Some(prefix) = pairs.next_if(|pair| pair.as_rule() == Rule::prefix) {
+            prefixes.push((prefix.as_str() == "-", self.span(&prefix)));
+        }
+        let mut expression = self.primary(pairs);
+        if let Some(conversion) = pairs.next_if(|pair| pair.as_rule() == Rule::conversion) {
+            let unit = self.name(conversion.into_inner().next().expect("a conversion has a unit"));
+            let span = expression.span.to(unit.span);
+            expression = Expression { kind: ExpressionKind::Conversion(expression.into(), unit), span };
+        }
+        if prefixes.len() > MAX_TERMS {
+            self.diagnostics.push(codes::too_long(prefixes[0].1, MAX_TERMS));
+            return expression;
+        }
+        for (negative, span) in prefixes.into_iter().rev() {
+            if !negative {
+                // `not` is about a whole comparison.
+                expression = self.operations(expression, pairs, COMPARISON);
+            }
+            let span = span.to(expression.span);
+            let kind = match (negative, expression.kind) {
+                (true, ExpressionKind::Number { value, unit }) => ExpressionKind::Number { value: -value, unit },
+                (true, kind) => ExpressionKind::Negate(Expression { kind, span: expression.span }.into()),
+                (false, kind) => ExpressionKind::Not(Expression { kind, span: expression.span }.into()),
+            };
+            expression = Expression { kind, span };
+        }
+        expression
+    }
+
+    /// A number with its unit, a word or a call, a text, a group, a list.
+    fn primary(&mut self, pairs: &mut Peekable<Pairs<Rule>>) -> Expression {
+        let pair = pairs.next().expect("a term has a value");
+        let span = self.span(&pair);
+        let kind = match pair.as_rule() {
+            Rule::number => {
+                let value = read_number(pair.as_str());
+                let unit = pairs.next_if(|pair| pair.as_rule() == Rule::unit).map(|unit| self.name(unit));
+                let span = unit.as_ref().map_or(span, |unit| span.to(unit.span));
+                return Expression { kind: ExpressionKind::Number { value, unit }, span };
+            }
+            Rule::text => ExpressionKind::Text(inner_text(&pair)),
+            Rule::name => {
+                let function = self.name(pair);
+                let Some(list) = pairs.next_if(|pair| pair.as_rule() == Rule::arguments) else {
+                    return Expression { kind: ExpressionKind::Name(function.text), span };
+                };
+                let span = span.to(self.span(&list));
+                let (mut arguments, mut keys) = (Vec::new(), Vec::new());
+                let text = list.get_input();
+                for argument in list.into_inner() {
+                    match self.argument(argument) {
+                        Entry::Bare(value) => arguments.push(value),
+                        Entry::Property(property) => {
+                            keys.push(property.key);
+                            arguments.push(property.value);
+                        }
+                        Entry::Clause(_) | Entry::Child(_) | Entry::Unread(_) => {
+                            unreachable!("an argument is a value")
+                        }
+                    }
+                }
+                if keys.is_empty() {
+                    self.ask_about_commas(text, &arguments);
+                }
+                if !keys.is_empty() {
+                    let written =
+                        |value: &Expression| &text[value.span.start - self.offset..value.span.end - self.offset];
+                    let values: Vec<&str> = arguments.iter().map(written).collect();
+                    let call = format!("{}({})", function.text, values.join(", "));
+                    self.diagnostics.push(codes::named_argument(&keys, span, &call));
+                }
+                return Expression { kind: ExpressionKind::Call { function, arguments }, span };
+            }
+            Rule::group => ExpressionKind::Group(pair.into_inner().map(|value| self.value(value)).collect()),
+            Rule::list => ExpressionKind::List(pair.into_inner().map(|value| self.value(value)).collect()),
+            other => unreachable!("no primary is a {other:?}"),
+        };
+        Expression { kind, span }
+    }
+
+    /// Asks whether two numbers of a call were to be one: who leaves blanks behind commas, but not behind this one, may have
+    /// meant a fraction.
+    fn ask_about_commas(&mut self, text: &str, arguments: &[Expression]) {
+        let joined = |pair: &&[Expression]| pair[0].span.end + 1 == pair[1].span.start;
+        let pairs: Vec<&[Expression]> = arguments.windows(2).filter(joined).collect();
+        if pairs.len() + 1 >= arguments.len() {
+            return;
+        }
+        for pair in pairs {
+            let (from, comma) = (pair[0].span.start - self.offset, pair[0].span.end - self.offset);
+            let whole = text[from..comma].bytes().all(|byte| byte.is_ascii_digit());
+            let digits = text[comma + 1..].bytes().take_while(u8::is_ascii_digit).count();
+            let end = comma + 1 + digits;
+            if whole && digits > 0 && !text[end..].starts_with('.') {
+                self.diagnostics.push(codes::comma_in_number(self.place(from, end), &text[from..end]));
+            }
+        }
+    }
+}
+
+/// The range between a quantity less another and more by it, when both are plain and counted in one unit.
+fn around(middle: &Expression, less: &Expression) -> Option<String> {
+    let number = |expression: &Expression| match &expression.kind {
+        ExpressionKind::Number { value, unit } => Some((*value, unit.as_ref().map(|unit| unit.text.clone()))),
+        _ => None,
+    };
+    let ((middle, unit), (less, other)) = (number(middle)?, number(less)?);
+    let with_unit = |value: f64| format!("{} {}", short(value), unit.as_deref().unwrap_or_default()).trim().to_string();
+    (unit == other).then(|| format!("{} .. {}", with_unit(middle + less), with_unit(middle - less)))
+}
+
+/// How tightly comparisons bind: less than what they compare, more than `and` and `or`.
+const COMPARISON: u8 = 2;
+
+/// An operator, and how tightly it binds; none for another pair.
+fn operator(pair: &Pair<Rule>) -> Option<(Operator, u8)> {
+    if pair.as_rule() != Rule::infix {
+        return None;
+    }
+    Some(match pair.as_str() {
+        "or" => (Operator::Or, 0),
+        "and" => (Operator::And, 1),
+        "<" => (Operator::Less, COMPARISON),
+        "<=" => (Operator::LessEqual, COMPARISON),
+        ">" => (Operator::Greater, COMPARISON),
+        ">=" => (Operator::GreaterEqual, COMPARISON),
+        "+" => (Operator::Add, 3),
+        "-" => (Operator::Subtract, 3),
+        "*" => (Operator::Multiply, 4),
+        "/" => (Operator::Divide, 4),
+        other => unreachable!("`{other}` is no operator"),
+    })
+}

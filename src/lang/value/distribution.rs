@@ -1,0 +1,145 @@
+//! Distributions: constants, ranges, and calls of the functions that make them.
+
+use super::meant::{as_beside, as_dashed_range, describe};
+use super::{Context, ends, is_formula, quantity, within};
+use crate::diagnostic::{Diagnostic, Span};
+use crate::lang::ast::{Expression, ExpressionKind, Known};
+use crate::lang::codes;
+use crate::lang::formula::is_function;
+use crate::signature::{Distribution, LEAST, MOST, Type};
+use crate::units::Dimension;
+
+/// The functions that make distributions, with what they take.
+const DISTRIBUTIONS: &[(&str, &str)] = &[
+    ("uniform", "two ends"),
+    ("normal", "a mean and a deviation"),
+    ("truncated", "a distribution and a range"),
+    ("choice", "one distribution or more"),
+    ("weighted", "one pair `(weight, distribution)` or more"),
+];
+
+/// The names of the functions that make distributions.
+pub fn distributions() -> impl Iterator<Item = &'static str> {
+    DISTRIBUTIONS.iter().map(|(name, _)| *name)
+}
+
+/// A value, a range, or a call of one of [`DISTRIBUTIONS`].
+pub(super) fn distribution(
+    expression: &Expression,
+    dimension: Dimension,
+    context: &Context,
+    said: &mut Vec<Diagnostic>,
+) -> Option<Distribution> {
+    let span = expression.span;
+    match &expression.kind {
+        ExpressionKind::Range(low, high) => {
+            let (a, b) = ends(span, low, high, dimension, context, said)?;
+            Some(Distribution::Uniform(a, b))
+        }
+        ExpressionKind::Known(Known::Distribution(known, found)) => {
+            if *found != dimension {
+                said.push(codes::wrong_unit(span, dimension, *found));
+                return None;
+            }
+            Some(known.clone())
+        }
+        ExpressionKind::Call { function, arguments } if !is_function(&function.text) => {
+            let Some((name, takes)) = DISTRIBUTIONS.iter().find(|(name, _)| *name == function.text) else {
+                let known: Vec<&str> = DISTRIBUTIONS.iter().map(|(name, _)| *name).collect();
+                said.push(codes::unknown_distribution(function.span, &function.text, &known));
+                return None;
+            };
+            let parts = |said: &mut Vec<Diagnostic>| {
+                let each = |part: &Expression| distribution(part, dimension, context, said);
+                arguments.iter().map(each).collect::<Vec<_>>().into_iter().collect::<Option<Vec<_>>>()
+            };
+            match (*name, arguments.as_slice()) {
+                ("uniform", [low, high]) => {
+                    let (a, b) = ends(span, low, high, dimension, context, said)?;
+                    Some(Distribution::Uniform(a, b))
+                }
+                ("normal", [mean, deviation]) => {
+                    let before = said.len();
+                    let middle = quantity(mean, dimension, context, said);
+                    let spread = quantity(deviation, dimension, context, said);
+                    as_beside(&mut said[before..], mean, deviation, dimension, context);
+                    as_beside(&mut said[before..], deviation, mean, dimension, context);
+                    let (mean, spread) = (middle?, spread?);
+                    within(spread, LEAST, MOST, dimension, deviation.span, context, said)?;
+                    let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);
+                    Some(Distribution::Normal { mean, deviation: spread, low, high })
+                }
+                ("truncated", [inner, range]) => {
+                    let whole = distribution(inner, dimension, context, said);
+                    let ExpressionKind::Range(low, high) = &range.kind else {
+                        said.push(codes::not_a(range.span, "range", &describe(range)));
+                        return None;
+                    };
+                    let (a, b) = ends(range.span, low, high, dimension, context, said)?;
+                    let kept = whole?.truncated(a, b);
+                    if kept.is_none() {
+                        said.push(codes::nothing_left(span, inner.span, range.span));
+                    }
+                    kept
+                }
+                ("choice", [_, ..]) => {
+                    let parts = parts(said)?;
+                    Some(Distribution::mixture(parts.into_iter().map(|part| (1.0, part)).collect()))
+                }
+                ("weighted", pairs @ [_, ..]) => {
+                    let pair = |pair: &Expression| weighted(pair, dimension, context, said);
+                    let parts = pairs.iter().map(pair).collect::<Vec<_>>().into_iter().collect::<Option<Vec<_>>>()?;
+                    Some(Distribution::mixture(parts))
+                }
+                _ => {
+                    said.push(codes::wrong_arity(span, name, takes, arguments.len()));
+                    None
+                }
+            }
+        }
+        _ if is_formula(expression) => {
+            let before = said.len();
+            let constant = quantity(expression, dimension, context, said).map(Distribution::Constant);
+            as_dashed_range(&mut said[before..], expression, dimension, context);
+            constant
+        }
+        _ => {
+            let (min, max) = (f64::NEG_INFINITY, f64::INFINITY);
+            said.push(codes::wrong_type(span, &Type::Distribution { dimension, min, max }, &describe(expression)));
+            None
+        }
+    }
+}
+
+/// `(weight, distribution)`
+fn weighted(
+    pair: &Expression,
+    dimension: Dimension,
+    context: &Context,
+    said: &mut Vec<Diagnostic>,
+) -> Option<(f64, Distribution)> {
+    let ExpressionKind::Group(members) = &pair.kind else {
+        said.push(codes::not_a(pair.span, "pair `(weight, distribution)`", &describe(pair)));
+        return None;
+    };
+    let [weight, part] = members.as_slice() else {
+        said.push(codes::not_a(pair.span, "pair `(weight, distribution)`", &describe(pair)));
+        return None;
+    };
+    if let (
+        ExpressionKind::Number { unit: Some(_), .. } | ExpressionKind::Range(..),
+        ExpressionKind::Number { unit: None, .. },
+    ) = (&weight.kind, &part.kind)
+        && dimension != Dimension::RATIO
+    {
+        let text = |span: Span| context.sources.text(span);
+        let found = codes::not_a(pair.span, "pair `(weight, distribution)`", "pair the other way round");
+        said.push(found.fix(format!("({}, {})", text(part.span), text(weight.span))));
+        return None;
+    }
+    let number = quantity(weight, Dimension::RATIO, context, said);
+    let part = distribution(part, dimension, context, said);
+    let number = number?;
+    within(number, LEAST, MOST, Dimension::RATIO, weight.span, context, said)?;
+    Some((number, part?))
+}
