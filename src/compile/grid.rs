@@ -137,6 +137,9 @@ impl Lowering<'_> {
             self.train(block, train, &usual, &mut campaign, &mut rewards);
         }
         self.forbid_repeated_trainings(block, &campaign);
+        if !campaign.published.is_empty() && block.nested("train").next().is_none() {
+            self.said.push(codes::beside_nobody(block.place("beside")));
+        }
         if ["train", "evaluate", "search"].iter().all(|word| block.nested(word).next().is_none()) {
             let message = "this campaign trains nobody, tries nobody and searches for nothing".to_string();
             let help = "give it a block: `train { … }`, `evaluate { … }` or `search { … }`";
@@ -213,9 +216,7 @@ impl Lowering<'_> {
         let words = block.arguments.list("pedestrians");
         let untrained = campaign_block.nested("train").next().is_none();
         if untrained && words.iter().any(|word| matches!(word, Value::Choice("trained" | "sampled"))) {
-            let place =
-                block.places.iter().find(|(key, _)| *key == "pedestrians").map_or(block.head, |(_, span)| *span);
-            return self.said.push(codes::nobody_trained(place));
+            return self.said.push(codes::nobody_trained(block.place("pedestrians")));
         }
         let who = if untrained { untrained_pedestrians(words) } else { pedestrians(words, &campaign.trainings) };
         let each = who.len().max(rewards.len());

@@ -23,6 +23,12 @@ pub fn nobody_trained(span: Span) -> Diagnostic {
         .help("without one there are `random`, `homing` and `intercept`: `pedestrians: [random]`")
 }
 
+/// Published figures, which are those of rewards, are to stand beside a campaign that trains nobody for one.
+pub fn beside_nobody(span: Span) -> Diagnostic {
+    Diagnostic::warning("unused", span, "these figures stand beside nothing")
+        .here("they are those of rewards, and this campaign trains nobody for one")
+}
+
 /// A value lies above one that it must not exceed.
 pub fn not_rising(span: Span, low: &str, high: &str, other: Option<Span>) -> Diagnostic {
     let diagnostic = contradiction(span, format!("`{low}` is more than `{high}`"));
