@@ -16,10 +16,9 @@ impl Catalog {
     /// What is not known, with the nearest that is.
     pub fn explain(&self, words: &[String]) -> Result<String, String> {
         // Settings lead to keys with points between the words.
-        let parts =
-            |word: &'_ str| word.split(if word.contains('/') { "\0" } else { "." }).map(str::to_string).collect();
-        let words: Vec<Vec<String>> = words.iter().flat_map(|word| word.split_whitespace()).map(parts).collect();
-        let words: Vec<&str> = words.iter().flatten().map(String::as_str).collect();
+        let point = |word: &str| if word.contains('/') { ' ' } else { '.' };
+        let parts = words.iter().flat_map(|word| word.split([' ', '\t', point(word)]));
+        let words: Vec<&str> = parts.filter(|word| !word.is_empty()).collect();
         let Some((first, rest)) = words.split_first() else { return Ok(self.topics()) };
         let mistakes = mistakes();
         if rest.is_empty() {
