@@ -3,7 +3,7 @@ use serde_json::json;
 use super::repeat::{self, Repeated, Source};
 use super::repeat_args::ReplayOptions;
 use super::{ExitCode, front};
-use crate::report::{self, Account};
+use crate::report::{self, Narrative};
 
 /// `falsify replay`
 pub fn replay(options: &ReplayOptions) -> ExitCode {
@@ -22,27 +22,27 @@ pub fn replay(options: &ReplayOptions) -> ExitCode {
             return ExitCode::WriteFailed;
         }
     }
-    let account = report::account(scenario, outcome, recording, verdict.as_ref());
+    let narrative = report::narrative(scenario, outcome, recording, verdict.as_ref());
     if options.json {
-        front::say(&as_json(&source, &repeated, &account).to_string());
+        front::say(&as_json(&source, &repeated, &narrative).to_string());
     } else {
-        tell(&source, &repeated, &account);
+        tell(&source, &repeated, &narrative);
     }
     if repeated.differences.is_empty() { ExitCode::Done } else { ExitCode::Differs }
 }
 
 /// Tells it for people.
-fn tell(source: &Source, repeated: &Repeated, account: &Account) {
+fn tell(source: &Source, repeated: &Repeated, narrative: &Narrative) {
     let manifest = source.report.manifest();
     let smoke = if manifest.smoke { ", a trial of the machinery" } else { "" };
     front::say(&format!("{}  {}", repeated.name, repeated.title));
     front::say(&format!("of {}, seed {}{smoke}\n", source.report.folder().display(), manifest.seed));
-    for (time, text) in &account.events {
+    for (time, text) in &narrative.events {
         front::say(&format!("{time:7.2} s  {text}"));
     }
-    if !account.verdict.is_empty() {
+    if !narrative.verdict.is_empty() {
         front::say("");
-        account.verdict.iter().for_each(|line| front::say(line));
+        narrative.verdict.iter().for_each(|line| front::say(line));
     }
     front::say("");
     if repeated.differences.is_empty() {
@@ -61,9 +61,9 @@ fn tell(source: &Source, repeated: &Repeated, account: &Account) {
 }
 
 /// Tells it for programs.
-fn as_json(source: &Source, repeated: &Repeated, account: &Account) -> serde_json::Value {
+fn as_json(source: &Source, repeated: &Repeated, narrative: &Narrative) -> serde_json::Value {
     let outcome = &repeated.outcome;
-    let events = account.events.iter().map(|(time, text)| json!({ "time_s": time, "text": text }));
+    let events = narrative.events.iter().map(|(time, text)| json!({ "time_s": time, "text": text }));
     let differences = repeated.differences.iter().map(
         |difference| json!({ "column": difference.column, "stored": difference.stored, "again": difference.again }),
     );

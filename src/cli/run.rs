@@ -9,8 +9,8 @@ use super::{ExitCode, front, interrupt, list, shard};
 use crate::campaign::{self, Cell, Finished};
 use crate::compile::Campaign;
 use crate::report::{
-    self, Episodes, FileRecord, Formats, Gathered, Kinds, Manifest, Metrics, ReportFolder, TrainingRecord, Wanted,
-    WriteError,
+    self, Episodes, FailureModes, FileRecord, Formats, Gathered, Manifest, Metrics, ReportFolder, TrainingRecord,
+    Wanted, WriteError,
 };
 use crate::seed::Seed;
 use crate::store::{CODE, Ids, Index, Kept, Limits, Note, Store, StoreError, vector_instructions};
@@ -161,9 +161,9 @@ fn carry_out(
     }
     index.write(store, &name, campaign, seed).map_err(failed)?;
     let written = |error: WriteError| kept(&error.to_string(), &options.out);
-    let mut kinds = Kinds::new(campaign, &finished.trainings, &Seed::root(seed));
+    let mut modes = FailureModes::new(campaign, &finished.trainings, &Seed::root(seed));
     let gathered =
-        report::gather(&folder, &Episodes::new(campaign, &keeper), &mut kinds, &Seed::root(seed)).map_err(written)?;
+        report::gather(&folder, &Episodes::new(campaign, &keeper), &mut modes, &Seed::root(seed)).map_err(written)?;
     if gathered.episodes == 0
         && finished.searches.is_empty()
         && finished.trainings.iter().all(|training| training.result.is_err())
@@ -174,7 +174,7 @@ fn carry_out(
     say_errors(&gathered, &name, options.format);
     let times = (keeper.training_seconds(), began.elapsed().as_secs_f64());
     let manifest = manifest(campaign, options, files, &finished, &gathered, times);
-    report::write(&folder, campaign, &finished, &gathered, kinds, &manifest).map_err(written)?;
+    report::write(&folder, campaign, &finished, &gathered, modes, &manifest).map_err(written)?;
     if options.ticks != TickChoice::None {
         let all = options.ticks == TickChoice::All;
         let wanted = Wanted::of(&Episodes::new(campaign, &keeper), &finished, all).map_err(written)?;

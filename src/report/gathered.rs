@@ -4,7 +4,7 @@ use polars::prelude::{BooleanChunked, DataFrame, Float64Chunked, PolarsResult, S
 
 use super::evidence::{Evidence, Gathering};
 use super::metrics::runs;
-use super::{Episodes, Kinds, ReportFolder, Run, Starts, Tally, WriteError};
+use super::{Episodes, FailureModes, ReportFolder, Run, Starts, Tally, WriteError};
 use crate::av::DrivingMode;
 use crate::compile::Evaluation;
 use crate::env::{Ending, Outcome, Spawn};
@@ -49,7 +49,7 @@ pub struct Gathered {
 pub fn gather(
     folder: &ReportFolder,
     episodes: &Episodes<'_>,
-    kinds: &mut Kinds<'_>,
+    kinds: &mut FailureModes<'_>,
     seed: &Seed,
 ) -> Result<Gathered, WriteError> {
     let failed = |source| WriteError::Table { name: "episodes".into(), source };

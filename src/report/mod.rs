@@ -8,68 +8,51 @@ mod tables;
 mod episodes;
 mod metrics;
 mod learning_curve;
-mod svg;
-mod scenery;
-mod town_map;
 mod waypoints;
 mod survival;
 mod searches;
-mod search_summary;
-mod summary;
-mod avoidable;
 mod published;
 mod trainings;
-mod kinds;
 mod evidence;
 mod manifest;
 mod table_stream;
 mod folder;
 mod gathered;
-mod page;
 mod write;
 mod stored;
 mod parting;
 mod ticks;
 mod tick_file;
-mod account;
-mod stage;
-mod strip;
-mod animation;
+mod failure_modes;
 mod gate;
-mod junit;
+mod render;
 
-pub use account::{Account, account};
-pub use animation::animation;
 pub use episodes::{Chunk, Chunks, Episodes, Run, decode, encode, tally};
 pub use evidence::{
     Between, CellEvidence, CellKey, Change, Comparison, Evidence, Figure, Gathering, Quantiles, Test, Transfer,
 };
+pub use failure_modes::FailureModes;
 pub use folder::{Formats, ReportFolder, WriteError, write_csv, write_file, write_table};
 pub use gate::{Gate, GateError, Judged};
 pub use gathered::{Gathered, gather};
-pub use junit::{Suite, called, junit, shown};
-pub use kinds::Kinds;
 pub use learning_curve::learning_curve;
 pub use manifest::{Call, FileRecord, Manifest, TrainingRecord};
 pub use metrics::{Cell, Metrics, Spread, metrics};
-pub use page::{Contents, Extra, ModeCard, Page, Panel, Replay, Tally, page, write_page};
 pub use parting::parting;
 pub use published::{Agreement, Beside, beside, published, published_summary};
-pub use scenery::{Scenery, Surface};
-pub use search_summary::{search_summary, search_table};
+pub use render::{
+    Narrative, Starts, Suite, Tally, animation, called, junit, narrative, search_table, shown, spawn_map, strip, table,
+    town_map,
+};
 pub use searches::{Average, SearchCell, search_cell_table, search_cells, search_failures, searches};
 pub use stored::{Difference, ReadError, StoredFailure, StoredReport, differences, failure};
-pub use strip::strip;
-pub use summary::{summary, table};
 pub use survival::{MedianTime, median_time};
 pub use table_stream::TableStream;
 pub use tables::episodes;
 pub use tick_file::{Wanted, write_ticks};
 pub use ticks::ticks;
-pub use town_map::{Starts, spawn_map, town_map};
-pub use trainings::trainings_summary;
 pub use waypoints::waypoints;
-pub use write::{pedestrian_file, write};
+pub use write::{pedestrian_file, write, write_failure_modes};
 
 /// A row of a table, or several.
 pub type Row = polars::prelude::DataFrame;

@@ -2,7 +2,7 @@ use std::fmt::Write;
 
 use polars::prelude::{Column, DataFrame, NamedFrom, Series};
 
-use super::summary::spread;
+use super::render::spread;
 use super::{Cell, Spread};
 use crate::compile::{Published, PublishedCell, PublishedFigure};
 use crate::statistics::student_quantile;

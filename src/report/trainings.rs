@@ -1,7 +1,7 @@
 use std::fmt::Write;
 
 use super::Spread;
-use super::summary::spread;
+use super::render::spread;
 use crate::campaign::TrainingResult;
 use crate::compile::TrainingKey;
 use crate::rl::UpdateLog;

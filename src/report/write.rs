@@ -1,9 +1,13 @@
 use std::collections::BTreeMap;
 
+use super::failure_modes::{self, CellModes};
+use super::render::{
+    accumulation_figure, file_names, mode_panels, modes_summary, rule_bars, search_summary, summary, write_page,
+};
+use super::trainings::trainings_summary;
 use super::{
-    Gathered, Kinds, Manifest, Metrics, ReportFolder, WriteError, beside, evidence, learning_curve, published,
-    published_summary, search_cell_table, search_cells, search_failures, search_summary, searches, summary, town_map,
-    trainings_summary, write_page,
+    FailureModes, Gathered, Manifest, Metrics, ReportFolder, WriteError, beside, evidence, learning_curve, published,
+    published_summary, search_cell_table, search_cells, search_failures, searches, town_map,
 };
 use crate::campaign::Finished;
 use crate::compile::{Campaign, TrainingKey};
@@ -23,7 +27,7 @@ pub fn write(
     campaign: &Campaign,
     finished: &Finished,
     gathered: &Gathered,
-    mut kinds: Kinds<'_>,
+    modes: FailureModes<'_>,
     manifest: &Manifest,
 ) -> Result<(), WriteError> {
     let failed = |name: &str| {
@@ -37,7 +41,8 @@ pub fn write(
     folder.table("cells", &cells)?;
     folder.table("comparisons", &evidence::comparison_table(&evidence.comparisons))?;
     folder.table("transfer", &evidence::transfer_table(&evidence.transfers))?;
-    let kinds_words = kinds.write(folder)?;
+    let modes = modes.finish();
+    let modes_words = write_failure_modes(folder, &modes)?;
     folder.table("learning_curve", &learning_curve(&finished.trainings))?;
     for town in &campaign.towns {
         let starts = gathered.starts.get(&town.name).cloned().unwrap_or_default();
@@ -72,7 +77,7 @@ pub fn write(
         folder.table("published", &published(&all))?;
         sections.push_str(&published_summary(&all));
     }
-    sections.push_str(&kinds_words);
+    sections.push_str(&modes_words);
     if !finished.searches.is_empty() {
         let searched = search_cells(&finished.searches);
         folder.table("searches", &searches(&finished.searches))?;
@@ -84,5 +89,30 @@ pub fn write(
     let page = summary(campaign, &cells, evidence, manifest, &sections);
     folder.file("summary.md", page.as_bytes())?;
     folder.file("manifest.toml", manifest.to_toml().as_bytes())?;
-    write_page(folder, campaign, finished, gathered, manifest, &cells, &kinds)
+    write_page(folder, campaign, finished, gathered, manifest, &cells, &modes)
+}
+
+/// Adds the tables and pictures of failure modes to a report; gives what its summary says of them.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_failure_modes(folder: &ReportFolder, cells: &[CellModes<'_>]) -> Result<String, WriteError> {
+    folder.table("failure_modes", &failure_modes::failure_modes(cells))?;
+    folder.table("mode_counts", &failure_modes::mode_counts(cells))?;
+    folder.table("mode_accumulation", &failure_modes::mode_accumulation(cells))?;
+    folder.table("explanations", &failure_modes::explanations(cells))?;
+    folder.table("explanation_features", &failure_modes::explanation_features(cells))?;
+    let names = file_names(cells);
+    for (cell, name) in cells.iter().zip(&names) {
+        if !cell.modes.is_empty() {
+            folder.file(&format!("modes/{name}.svg"), mode_panels(cell).as_bytes())?;
+        }
+        if !cell.explanations.is_empty() {
+            folder.file(&format!("modes/{name}-why.svg"), rule_bars(cell).as_bytes())?;
+        }
+    }
+    if let Some(svg) = accumulation_figure(cells) {
+        folder.file("mode_accumulation.svg", svg.as_bytes())?;
+    }
+    Ok(modes_summary(cells, &names))
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use falsify::campaign::{EpisodeRow, watch};
 use falsify::compile::{Campaign, Catalog, Evaluation, compile};
 use falsify::judge::{NearMiss, judge};
-use falsify::report::{Kinds, ReportFolder, episodes};
+use falsify::report::{FailureModes, ReportFolder, episodes, write_failure_modes};
 use falsify::seed::Seed;
 use polars::prelude::{Column, DataFrame, NamedFrom, Series};
 
@@ -53,9 +53,9 @@ fn report(campaign: &Campaign, seed: &Seed, runs: &[DataFrame]) -> BTreeMap<Stri
     let out = tempfile::tempdir().unwrap();
     let drafts = tempfile::tempdir_in(out.path()).unwrap();
     let folder = ReportFolder::begin(out.path(), "kinds", drafts.path()).unwrap();
-    let mut kinds = Kinds::new(campaign, &[], seed);
-    runs.iter().for_each(|run| kinds.add(run).unwrap());
-    let words = kinds.write(&folder).unwrap();
+    let mut modes = FailureModes::new(campaign, &[], seed);
+    runs.iter().for_each(|run| modes.add(run).unwrap());
+    let words = write_failure_modes(&folder, &modes.finish()).unwrap();
     let place = folder.finish(true).unwrap();
     let mut files = BTreeMap::from([("words".to_string(), words)]);
     for folder in [place.clone(), place.join("modes")] {

@@ -1,7 +1,7 @@
 use std::fmt::Write;
 
 use super::super::Cell;
-use super::super::summary::{place, training};
+use super::super::render::{place, training};
 use super::{CellEvidence, CellKey, Change, Evidence, Figure, Quantiles, Test};
 use crate::judge::Reference;
 use crate::statistics::wilson;

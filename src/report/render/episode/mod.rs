@@ -1,0 +1,10 @@
+//! One episode for people: in words, as a strip of frames, as a picture that moves.
+
+mod narrative;
+mod view;
+mod strip;
+mod animation;
+
+pub use animation::animation;
+pub use narrative::{Narrative, narrative};
+pub use strip::strip;

@@ -1,0 +1,178 @@
+use std::fmt::Write;
+
+use super::super::{Cell, Gate, Judged, Manifest};
+
+/// What a campaign tells a server of continuous integration.
+#[derive(Debug, Clone)]
+pub struct Suite {
+    /// How the campaign was run.
+    pub manifest: Manifest,
+    /// Its cells, in the order of their table.
+    pub cells: Vec<Cell>,
+    /// The gates, each with what it makes of each cell.
+    pub gates: Vec<(Gate, Vec<Judged>)>,
+}
+
+/// Writes campaigns as JUnit XML: a test suite for each campaign, a test case for each cell and for each training that failed.
+///
+/// A cell fails where a gate is broken, is skipped where a gate finds no value, and is in error where a driver failed as a
+/// program. Its figures are properties of the suite, `CELL / FIGURE`.
+///
+/// # Source
+/// `junit-10.xsd` of Jenkins' xUnit plug-in.
+pub fn junit(suites: &[Suite]) -> String {
+    let mut page = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
+    let counts: Vec<[usize; 4]> = suites.iter().map(counts).collect();
+    let sum = |place: usize| counts.iter().map(|counts| counts[place]).sum::<usize>();
+    let time: f64 = suites.iter().map(|suite| suite.manifest.wall_time_s).sum();
+    let _ = writeln!(
+        page,
+        "<testsuites name=\"falsify\" tests=\"{}\" failures=\"{}\" errors=\"{}\" time=\"{time:.3}\">",
+        sum(0),
+        sum(1),
+        sum(2)
+    );
+    for (suite, counts) in suites.iter().zip(&counts) {
+        one(&mut page, suite, counts);
+    }
+    page.push_str("</testsuites>\n");
+    page
+}
+
+fn one(page: &mut String, suite: &Suite, [tests, failures, errors, skipped]: &[usize; 4]) {
+    let manifest = &suite.manifest;
+    let _ = writeln!(
+        page,
+        "  <testsuite name=\"{}\" tests=\"{tests}\" failures=\"{failures}\" errors=\"{errors}\" skipped=\"{skipped}\" \
+         time=\"{:.3}\">\n    <properties>",
+        escaped(&manifest.campaign),
+        manifest.wall_time_s
+    );
+    property(page, "falsify version", &manifest.version);
+    property(page, "seed", &manifest.seed.to_string());
+    for (gate, _) in &suite.gates {
+        property(page, "fail-if", gate.text());
+    }
+    for cell in &suite.cells {
+        for (name, value) in figures(cell) {
+            property(page, &format!("{} / {name}", called(cell)), &value);
+        }
+    }
+    page.push_str("    </properties>\n");
+    for (row, cell) in suite.cells.iter().enumerate() {
+        case(page, &manifest.campaign, &called(cell), &findings(suite, row));
+    }
+    for training in manifest.trainings.iter().filter(|training| !training.error.is_empty()) {
+        let name = format!(
+            "training of {} in {} against {}, run {}",
+            training.reward, training.town, training.policy, training.run
+        );
+        case(page, &manifest.campaign, &name, &[("error", "training", training.error.clone())]);
+    }
+    page.push_str("  </testsuite>\n");
+}
+
+/// Tests, failures, errors and skipped ones of a campaign.
+fn counts(suite: &Suite) -> [usize; 4] {
+    let failed = suite.manifest.trainings.iter().filter(|training| !training.error.is_empty()).count();
+    let all: Vec<Vec<Finding>> = (0..suite.cells.len()).map(|row| findings(suite, row)).collect();
+    let of = |kind: &str| all.iter().filter(|found| found.iter().any(|finding| finding.0 == kind)).count();
+    [suite.cells.len() + failed, of("failure"), of("error") + failed, of("skipped")]
+}
+
+/// The element, its type and its message.
+type Finding = (&'static str, &'static str, String);
+
+/// What is to be said of a cell: an error, else the gates that are broken, else those that find no value.
+fn findings(suite: &Suite, row: usize) -> Vec<Finding> {
+    let cell = &suite.cells[row];
+    if cell.errors > 0 {
+        let all = cell.errors + cell.episodes;
+        return vec![("error", "driver", format!("the driver failed in {} of {all} episodes", cell.errors))];
+    }
+    let judged = || suite.gates.iter().filter_map(|(gate, cells)| Some((gate.text(), cells.get(row)?)));
+    let broken: Vec<Finding> = judged().filter_map(|(gate, judged)| broken(gate, judged)).collect();
+    if !broken.is_empty() {
+        return broken;
+    }
+    let missing = judged().find_map(|(gate, judged)| match judged {
+        Judged::Missing(column) => Some(("skipped", "", format!("{gate}: there is no {column}"))),
+        _ => None,
+    });
+    missing.into_iter().collect()
+}
+
+fn broken(gate: &str, judged: &Judged) -> Option<Finding> {
+    let Judged::Broken(values) = judged else { return None };
+    Some(("failure", "fail-if", format!("{gate}: {}", shown(values))))
+}
+
+/// The values that a gate looked at, for people.
+pub fn shown(values: &[(String, f64)]) -> String {
+    let each = values.iter().map(|(column, value)| format!("{column} is {}", (value * 1e6).round() / 1e6));
+    each.collect::<Vec<_>>().join(", ")
+}
+
+fn case(page: &mut String, campaign: &str, name: &str, findings: &[Finding]) {
+    let head = format!("    <testcase classname=\"{}\" name=\"{}\"", escaped(campaign), escaped(name));
+    if findings.is_empty() {
+        let _ = writeln!(page, "{head}/>");
+        return;
+    }
+    let _ = writeln!(page, "{head}>");
+    for (element, kind, message) in findings {
+        let kind = if kind.is_empty() { String::new() } else { format!(" type=\"{kind}\"") };
+        let _ = writeln!(page, "      <{element} message=\"{}\"{kind}/>", escaped(message));
+    }
+    page.push_str("    </testcase>\n");
+}
+
+fn property(page: &mut String, name: &str, value: &str) {
+    let _ = writeln!(page, "      <property name=\"{}\" value=\"{}\"/>", escaped(name), escaped(value));
+}
+
+/// What a cell is called.
+pub fn called(cell: &Cell) -> String {
+    let trained = match (cell.trained.0.as_str(), cell.trained.1.as_str()) {
+        ("", _) => String::new(),
+        (town, policy) => format!(" ({town}, {policy})"),
+    };
+    format!(
+        "{} {}{trained} in {} against {}, {}, {}, block {}",
+        cell.pedestrian, cell.reward, cell.town, cell.policy, cell.vehicle, cell.adversary, cell.block
+    )
+}
+
+fn figures(cell: &Cell) -> Vec<(&'static str, String)> {
+    let mut all = vec![
+        ("runs", cell.runs.to_string()),
+        ("episodes", cell.episodes.to_string()),
+        ("errors", cell.errors.to_string()),
+        ("collisions", cell.collisions.to_string()),
+    ];
+    let rates = [
+        ("collision_rate_mean", cell.collision.mean),
+        ("moving_rate_mean", cell.moving.mean),
+        ("preventable_rate_mean", cell.preventable.mean),
+        ("preventable_share_mean", cell.preventable_share.mean),
+    ];
+    all.extend(rates.into_iter().filter_map(|(name, rate)| Some((name, format!("{:.6}", rate?)))));
+    all
+}
+
+/// Text for an attribute; what XML cannot hold becomes a question mark.
+fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\n' | '\t' | '\r' => out.push(' '),
+            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => out.push('?'),
+            c => out.push(c),
+        }
+    }
+    out
+}

@@ -1,0 +1,67 @@
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+
+use super::super::town::Scenery;
+use super::{ModeCard, Replay};
+use crate::campaign::{TrainingResult, watch};
+use crate::compile::{Campaign, Evaluation, Pedestrian};
+use crate::judge::judge;
+use crate::rl::ActorCritic;
+use crate::seed::Seed;
+
+/// So many kinds get a player at most.
+const PLAYERS: usize = 12;
+
+/// Puts the cards in the order of the page and repeats the examples of as many as it plays: trained pedestrians first,
+/// and of these the commonest kind of each cell, then the next of each.
+pub fn repeat_examples(cards: &mut [ModeCard], campaign: &Campaign, trainings: &[TrainingResult], seed: &Seed) {
+    cards.sort_by_key(|card| std::cmp::Reverse(card.failures));
+    let mut seen: BTreeMap<(String, String), usize> = BTreeMap::new();
+    cards.sort_by_cached_key(|card| {
+        let rank = seen.entry((card.who.clone(), card.place.clone())).or_default();
+        *rank += 1;
+        (!card.trained, *rank)
+    });
+    let mut scenery: BTreeMap<String, Scenery> = BTreeMap::new();
+    for card in cards.iter_mut().take(PLAYERS) {
+        let Some((run, episode)) = card.example.split_once(':') else { continue };
+        let Some(evaluation) = campaign.evaluations.iter().find(|planned| planned.id.to_string() == run) else {
+            continue;
+        };
+        let Ok(episode) = episode.parse() else { continue };
+        let town = &evaluation.scenario.town;
+        let scenery = scenery.entry(evaluation.town.to_string()).or_insert_with(|| Scenery::new(town));
+        card.replay = repeat(campaign, trainings, seed, evaluation, episode, scenery);
+    }
+}
+
+/// Repeats an episode for the player; none when its pedestrian was never trained.
+fn repeat(
+    campaign: &Campaign,
+    trainings: &[TrainingResult],
+    seed: &Seed,
+    evaluation: &Evaluation,
+    episode: u32,
+    scenery: &Scenery,
+) -> Option<Replay> {
+    let trained: Option<&ActorCritic> = match evaluation.pedestrian {
+        Pedestrian::Trained(training) | Pedestrian::Sampled(training) => {
+            let key = &campaign.trainings[training].key;
+            let found = trainings.iter().find(|training| training.key == *key)?;
+            Some(&found.result.as_ref().ok()?.actor_critic)
+        }
+        _ => None,
+    };
+    let scenario = &evaluation.scenario;
+    let replays = watch(
+        evaluation,
+        trained,
+        episode..episode + 1,
+        seed,
+        &mut |outcome, recording| {
+            Replay::new(scenario, scenery, outcome, recording, judge(scenario, recording).as_ref())
+        },
+        &mut |_| ControlFlow::Continue(()),
+    );
+    replays.into_iter().next()
+}

@@ -1,0 +1,139 @@
+use serde::Serialize;
+
+use super::super::town::{Scenery, Surface};
+use crate::env::{Ending, Outcome, Recording, Scenario};
+use crate::geometry::{Point, Pose};
+use crate::judge::{Label, Reference, Verdict};
+
+/// Scenery is shown as far from the way of car and pedestrian (m).
+const AROUND: f64 = 40.0;
+
+/// An episode as the player shows it: whole numbers about a place of its own, so that hundreds of ticks stay small.
+///
+/// Places are centimetres east and north of `origin`, angles milliradians, speeds cm/s, pedals hundredths.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Replay {
+    /// Where the numbers count from (m).
+    pub origin: [f64; 2],
+    /// Length of a tick (s).
+    pub dt: f64,
+    /// Half length and half width of the car.
+    pub car: [i64; 2],
+    /// Radius of the pedestrian.
+    pub radius: i64,
+    /// Polygons of the scenery, from the ground up: number of the [`Surface`], then x and y of each corner, in decimetres.
+    pub scenery: Vec<Vec<i64>>,
+    /// The car at each tick: x, y, yaw, speed.
+    pub ego: Vec<[i64; 4]>,
+    /// The pedestrian at each tick: x, y, yaw, speed.
+    pub person: Vec<[i64; 4]>,
+    /// What the driver was doing: from which tick on, and its name.
+    pub modes: Vec<(usize, &'static str)>,
+    /// Brake of each tick.
+    pub brake: Vec<i64>,
+    /// Throttle of each tick.
+    pub throttle: Vec<i64>,
+    /// Ticks at which the pedestrian comes into sight or is lost from it; before the first it is hidden.
+    pub sight: Vec<usize>,
+    /// Tick at which the danger began; none without a collision.
+    pub danger: Option<usize>,
+    /// Name of the verdict.
+    pub verdict: Option<&'static str>,
+    /// What the reference drivers make of it: name, and the speed at which they hit (m/s), none when they avoid it.
+    pub drivers: Vec<(&'static str, Option<f64>)>,
+    /// Whether it ends in a touch.
+    pub touch: bool,
+}
+
+impl Replay {
+    /// Takes from an episode what the player shows.
+    pub fn new(
+        scenario: &Scenario,
+        scenery: &Scenery,
+        outcome: &Outcome,
+        recording: &Recording,
+        verdict: Option<&Verdict>,
+    ) -> Self {
+        let moments = recording.moments();
+        let last = moments.last().map_or_else(Point::origin, |moment| moment.pedestrian.pose.position());
+        let origin = Point::new(last.x.round(), last.y.round());
+        let whole = |value: f64, unit: f64| (value / unit).round() as i64;
+        let state = |pose: &Pose, speed: f64| {
+            [whole(pose.x - origin.x, 0.01), whole(pose.y - origin.y, 0.01), whole(pose.yaw, 0.001), whole(speed, 0.01)]
+        };
+        let (mut low, mut high) = (last, last);
+        for place in moments.iter().flat_map(|m| [m.ego.pose.position(), m.pedestrian.pose.position()]) {
+            (low, high) = (low.inf(&place), high.sup(&place));
+        }
+        let margin = crate::geometry::Vector::new(AROUND, AROUND);
+        let polygon = |(surface, corners): &(Surface, Vec<Point>)| {
+            let mut numbers = vec![*surface as i64];
+            numbers.extend(corners.iter().flat_map(|c| [whole(c.x - origin.x, 0.1), whole(c.y - origin.y, 0.1)]));
+            numbers
+        };
+        let mut modes: Vec<(usize, &'static str)> = Vec::new();
+        for (tick, moment) in moments.iter().enumerate() {
+            // The first moment is before the driver's first decision.
+            let name = moments.get(1).filter(|_| tick == 0).unwrap_or(moment).mode.name();
+            if modes.last().is_none_or(|(_, known)| *known != name) {
+                modes.push((tick, name));
+            }
+        }
+        let mut sight = Vec::new();
+        for (tick, moment) in moments.iter().enumerate() {
+            if moment.in_sight(scenario) == (sight.len() % 2 == 0) {
+                sight.push(tick);
+            }
+        }
+        let touch = matches!(outcome.ending, Ending::Collision { .. });
+        // The touch is within the last tick, the danger began so long before it.
+        let ticks = |verdict: &Verdict| (verdict.warning / scenario.episode.tick).ceil() as usize;
+        Self {
+            origin: [origin.x, origin.y],
+            dt: scenario.episode.tick,
+            car: [whole(scenario.vehicle.half_length, 0.01), whole(scenario.vehicle.half_width, 0.01)],
+            radius: whole(scenario.adversary.body.radius, 0.01),
+            scenery: scenery.within(low - margin, high + margin).polygons.iter().map(polygon).collect(),
+            ego: moments.iter().map(|moment| state(&moment.ego.pose, moment.ego.speed)).collect(),
+            person: moments.iter().map(|m| state(&m.pedestrian.pose, m.pedestrian.speed())).collect(),
+            modes,
+            brake: moments.iter().map(|moment| whole(moment.control.brake, 0.01)).collect(),
+            throttle: moments.iter().map(|moment| whole(moment.control.throttle, 0.01)).collect(),
+            sight,
+            danger: verdict.map(|verdict| (moments.len() - 1).saturating_sub(ticks(verdict))),
+            verdict: verdict.map(|verdict| verdict.label.name()),
+            drivers: verdict.map_or_else(Vec::new, |verdict| {
+                let fared = |driver: Reference| (driver.name(), verdict.trial(driver).impact_speed);
+                Reference::ALL.map(fared).into()
+            }),
+            touch,
+        }
+    }
+
+    /// The last tick.
+    pub fn end(&self) -> usize {
+        self.ego.len().saturating_sub(1)
+    }
+
+    /// What the driver was doing at a tick.
+    pub fn mode(&self, tick: usize) -> &'static str {
+        self.modes.iter().rev().find(|(from, _)| *from <= tick).map_or("", |(_, name)| name)
+    }
+}
+
+/// What a verdict says, for people.
+pub fn verdict_text(label: Label) -> &'static str {
+    match label {
+        Label::Preventable => "preventable",
+        Label::Contested => "contested",
+        Label::MachinePreventable => "by machine only",
+        Label::Unpreventable => "unpreventable",
+        Label::WalkedIntoSide => "into the side",
+        Label::Standing => "car standing",
+    }
+}
+
+/// The same by its name in tables.
+pub fn verdict_named(name: &str) -> &'static str {
+    Label::ALL.into_iter().find(|label| label.name() == name).map_or("", verdict_text)
+}

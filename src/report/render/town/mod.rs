@@ -1,0 +1,7 @@
+//! Towns from above.
+
+mod scenery;
+mod town_map;
+
+pub use scenery::{Scenery, Surface};
+pub use town_map::{Starts, polygon, spawn_map, town_map};
