@@ -166,6 +166,36 @@ mod tests {
         })
     }
 
+    /// Takes the value at a quantile out of a distribution and compares the masses.
+    fn take_out(d: &Distribution, at: f64) -> Result<(), TestCaseError> {
+        let value = d.quantile(at);
+        let left = 1.0 - d.mass(value, value);
+        prop_assume!(!(1e-9..1e-3).contains(&left));
+        match d.without(value) {
+            None => prop_assert!(left < 1e-9),
+            Some(kept) => {
+                prop_assert!(kept.mass(value, value) < 1e-9);
+                let below = d.mass(-100.0, value) - d.mass(value, value);
+                prop_assert!((kept.mass(-100.0, value) - below / left).abs() < 1e-9);
+            }
+        }
+        Ok(())
+    }
+
+    /// A mixture on which `single_values_can_be_taken_out` once failed.
+    #[test]
+    fn a_value_can_be_taken_out_of_a_nested_mixture() {
+        let inner = Distribution::Mixture(vec![
+            (0.5, Distribution::Constant(8.427_877_529_368_645)),
+            (0.5, Distribution::Constant(0.0)),
+        ]);
+        let outer = Distribution::Mixture(vec![
+            (0.450_444_432_642_284_84, inner),
+            (0.549_555_667_357_715_2, Distribution::Constant(-0.385_707_721_736_751_3)),
+        ]);
+        take_out(&outer, 0.288_139_346_871_761_4).unwrap();
+    }
+
     proptest! {
         #[test]
         fn quantiles_lie_in_the_support_and_masses_agree_with_them(
@@ -192,17 +222,7 @@ mod tests {
 
         #[test]
         fn single_values_can_be_taken_out(d in any_distribution(), at in 0.0..1.0) {
-            let value = d.quantile(at);
-            let left = 1.0 - d.mass(value, value);
-            prop_assume!(!(1e-9..1e-3).contains(&left));
-            match d.without(value) {
-                None => prop_assert!(left < 1e-9),
-                Some(kept) => {
-                    prop_assert!(kept.mass(value, value) < 1e-9);
-                    let below = d.mass(-100.0, value) - d.mass(value, value);
-                    prop_assert!((kept.mass(-100.0, value) - below / left).abs() < 1e-9);
-                }
-            }
+            take_out(&d, at)?;
         }
 
         #[test]

@@ -1,4 +1,4 @@
-//! What mistakes look like on the screen: each file of `tests/suite/messages` with all that is said about it, drawn.
+//! What mistakes look like on the screen: short scenarios with all messages about them, drawn into `tests/suite/messages.txt`.
 //!
 //! `UPDATE_REFERENCE=1` writes the drawings anew; then read the difference.
 

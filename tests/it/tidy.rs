@@ -85,7 +85,7 @@ fn every_code_has_a_case_in_the_suite() {
 }
 
 #[test]
-fn the_readme_shows_a_summary_that_the_program_can_make() {
+fn the_readme_shows_how_to_start_and_to_test() {
     let readme = read("README.md");
     for command in ["cargo run --release -- run scenarios/*.scn", "cargo test"] {
         assert!(readme.contains(command), "README.md does not show `{command}`");
