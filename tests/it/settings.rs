@@ -92,10 +92,11 @@ fn what_is_no_toml_is_shown_where_it_breaks() {
 
 #[test]
 fn every_setting_is_explained() {
-    let page = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md")).unwrap();
+    let page =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/src/reference/settings.md")).unwrap();
     let folder = tempfile::tempdir().unwrap();
     for line in said(&falsify(&["config"], folder.path())).lines().skip(1) {
         let key = line.trim_start_matches("# ").split(' ').next().unwrap();
-        assert!(page.contains(&format!("`{key}`")), "README.md does not explain `{key}`");
+        assert!(page.contains(&format!("`{key}`")), "docs/src/reference/settings.md does not explain `{key}`");
     }
 }

@@ -85,9 +85,41 @@ fn every_code_has_a_case_in_the_suite() {
 }
 
 #[test]
-fn the_readme_shows_how_to_start_and_to_test() {
+fn the_readme_names_the_two_commands_of_the_set_up() {
     let readme = read("README.md");
-    for command in ["cargo run --release -- run scenarios/*.scn", "cargo test"] {
-        assert!(readme.contains(command), "README.md does not show `{command}`");
+    for command in ["cargo run --locked -- run scenarios/*.scn", "cargo test --locked"] {
+        assert!(readme.lines().any(|line| line == command), "README.md does not show `{command}`");
     }
+}
+
+/// Links between documents lead to files that exist; headings after `#` are not checked.
+#[test]
+fn links_between_documents_lead_somewhere() {
+    let top = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut open = vec![top.join("docs"), top.join("reports"), top.join("grammar"), top.join("scenarios")];
+    let mut documents = vec![top.join("README.md"), top.join("src/ARCHITECTURE.md")];
+    while let Some(folder) = open.pop() {
+        for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() {
+                open.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "md") {
+                documents.push(path);
+            }
+        }
+    }
+    let (mut links, mut broken) = (0, Vec::new());
+    for document in documents {
+        let text = std::fs::read_to_string(&document).unwrap();
+        for target in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+            let file = target.split('#').next().unwrap();
+            if file.is_empty() || file.contains("://") || file.contains(char::is_whitespace) {
+                continue;
+            }
+            links += 1;
+            if !document.parent().unwrap().join(file).exists() {
+                broken.push(format!("{}: {target}", document.display()));
+            }
+        }
+    }
+    assert!(links > 30 && broken.is_empty(), "{broken:#?}");
 }
