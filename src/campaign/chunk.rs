@@ -1,7 +1,6 @@
 use std::collections::BTreeMap;
 
-use super::run::flow;
-use super::watch::watch_numbered;
+use super::watch::{flow, watch_numbered};
 use super::{Cell, CellError, EpisodeRow, Keeper, Observer, Progress};
 use crate::compile::Campaign;
 use crate::env::{Outcome, Recording};

@@ -1,5 +1,4 @@
 use std::collections::VecDeque;
-use std::ops::ControlFlow;
 use std::sync::OnceLock;
 
 use rayon::Yield;
@@ -241,8 +240,4 @@ impl Work<'_> {
         self.observer.searched(index, &result);
         Some(result)
     }
-}
-
-pub(super) fn flow(stop: bool) -> ControlFlow<()> {
-    if stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
 }

@@ -1,3 +1,4 @@
+use super::watch::flow;
 use super::{Cell, CellError, Keeper, Observer};
 use crate::compile::{Search, SearchKey};
 use crate::env::Outcome;
@@ -59,7 +60,7 @@ pub fn search(
         let mut go_on = |done: u32| {
             let stopped = done < search.tries && late();
             spent.stopped |= stopped;
-            super::run::flow(stopped)
+            flow(stopped)
         };
         try_walker(walker.as_mut(), &search.scenario, search.tries, &fresh, &drawn, &mut go_on)
     });

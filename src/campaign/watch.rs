@@ -52,3 +52,8 @@ pub(super) fn watch_numbered<T>(
     let own = place("walker").child(evaluation.pedestrian.name()).index(evaluation.trained.run.into());
     watch_walker(walker.as_mut(), &evaluation.scenario, episodes, &place("evaluate"), &own, note, observer)
 }
+
+/// Breaks where `stop` is true.
+pub(super) fn flow(stop: bool) -> ControlFlow<()> {
+    if stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+}

@@ -27,8 +27,8 @@ fn show_tree(tree: Tree, file: &Path, settings: &[String]) -> ExitCode {
     let read = |path: &Path| std::fs::read_to_string(path);
     let mut loaded = match lang::load(&[file.to_path_buf()], &read, &mut sources) {
         Ok(loaded) => loaded,
-        Err((path, error)) => {
-            front::fail(&format!("cannot read `{}`: {}", path.display(), lang::reason(&error)));
+        Err(error) => {
+            front::fail(&error.to_string());
             return ExitCode::Usage;
         }
     };

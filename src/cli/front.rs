@@ -12,7 +12,7 @@ use super::ExitCode;
 use super::args::GivenOptions;
 use crate::compile::{Catalog, Compiled, Overrides, Plan, compile_with};
 use crate::diagnostic::{Colour, Diagnostic, Severity, Sources, render};
-use crate::lang::{Reader, library, reason};
+use crate::lang::{Reader, library};
 use crate::process::ProcessOpener;
 use crate::report::{Call, FileRecord};
 
@@ -155,9 +155,9 @@ pub fn gather(files: &[PathBuf], given: &GivenOptions, overrides: Overrides) -> 
         sources = Sources::default();
         match compile_with(&left, &overrides, &catalog, &read, &mut sources) {
             Ok(compiled) => break compiled,
-            Err((path, error)) => {
-                fail(&format!("cannot read `{}`: {}", path.display(), reason(&error)));
-                left.retain(|each| *each != path);
+            Err(error) => {
+                fail(&error.to_string());
+                left.retain(|each| *each != error.path);
             }
         }
     };

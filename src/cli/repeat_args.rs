@@ -52,7 +52,7 @@ impl FromStr for Name {
         let (run, number) = text.split_once(':').ok_or_else(wrong)?;
         let number = Some(number).filter(|number| number.bytes().all(|byte| byte.is_ascii_digit()));
         Ok(Self {
-            run: run.parse().map_err(|()| wrong())?,
+            run: run.parse().map_err(|_| wrong())?,
             number: number.and_then(|number| number.parse().ok()).ok_or_else(wrong)?,
         })
     }

@@ -9,6 +9,16 @@ use super::{
 use crate::av::external::Opener;
 use crate::signature::{Form, Signature, Type, Vocabulary};
 
+/// A kind whose name another kind of the same form has.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("there is a {form} of kind `{kind}` already")]
+pub struct TakenKind {
+    /// The form.
+    pub form: &'static str,
+    /// The name of the kind.
+    pub kind: &'static str,
+}
+
 /// Everything the language offers: forms, their kinds, and what formulas may speak about.
 pub struct Catalog {
     /// The forms, in the order of the reference.
@@ -57,5 +67,20 @@ impl Catalog {
     /// The same, and scenarios may start programs in this way.
     pub fn with_opener(self, opener: Arc<dyn Opener>) -> Self {
         Self { opener: Some(opener), ..self }
+    }
+
+    /// The same with one more kind of driving policy, which scenarios then name as they name the built-in ones.
+    ///
+    /// # Errors
+    /// There is a kind of this name.
+    pub fn with_policy(mut self, kind: PolicyKind) -> Result<Self, TakenKind> {
+        let form = self.forms.iter_mut().find(|form| form.name == "policy").expect("the form is built in");
+        let name = kind.signature.name;
+        if form.kinds.iter().any(|known| known.name == name) {
+            return Err(TakenKind { form: "policy", kind: name });
+        }
+        form.kinds.push(policy::with_sensors(kind.signature.clone()));
+        self.policies.push(kind);
+        Ok(self)
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use super::lower::{BuiltTown, Lowering};
+use super::lowering::{BuiltTown, Lowering};
 use super::plan::{
     Campaign, Driver, Evaluation, NamedTown, Pedestrian, Published, Search, SearchKey, Training, TrainingKey,
 };

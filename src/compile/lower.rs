@@ -4,15 +4,15 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::lowering::{BuiltTown, Lowering, Shared};
+use super::noting::Noting;
 use super::plan::{Campaign, Documented, NamedTown, Plan};
-use super::recipe::Noting;
 use super::{Catalog, policy, spawn, town};
 use crate::diagnostic::{Diagnostic, Severity, Sources};
 use crate::env::{PolicyMaker, SpawnRule};
 use crate::geometry::Obstacles;
 use crate::lang::hir::{Block, Declaration, ParamId, Program};
-use crate::lang::{self, Checked, Matrix, Reader, codes};
-use crate::road::Town;
+use crate::lang::{self, Checked, Matrix, Reader, Unreadable, codes};
 use crate::signature::{Arguments, DeclarationId, Value};
 
 /// What came of a set of files.
@@ -49,7 +49,7 @@ pub fn compile(
     catalog: &Catalog,
     read: &dyn Reader,
     sources: &mut Sources,
-) -> Result<Compiled, (PathBuf, std::io::Error)> {
+) -> Result<Compiled, Unreadable> {
     compile_with(paths, &Overrides::default(), catalog, read, sources)
 }
 
@@ -63,7 +63,7 @@ pub fn compile_with(
     catalog: &Catalog,
     read: &dyn Reader,
     sources: &mut Sources,
-) -> Result<Compiled, (PathBuf, std::io::Error)> {
+) -> Result<Compiled, Unreadable> {
     let mut words = catalog.default_names();
     words.extend(overrides.settings.iter().map(String::as_str));
     let mut loaded = lang::load_named(paths, &words, read, sources)?;
@@ -204,40 +204,6 @@ fn variants(
     variants
 }
 
-/// A town with what stands in it, ready to be shared.
-#[derive(Clone)]
-pub(super) struct BuiltTown {
-    pub town: Arc<Town>,
-    pub obstacles: Arc<Obstacles>,
-}
-
-/// What all variants of the files have in common.
-#[derive(Default)]
-struct Shared {
-    /// Towns that have been built, by their declaration and what it says.
-    towns: BTreeMap<DeclarationId, Vec<(Block, Option<BuiltTown>)>>,
-    /// The policies that were made, beside their own contents and those of all that they refer to.
-    policies: BTreeMap<DeclarationId, Vec<MadePolicy>>,
-    /// Declarations that campaigns use.
-    used: BTreeSet<DeclarationId>,
-}
-
-/// What a policy and all that it refers to hold, and what was made of it.
-type MadePolicy = (Vec<Block>, Option<PolicyMaker>);
-
-/// What every step of the way from HIR to plan needs.
-pub(super) struct Lowering<'a> {
-    pub program: &'a Program,
-    pub catalog: &'a Catalog,
-    pub said: &'a mut Vec<Diagnostic>,
-    pub read: &'a Noting<'a>,
-    pub maps: &'a BTreeMap<String, PathBuf>,
-    /// Digests of declarations, for recipes.
-    pub digests: BTreeMap<DeclarationId, [u8; 32]>,
-    sources: &'a Sources,
-    shared: &'a mut Shared,
-}
-
 impl Lowering<'_> {
     fn variant(&mut self, variant: &Variant, plan: &mut Plan) {
         let program = self.program;
@@ -323,12 +289,6 @@ impl Lowering<'_> {
         let made = policy::lower(declaration, self);
         self.shared.policies.entry(id).or_default().push((contents, made.clone()));
         made
-    }
-
-    /// A path relative to the folder of the file that holds a declaration.
-    pub fn beside(&self, declaration: &Declaration, path: &str) -> PathBuf {
-        let file = &self.sources.get(declaration.source).path;
-        file.parent().map(|folder| folder.join(path)).unwrap_or_else(|| path.into())
     }
 
     /// Notes what a campaign uses; gives what is documented of it.

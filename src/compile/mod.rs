@@ -23,16 +23,19 @@ mod falsifier;
 mod published;
 mod campaign;
 mod plan;
+mod noting;
+mod lowering;
 mod recipe;
 mod run_id;
 mod lower;
 mod grid;
 
-pub use catalog::Catalog;
+pub use catalog::{Catalog, TakenKind};
 pub use lower::{Compiled, Overrides, compile, compile_with};
 pub use plan::{
     Campaign, Documented, Driver, Evaluation, NamedTown, Pedestrian, Plan, Published, PublishedCell, PublishedFigure,
     Search, SearchKey, Training, TrainingKey,
 };
+pub use policy::{MakePolicy, PolicyKind};
 pub use recipe::Recipe;
-pub use run_id::RunId;
+pub use run_id::{NoRunId, RunId};

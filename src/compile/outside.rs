@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::lower::Lowering;
+use super::lowering::Lowering;
 use crate::av::external::{External, Program, Settings};
 use crate::av::onnx::{Model, Onnx};
 use crate::env::PolicyMaker;

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use super::Catalog;
-use super::lower::Lowering;
+use super::lowering::Lowering;
 use super::outside::OutsideKind;
 use super::plan::Driver;
 use super::sensors;
@@ -14,48 +14,48 @@ use crate::env::PolicyMaker;
 use crate::lang::hir::Declaration;
 use crate::signature::{Arguments, Form, Param, Signature, Type};
 
-/// A kind of driving policy: what it takes, and how it is made.
+/// Makes a driving policy from checked arguments.
+pub type MakePolicy = Arc<dyn Fn(&Arguments) -> Box<dyn DrivingPolicy> + Send + Sync>;
+
+/// A kind of driving policy: the keys that it takes, and how one is made.
+#[derive(Clone)]
 pub struct PolicyKind {
-    /// What it takes.
-    pub signature: fn() -> Signature,
+    /// Its name, its keys and its documentation.
+    pub signature: Signature,
     /// Makes one from checked arguments.
-    pub make: fn(&Arguments) -> Box<dyn DrivingPolicy>,
+    pub make: MakePolicy,
+}
+
+impl PolicyKind {
+    /// A kind with this signature. `make` is called once for each driver that is needed, from any thread; it gets a value for each key of the
+    /// signature.
+    pub fn new<P: DrivingPolicy + 'static>(
+        signature: Signature,
+        make: impl Fn(&Arguments) -> P + Send + Sync + 'static,
+    ) -> Self {
+        Self { signature, make: Arc::new(move |arguments| Box::new(make(arguments))) }
+    }
 }
 
 /// All kinds of driving policies; a new one is a line here.
 pub fn kinds() -> Vec<PolicyKind> {
     vec![
-        PolicyKind {
-            signature: BehaviorAgent::signature,
-            make: |arguments| Box::new(BehaviorAgent::from_arguments(arguments)),
-        },
-        PolicyKind { signature: Lav::signature, make: |arguments| Box::new(Lav::from_arguments(arguments)) },
-        PolicyKind {
-            signature: InterFuser::signature,
-            make: |arguments| Box::new(InterFuser::from_arguments(arguments)),
-        },
-        PolicyKind { signature: Idm::signature, make: |arguments| Box::new(Idm::new(arguments)) },
-        PolicyKind { signature: Cruise::signature, make: |arguments| Box::new(Cruise::new(arguments)) },
-        PolicyKind { signature: Aeb::signature, make: |arguments| Box::new(Aeb::new(arguments)) },
-        PolicyKind { signature: RssGuarded::signature, make: |arguments| Box::new(RssGuarded::new(arguments)) },
-        PolicyKind { signature: Predictive::signature, make: |arguments| Box::new(Predictive::new(arguments)) },
-        PolicyKind { signature: OracleBrake::signature, make: |arguments| Box::new(OracleBrake::new(arguments)) },
+        PolicyKind::new(BehaviorAgent::signature(), BehaviorAgent::from_arguments),
+        PolicyKind::new(Lav::signature(), Lav::from_arguments),
+        PolicyKind::new(InterFuser::signature(), InterFuser::from_arguments),
+        PolicyKind::new(Idm::signature(), Idm::new),
+        PolicyKind::new(Cruise::signature(), Cruise::new),
+        PolicyKind::new(Aeb::signature(), Aeb::new),
+        PolicyKind::new(RssGuarded::signature(), RssGuarded::new),
+        PolicyKind::new(Predictive::signature(), Predictive::new),
+        PolicyKind::new(OracleBrake::signature(), OracleBrake::new),
     ]
 }
 
 /// The form `policy`. Every kind takes `sensors` beside what its own signature says.
 pub fn form(kinds: &[PolicyKind], outside: &[OutsideKind]) -> Form {
-    let own = kinds.iter().map(|kind| (kind.signature)());
+    let own = kinds.iter().map(|kind| kind.signature.clone());
     let others = outside.iter().map(|kind| (kind.signature)());
-    let with_sensors = |mut signature: Signature| {
-        signature.params.push(Param::with_default(
-            "sensors",
-            Type::Reference("sensors"),
-            "perfect",
-            "What stands between the world and the driver; without any it knows of everybody exactly and at once.",
-        ));
-        signature
-    };
     Form {
         name: "policy",
         doc: "A driver under test.",
@@ -63,6 +63,17 @@ pub fn form(kinds: &[PolicyKind], outside: &[OutsideKind]) -> Form {
         multiplies: false,
         kinds: own.chain(others).map(with_sensors).collect(),
     }
+}
+
+/// The signature of a kind with the key that every kind takes.
+pub fn with_sensors(mut signature: Signature) -> Signature {
+    signature.params.push(Param::with_default(
+        "sensors",
+        Type::Reference("sensors"),
+        "perfect",
+        "What stands between the world and the driver; without any it knows of everybody exactly and at once.",
+    ));
+    signature
 }
 
 /// A maker of fresh drivers, behind their sensors; none after saying what is wrong.
@@ -108,8 +119,8 @@ fn driver(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<Poli
     if let Some(outside) = catalog.outside.iter().find(|candidate| (candidate.signature)().name == kind) {
         return (outside.lower)(declaration, lowering);
     }
-    let found = catalog.policies.iter().find(|candidate| (candidate.signature)().name == kind);
-    let make = found.expect("checked: the kind is in the catalogue").make;
+    let found = catalog.policies.iter().find(|candidate| candidate.signature.name == kind);
+    let make = found.expect("checked: the kind is in the catalogue").make.clone();
     let arguments = declaration.block.arguments.clone();
     Some(Arc::new(move || make(&arguments)))
 }

@@ -1,13 +1,8 @@
 //! What the files say about a cell, as a digest: results are taken up again as long as it stays the same.
 
-use std::cell::RefCell;
-use std::collections::BTreeMap;
 use std::fmt;
-use std::io;
-use std::path::{Path, PathBuf};
 
-use super::lower::Lowering;
-use crate::lang::Reader;
+use super::lowering::Lowering;
 use crate::lang::hir::{Block, Declaration};
 use crate::signature::{DeclarationId, Distribution, Formula, Value};
 
@@ -38,49 +33,11 @@ impl fmt::Debug for Recipe {
     }
 }
 
-/// Reads files and remembers a digest of each, if recipes are wanted.
-pub(super) struct Noting<'a> {
-    read: &'a dyn Reader,
-    wanted: bool,
-    seen: RefCell<BTreeMap<PathBuf, [u8; 32]>>,
-}
-
-impl<'a> Noting<'a> {
-    pub fn new(read: &'a dyn Reader, wanted: bool) -> Self {
-        Self { read, wanted, seen: RefCell::default() }
-    }
-
-    /// Remembers a digest of what a text names that is not read here.
-    pub fn note(&self, name: PathBuf, digest: [u8; 32]) {
-        self.seen.borrow_mut().insert(name, digest);
-    }
-
-    fn note_contents(&self, path: &Path, contents: &[u8]) {
-        if self.wanted {
-            self.note(path.to_path_buf(), *blake3::hash(contents).as_bytes());
-        }
-    }
-
-    fn seen(&self, path: &Path) -> Option<[u8; 32]> {
-        self.seen.borrow().get(path).copied()
-    }
-}
-
-impl Reader for Noting<'_> {
-    fn text(&self, path: &Path) -> io::Result<String> {
-        self.read.text(path).inspect(|text| self.note_contents(path, text.as_bytes()))
-    }
-
-    fn bytes(&self, path: &Path) -> io::Result<Vec<u8>> {
-        self.read.bytes(path).inspect(|bytes| self.note_contents(path, bytes))
-    }
-}
-
 impl Lowering<'_> {
     /// The recipe of a cell that hangs on these declarations. Towns and policies among them have been lowered before, so that
     /// the files they name are known. The empty recipe when none is wanted.
     pub fn recipe(&mut self, parts: &[DeclarationId]) -> Recipe {
-        if !self.read.wanted {
+        if !self.read.wanted() {
             return Recipe::default();
         }
         let mut digest = blake3::Hasher::new();

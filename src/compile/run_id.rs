@@ -32,12 +32,21 @@ impl fmt::Display for RunId {
     }
 }
 
-impl FromStr for RunId {
-    type Err = ();
+/// A text that is not the name of a run.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{text}` is not the name of a run, which has eight hexadecimal digits")]
+pub struct NoRunId {
+    /// The text.
+    pub text: String,
+}
 
-    fn from_str(text: &str) -> Result<Self, ()> {
+impl FromStr for RunId {
+    type Err = NoRunId;
+
+    fn from_str(text: &str) -> Result<Self, NoRunId> {
         let right = text.len() == 8 && text.bytes().all(|byte| byte.is_ascii_hexdigit());
-        if right { u32::from_str_radix(text, 16).map(Self).map_err(|_| ()) } else { Err(()) }
+        let number = right.then(|| u32::from_str_radix(text, 16).ok()).flatten();
+        number.map(Self).ok_or_else(|| NoRunId { text: text.to_string() })
     }
 }
 
@@ -102,7 +111,7 @@ mod tests {
         assert_eq!(Register::default().name(Names::new("a").and("b")), id);
         assert_ne!(Register::default().name(Names::new("ab").and("")), id);
         for text in ["", "1234567", "123456789", "1234567g", "+1234567", "é23456"] {
-            assert_eq!(text.parse::<RunId>(), Err(()), "{text}");
+            assert_eq!(text.parse::<RunId>(), Err(NoRunId { text: text.into() }));
         }
     }
 

@@ -94,28 +94,33 @@ impl From<Trail> for String {
 }
 
 impl TryFrom<String> for Trail {
-    type Error = &'static str;
+    type Error = NoTrail;
 
-    fn try_from(text: String) -> Result<Self, Self::Error> {
-        text.parse().map_err(|()| "no trail of an episode")
+    fn try_from(text: String) -> Result<Self, NoTrail> {
+        text.parse()
     }
 }
 
-impl FromStr for Trail {
-    type Err = ();
+/// A text that is not a trail.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("the text is not a trail of an episode")]
+pub struct NoTrail;
 
-    fn from_str(text: &str) -> Result<Self, ()> {
-        let (stride, digits) = text.split_once(':').ok_or(())?;
-        let stride: u32 = stride.parse().map_err(|_| ())?;
+impl FromStr for Trail {
+    type Err = NoTrail;
+
+    fn from_str(text: &str) -> Result<Self, NoTrail> {
+        let (stride, digits) = text.split_once(':').ok_or(NoTrail)?;
+        let stride: u32 = stride.parse().map_err(|_| NoTrail)?;
         let length = digits.len() / 2;
         let hexadecimal = digits.bytes().all(|byte| byte.is_ascii_hexdigit());
         if !stride.is_power_of_two() || digits.len() % 2 == 1 || length > MOST || !hexadecimal {
-            return Err(());
+            return Err(NoTrail);
         }
-        let decisions = stride.checked_mul(length as u32).ok_or(())?;
+        let decisions = stride.checked_mul(length as u32).ok_or(NoTrail)?;
         let mut trail = Self { marks: [0; MOST], length: length as u8, stride, decisions };
         for (place, mark) in trail.marks[..length].iter_mut().enumerate() {
-            *mark = u8::from_str_radix(&digits[2 * place..2 * place + 2], 16).map_err(|_| ())?;
+            *mark = u8::from_str_radix(&digits[2 * place..2 * place + 2], 16).map_err(|_| NoTrail)?;
         }
         Ok(trail)
     }
@@ -163,7 +168,7 @@ mod tests {
         }
         for text in ["", "1", "1:a", "3:aa", "0:aa", "1:zz", "1:+a", &format!("1:{}", "00".repeat(33)), "é:aa", "1:é"]
         {
-            assert_eq!(text.parse::<Trail>(), Err(()), "{text}");
+            assert_eq!(text.parse::<Trail>(), Err(NoTrail), "{text}");
         }
         assert!("2147483648:aaaa".parse::<Trail>().is_err(), "too many decisions to count");
     }

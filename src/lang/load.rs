@@ -30,6 +30,16 @@ impl<F: Fn(&Path) -> std::io::Result<String>> Reader for F {
     }
 }
 
+/// A named file that cannot be read.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot read `{path}`: {reason}", path = path.display(), reason = reason(source))]
+pub struct Unreadable {
+    /// The file.
+    pub path: PathBuf,
+    /// Why.
+    pub source: std::io::Error,
+}
+
 /// Everything that was read.
 #[derive(Debug, Clone)]
 pub struct Loaded {
@@ -45,7 +55,7 @@ pub struct Loaded {
 ///
 /// # Errors
 /// The first named file that cannot be read, with the reason. An import that cannot be read is a diagnostic instead.
-pub fn load(paths: &[PathBuf], read: &dyn Reader, sources: &mut Sources) -> Result<Loaded, (PathBuf, std::io::Error)> {
+pub fn load(paths: &[PathBuf], read: &dyn Reader, sources: &mut Sources) -> Result<Loaded, Unreadable> {
     load_as(paths, false, read, sources)
 }
 
@@ -59,7 +69,7 @@ pub fn load_named(
     words: &[&str],
     read: &dyn Reader,
     sources: &mut Sources,
-) -> Result<Loaded, (PathBuf, std::io::Error)> {
+) -> Result<Loaded, Unreadable> {
     if paths.iter().any(|path| library::holds(path)) {
         return load(paths, read, sources);
     }
@@ -81,17 +91,12 @@ impl Loaded {
     }
 }
 
-fn load_as(
-    paths: &[PathBuf],
-    shelving: bool,
-    read: &dyn Reader,
-    sources: &mut Sources,
-) -> Result<Loaded, (PathBuf, std::io::Error)> {
+fn load_as(paths: &[PathBuf], shelving: bool, read: &dyn Reader, sources: &mut Sources) -> Result<Loaded, Unreadable> {
     let (known, files, diagnostics) = (BTreeMap::new(), Vec::new(), Vec::new());
     let mut loader = Loader { shelving, read, sources, known, files, diagnostics };
     let mut roots = Vec::new();
     for path in paths {
-        let source = loader.file(path, &mut Vec::new()).map_err(|error| (path.clone(), error))?;
+        let source = loader.file(path, &mut Vec::new()).map_err(|source| Unreadable { path: path.clone(), source })?;
         if !roots.contains(&source) {
             roots.push(source);
         }

@@ -36,7 +36,7 @@ mod outline;
 pub use check::{Checked, check, once};
 pub use format::format;
 pub use formula::functions;
-pub use load::{Loaded, Reader, load, load_named, reason};
+pub use load::{Loaded, Reader, Unreadable, load, load_named, reason};
 pub use outline::outline;
 pub use params::{DIMENSIONS, OTHER_TYPES};
 pub use parse::parse;

@@ -14,6 +14,7 @@ macro_rules! loud {
 mod allocation;
 mod behavior_agent_reference;
 mod caches;
+mod catalogue;
 mod command_line;
 mod determinism;
 mod external;

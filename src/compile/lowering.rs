@@ -1,0 +1,58 @@
+//! The state of lowering: HIR in, parts of a plan and diagnostics out.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use super::Catalog;
+use super::noting::Noting;
+use crate::diagnostic::{Diagnostic, Sources};
+use crate::env::PolicyMaker;
+use crate::geometry::Obstacles;
+use crate::lang::hir::{Block, Declaration, Program};
+use crate::road::Town;
+use crate::signature::DeclarationId;
+
+/// A town with what stands in it, ready to be shared.
+#[derive(Clone)]
+pub(super) struct BuiltTown {
+    pub town: Arc<Town>,
+    pub obstacles: Arc<Obstacles>,
+}
+
+/// What all variants of the files have in common.
+#[derive(Default)]
+pub(super) struct Shared {
+    /// Towns that have been built, by their declaration and what it says.
+    pub towns: BTreeMap<DeclarationId, Vec<(Block, Option<BuiltTown>)>>,
+    /// The policies that were made, beside their own contents and those of all that they refer to.
+    pub policies: BTreeMap<DeclarationId, Vec<MadePolicy>>,
+    /// Declarations that campaigns use.
+    pub used: BTreeSet<DeclarationId>,
+}
+
+/// What a policy and all that it refers to hold, and what was made of it.
+pub(super) type MadePolicy = (Vec<Block>, Option<PolicyMaker>);
+
+/// What every step of the way from HIR to plan needs.
+pub(super) struct Lowering<'a> {
+    pub program: &'a Program,
+    pub catalog: &'a Catalog,
+    pub said: &'a mut Vec<Diagnostic>,
+    pub read: &'a Noting<'a>,
+    pub maps: &'a BTreeMap<String, PathBuf>,
+    /// Digests of declarations, for recipes.
+    pub digests: BTreeMap<DeclarationId, [u8; 32]>,
+    /// The texts of the files.
+    pub sources: &'a Sources,
+    /// What variants share.
+    pub shared: &'a mut Shared,
+}
+
+impl Lowering<'_> {
+    /// A path relative to the folder of the file that holds a declaration.
+    pub fn beside(&self, declaration: &Declaration, path: &str) -> PathBuf {
+        let file = &self.sources.get(declaration.source).path;
+        file.parent().map(|folder| folder.join(path)).unwrap_or_else(|| path.into())
+    }
+}

@@ -1,0 +1,51 @@
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use crate::lang::Reader;
+
+/// Reads files and remembers a digest of each, if recipes are wanted.
+pub(super) struct Noting<'a> {
+    read: &'a dyn Reader,
+    wanted: bool,
+    seen: RefCell<BTreeMap<PathBuf, [u8; 32]>>,
+}
+
+impl<'a> Noting<'a> {
+    /// Reads through another reader.
+    pub fn new(read: &'a dyn Reader, wanted: bool) -> Self {
+        Self { read, wanted, seen: RefCell::default() }
+    }
+
+    /// Whether digests are wanted.
+    pub fn wanted(&self) -> bool {
+        self.wanted
+    }
+
+    /// Remembers a digest of what a text names that is not read here.
+    pub fn note(&self, name: PathBuf, digest: [u8; 32]) {
+        self.seen.borrow_mut().insert(name, digest);
+    }
+
+    fn note_contents(&self, path: &Path, contents: &[u8]) {
+        if self.wanted {
+            self.note(path.to_path_buf(), *blake3::hash(contents).as_bytes());
+        }
+    }
+
+    /// The digest of a file that was read.
+    pub fn seen(&self, path: &Path) -> Option<[u8; 32]> {
+        self.seen.borrow().get(path).copied()
+    }
+}
+
+impl Reader for Noting<'_> {
+    fn text(&self, path: &Path) -> io::Result<String> {
+        self.read.text(path).inspect(|text| self.note_contents(path, text.as_bytes()))
+    }
+
+    fn bytes(&self, path: &Path) -> io::Result<Vec<u8>> {
+        self.read.bytes(path).inspect(|bytes| self.note_contents(path, bytes))
+    }
+}

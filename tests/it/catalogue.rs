@@ -1,0 +1,76 @@
+//! A caller adds a kind of driving policy of its own to the catalogue, and scenarios name it like the built-in ones.
+
+use std::path::Path;
+
+use falsify::av::{DrivingMode, DrivingPolicy, Perception};
+use falsify::campaign::{InMemory, Silent, run};
+use falsify::compile::{Catalog, Compiled, PolicyKind, TakenKind, compile};
+use falsify::diagnostic::Sources;
+use falsify::seed::{Seed, Stream};
+use falsify::signature::{Param, Signature, Type};
+use falsify::sim::Control;
+
+/// Brakes with the same force all the time.
+struct Braking {
+    force: f64,
+}
+
+impl DrivingPolicy for Braking {
+    fn reset(&mut self, _: &Perception<'_>, _: Stream) {}
+
+    fn drive(&mut self, _: &Perception<'_>) -> Control {
+        Control { throttle: 0.0, brake: self.force, steer: 0.0 }
+    }
+
+    fn mode(&self) -> DrivingMode {
+        DrivingMode::EmergencyStop
+    }
+}
+
+fn kind() -> PolicyKind {
+    let force = Param::with_default("force", Type::share(), "1", "Brake, 0 to 1.");
+    let signature = Signature::new("braking", "Brakes all the time.", vec![force]);
+    PolicyKind::new(signature, |arguments| Braking { force: arguments.number("force") })
+}
+
+fn compiled(catalog: &Catalog) -> Compiled {
+    let text = r#"
+edition 1
+import "lib/paper.scn"
+import "lib/drivers.scn"
+import "std/sensors.scn"
+import "lib/towns.scn"
+policy firm = braking()
+policy idle = braking(force: 0, sensors: perfect)
+campaign braked {
+  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds
+  evaluate { towns: [harbour] policies: [firm, idle] pedestrians: [random] episodes: 20 }
+}
+"#;
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/braked.scn");
+    let read = |path: &Path| if path == root { Ok(text.to_string()) } else { std::fs::read_to_string(path) };
+    compile(std::slice::from_ref(&root), catalog, &read, &mut Sources::default()).unwrap()
+}
+
+#[test]
+fn a_policy_of_the_caller_is_checked_and_driven_like_the_others() {
+    let compiled = compiled(&Catalog::builtin().with_policy(kind()).unwrap());
+    let plan = compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));
+    let kept = InMemory::default();
+    run(&plan.campaigns[0], &Seed::root(1), &kept, &Silent);
+    let rows = kept.into_rows();
+    let way = |policy: &str| -> f64 {
+        let driven: Vec<_> = rows.iter().filter(|row| *row.policy == *policy).collect();
+        assert_eq!(driven.len(), 20, "{policy}");
+        assert!(driven.iter().all(|row| row.outcome.last_mode == DrivingMode::EmergencyStop), "{policy}");
+        driven.iter().filter_map(|row| row.outcome.impact_speed()).sum()
+    };
+    assert!(way("firm") < way("idle"), "the value of the key reaches the driver");
+}
+
+#[test]
+fn a_kind_that_the_catalogue_lacks_is_an_error_and_so_is_one_that_it_has() {
+    assert!(compiled(&Catalog::builtin()).plan.is_none());
+    let twice = Catalog::builtin().with_policy(kind()).unwrap().with_policy(kind());
+    assert_eq!(twice.err(), Some(TakenKind { form: "policy", kind: "braking" }));
+}
