@@ -31,6 +31,7 @@ pub fn end_when_asked() {
     let _ = ctrlc::set_handler(|| end_at_once());
 }
 
+#[expect(clippy::exit, reason = "the handler of a signal has nothing to return to")]
 fn end_at_once() -> ! {
     crate::process::end_all();
     std::process::exit(ExitCode::Interrupted as i32)

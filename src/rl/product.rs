@@ -282,7 +282,7 @@ mod tests {
     fn assert_close(found: &[f64], expected: &DMatrix<f64>) {
         assert_eq!(found.len(), expected.len());
         for (found, expected) in found.iter().zip(expected.iter()) {
-            assert!((found - expected).abs() < 1e-12, "{:?}: {found} against {expected}", expected);
+            assert!((found - expected).abs() < 1e-12, "{found} against {expected}");
         }
     }
 

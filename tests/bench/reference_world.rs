@@ -2,6 +2,8 @@
 //!
 //! Prints one JSON object for each training. `tests/reference/sb3_speed` puts it beside stable-baselines3.
 
+#![expect(clippy::print_stdout, reason = "its output is its result")]
+
 use std::time::Instant;
 
 use falsify::rl::{PpoConfig, Trainer};

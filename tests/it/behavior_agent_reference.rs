@@ -201,9 +201,9 @@ fn replay(
             let near = pedestrians.iter().chain(&vehicles);
             let dead_ahead = near.map(|actor| least_bearing(&ego, actor)).any(|bearing| bearing < DEAD_AHEAD);
             if dead_ahead {
-                sum.dead_ahead.push(line)
+                sum.dead_ahead.push(line);
             } else {
-                sum.wrong.push(line)
+                sum.wrong.push(line);
             }
             continue;
         }

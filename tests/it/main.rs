@@ -2,6 +2,7 @@
 //!
 //! Tests whose names contain `reference` compare with recordings of independent programs. They look for them in the folder
 //! that `FALSIFY_REFERENCE_DIR` names (default `../shared`) and pass, saying so, where there are none.
+#![expect(clippy::print_stderr, reason = "a comparison prints how close it came")]
 
 /// Writes past the capture of test output: what was skipped must be seen.
 macro_rules! loud {

@@ -440,7 +440,7 @@ impl Scan<'_> {
                 self.slip(length, "", false, "the unit stands behind every number");
             }
             "AND" | "OR" | "NOT" => {
-                self.slip(length, word.to_lowercase(), true, "the words of logic are `and`, `or`, `not`")
+                self.slip(length, word.to_lowercase(), true, "the words of logic are `and`, `or`, `not`");
             }
             _ if self.last() == Some(Token::Number) || in_unit => self.push(Token::Unit, length),
             _ => self.push(Token::Word, length),

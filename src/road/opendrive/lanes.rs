@@ -37,7 +37,7 @@ fn section(context: &mut Context, node: Node, start: f64, end: f64) -> LaneSecti
     for lane in sides.flat_map(|side| children(side, "lane")) {
         match context.whole(lane, "id").filter(|id| id.abs() <= LARGEST_ID) {
             None => {
-                context.warn(lane, OpenDriveProblem::MissingAttribute { element: "lane".to_owned(), attribute: "id" })
+                context.warn(lane, OpenDriveProblem::MissingAttribute { element: "lane".to_owned(), attribute: "id" });
             }
             Some(id) if found.iter().any(|(other, _)| *other == id) => {
                 context.warn(lane, OpenDriveProblem::Duplicate { element: "lane", id: id.to_string() });

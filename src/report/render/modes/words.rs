@@ -92,8 +92,7 @@ pub fn modes_summary(cells: &[CellModes<'_>], names: &[String]) -> String {
     let _ = writeln!(
         text,
         "\n\"There may be\" is Chao's estimate, a lower bound for these pedestrians and this driver; another adversary may find other kinds. \
-         Clusters are drawn from at most {} collisions of each kind.",
-        MOST_REPEATED
+         Clusters are drawn from at most {MOST_REPEATED} collisions of each kind."
     );
     explained(&mut text, cells, names);
     text
