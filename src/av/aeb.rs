@@ -1,5 +1,5 @@
 use super::lane_follower::LaneFollower;
-use super::trace::OnTrace;
+use super::route_trace::OnTrace;
 use super::{DrivingMode, DrivingPolicy, Perception};
 use crate::seed::Stream;
 use crate::signature::{Arguments, Param, Signature, Type};

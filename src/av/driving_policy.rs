@@ -12,15 +12,15 @@ pub enum DrivingMode {
     Turn,
     /// Behind another vehicle.
     Follow,
-    /// Slowing down smoothly for somebody.
+    /// Slowing down smoothly for another road user.
     Yield,
-    /// Braking hard for somebody.
+    /// Braking hard for another road user.
     EmergencyStop,
     /// Standing at a red light.
     RedLight,
     /// Standing at the end of its route.
     Arrived,
-    /// Known to the driver alone: it came from outside and does not tell.
+    /// An external driver that does not report its mode.
     Unknown,
 }
 
@@ -57,14 +57,14 @@ impl DrivingMode {
     }
 }
 
-/// A car under test.
+/// The driver of a vehicle.
 pub trait DrivingPolicy: Send {
     /// Forgets the last episode and gets ready for one that begins as perceived; `stream` is the policy's own.
     fn reset(&mut self, perception: &Perception<'_>, stream: Stream);
 
-    /// Announces that [`DrivingPolicy::drive`] will be called with the same perception, once all that drive together have
-    /// announced theirs; who answers for many at once gathers the questions here.
-    fn announce(&mut self, perception: &Perception<'_>) {
+    /// Called before [`DrivingPolicy::drive`] with the same perception. All policies of a batch are prepared before the first of
+    /// them drives, so a driver that answers for the batch at once gathers its questions here.
+    fn prepare(&mut self, perception: &Perception<'_>) {
         let _ = perception;
     }
 
@@ -79,14 +79,14 @@ pub trait DrivingPolicy: Send {
         None
     }
 
-    /// Makes another one like it that gains from driving at the same time, each in a world of its own; none when there is
-    /// nothing to gain.
-    fn twin(&self) -> Option<Box<dyn DrivingPolicy>> {
+    /// Makes another policy like this one for a batch: policies of a batch drive at the same time, each in a world of its own. None
+    /// when a batch is no faster than one episode after another.
+    fn clone_for_batch(&self) -> Option<Box<dyn DrivingPolicy>> {
         None
     }
 
-    /// How many of its kind should drive at the same time.
-    fn company(&self) -> usize {
+    /// The number of policies in a batch.
+    fn batch_size(&self) -> usize {
         1
     }
 }

@@ -1,6 +1,6 @@
-use super::trace::Trace;
-use super::{Actor, DrivingMode, Path, Perception, lane_keeping};
-use crate::geometry::{Vector, wrap_angle};
+use super::route_trace::RouteTrace;
+use super::{DrivingMode, Path, Perception, lane_keeping};
+use crate::geometry::wrap_angle;
 use crate::seed::Stream;
 use crate::signature::{Arguments, Param, Type};
 use crate::sim::{Control, LightColour};
@@ -12,13 +12,13 @@ const PUSH: f64 = 1.5;
 /// How far ahead red lights are looked for (m).
 const LIGHTS: f64 = 40.0;
 
-/// A driver who keeps the lane, slows down before bends and stops at red lights, but sees nobody: what the guarded drivers guard.
+/// Keeps the lane, slows down before bends and stops at red lights, but sees no other road user: the driver that the guarded drivers guard.
 #[derive(Debug, Clone)]
 pub struct LaneFollower {
     limit_share: f64,
     path: Path,
     /// The way ahead.
-    pub trace: Trace,
+    pub trace: RouteTrace,
 }
 
 /// What the driver would do.
@@ -47,7 +47,7 @@ impl LaneFollower {
 
     /// Makes one from checked arguments.
     pub fn new(arguments: &Arguments) -> Self {
-        Self { limit_share: arguments.number("limit_share"), path: Path::default(), trace: Trace::default() }
+        Self { limit_share: arguments.number("limit_share"), path: Path::default(), trace: RouteTrace::default() }
     }
 
     /// Begins an episode.
@@ -83,9 +83,7 @@ impl LaneFollower {
             if (line - here).norm_squared() > LIGHTS * LIGHTS {
                 return None;
             }
-            let post =
-                Actor { pose: light.trigger, velocity: light.trigger.forward(), half: Vector::zeros(), height: 0.0 };
-            let found = self.trace.locate(&post)?;
+            let found = self.trace.locate_point(line, &light.trigger.forward())?;
             // Lights of other lanes stand beside the line or look another way.
             let same_way = wrap_angle(libm::atan2(found.velocity.y, found.velocity.x)).abs() < 1.0;
             let ahead = found.place.x > 0.0 && found.place.y.abs() < 1.0;

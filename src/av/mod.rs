@@ -12,7 +12,7 @@ mod view;
 mod lane_keeping;
 mod cruise;
 mod idm;
-mod trace;
+mod route_trace;
 mod lane_follower;
 mod aeb;
 mod rss_guarded;

@@ -1,5 +1,5 @@
 use super::lane_follower::LaneFollower;
-use super::trace::distance_to_box;
+use super::route_trace::distance_to_box;
 use super::{Actor, DrivingMode, DrivingPolicy, Perception};
 use crate::seed::Stream;
 use crate::signature::{Arguments, Param, Signature, Type};

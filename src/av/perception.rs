@@ -1,10 +1,12 @@
 use crate::geometry::{Obstacles, OrientedBox, Pose, Vector};
 use crate::road::Town;
-use crate::sim::{Control, LightColour, VehicleBlueprint, World};
+use crate::sim::{ActorId, Control, LightColour, Vehicle, VehicleBlueprint, World};
 
 /// Another road user, or the ego itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Actor {
+    /// Which actor it is; the same in every tick of an episode. A false alarm of a sensor has [`Actor::FALSE_ALARM`].
+    pub id: ActorId,
     /// Middle of its box on the ground, and its heading.
     pub pose: Pose,
     /// Velocity (m/s).
@@ -16,6 +18,21 @@ pub struct Actor {
 }
 
 impl Actor {
+    /// The name of an actor that a sensor reports and that does not exist; no actor of a world has it.
+    pub const FALSE_ALARM: ActorId = ActorId::Pedestrian(u8::MAX);
+
+    /// A vehicle with this number.
+    fn of_vehicle(number: u8, vehicle: &Vehicle) -> Self {
+        let (state, blueprint) = (&vehicle.state, &vehicle.blueprint);
+        Self {
+            id: ActorId::Vehicle(number),
+            pose: state.pose,
+            velocity: state.pose.forward() * state.speed,
+            half: Vector::new(blueprint.half_length, blueprint.half_width),
+            height: 0.0,
+        }
+    }
+
     /// The box that it fills.
     pub fn outline(&self) -> OrientedBox {
         OrientedBox { pose: self.pose, half: self.half }
@@ -36,7 +53,8 @@ pub struct Light {
     pub colour: LightColour,
 }
 
-/// Everything that a driving policy may know at a tick.
+/// Everything that the driving policy of a vehicle may know at a tick. The *ego* is the vehicle that the policy drives, which may
+/// be any vehicle of the world.
 #[derive(Debug, Clone, Copy)]
 pub struct Perception<'a> {
     /// The road map.
@@ -49,9 +67,9 @@ pub struct Perception<'a> {
     pub dt: f64,
     /// The ego.
     pub ego: Actor,
-    /// The limit that holds for the ego (m/s).
+    /// The speed limit of the ego (m/s).
     pub speed_limit: f64,
-    /// All pedestrians; [`Perception::in_sight`] tells who is hidden.
+    /// All pedestrians; [`Perception::in_sight`] tells which are hidden.
     pub pedestrians: &'a [Actor],
     /// All other vehicles.
     pub vehicles: &'a [Actor],
@@ -85,20 +103,24 @@ impl Perception<'_> {
 #[derive(Debug, Clone, Default)]
 pub struct Sensors {
     pedestrians: Vec<Actor>,
+    vehicles: Vec<Actor>,
     lights: Vec<Light>,
 }
 
 impl Sensors {
-    /// Perceives a world exactly and at once.
-    pub fn perceive<'a>(&'a mut self, world: &'a World) -> Perception<'a> {
-        let (ego, body) = (&world.ego, &world.body);
+    /// Perceives a world exactly and at once, as the driver of the vehicle with this number.
+    pub fn perceive<'a>(&'a mut self, world: &'a World, vehicle: usize) -> Perception<'a> {
         self.pedestrians.clear();
-        self.pedestrians.push(Actor {
-            pose: world.pedestrian.pose,
-            velocity: world.pedestrian.velocity,
-            half: Vector::new(body.radius, body.radius),
-            height: body.half_height,
-        });
+        self.pedestrians.extend((0..).zip(&world.pedestrians).map(|(number, pedestrian)| Actor {
+            id: ActorId::Pedestrian(number),
+            pose: pedestrian.state.pose,
+            velocity: pedestrian.state.velocity,
+            half: Vector::new(pedestrian.body.radius, pedestrian.body.radius),
+            height: pedestrian.body.half_height,
+        }));
+        let driven = |number: usize| Actor::of_vehicle(number as u8, &world.vehicles[number]);
+        self.vehicles.clear();
+        self.vehicles.extend((0..world.vehicles.len()).filter(|number| *number != vehicle).map(driven));
         self.lights.clear();
         if let Some(clock) = world.light_clock() {
             let lamps = world.town.traffic_lights.iter();
@@ -106,21 +128,16 @@ impl Sensors {
         }
         Perception {
             town: &world.town,
-            blueprint: &world.blueprint,
+            blueprint: &world.vehicles[vehicle].blueprint,
             tick: world.ticks,
             dt: world.dt,
-            ego: Actor {
-                pose: ego.pose,
-                velocity: ego.pose.forward() * ego.speed,
-                half: Vector::new(world.blueprint.half_length, world.blueprint.half_width),
-                height: 0.0,
-            },
-            speed_limit: world.speed_limit,
+            ego: driven(vehicle),
+            speed_limit: world.vehicles[vehicle].speed_limit,
             pedestrians: &self.pedestrians,
-            vehicles: &[],
+            vehicles: &self.vehicles,
             obstacles: &world.obstacles,
             lights: &self.lights,
-            affecting_light: world.affecting_light(),
+            affecting_light: world.affecting_light(vehicle),
         }
     }
 }

@@ -1,6 +1,6 @@
 use super::lane_follower::LaneFollower;
 use super::reference_drivers::{OwnMotion, Rss, RssLimits, Threat, lateral_distance, longitudinal_distance};
-use super::trace::OnTrace;
+use super::route_trace::OnTrace;
 use super::{DrivingMode, DrivingPolicy, Perception};
 use crate::seed::Stream;
 use crate::signature::{Arguments, Param, Signature, Type};

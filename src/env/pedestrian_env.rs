@@ -6,7 +6,7 @@ use crate::av::{DrivingMode, DrivingPolicy, Fault, Sensors};
 use crate::geometry::{Pose, wrap_angle};
 use crate::rl::{Env, Step};
 use crate::seed::Seed;
-use crate::sim::{Contact, Control, LightCycle, Scene, WalkCommand, World};
+use crate::sim::{ActorStart, Contact, Control, LightCycle, Start, WalkCommand, World};
 use rand::RngExt;
 
 /// A logical scenario made runnable: it draws concrete episodes from it, one after another.
@@ -75,8 +75,8 @@ impl PedestrianEnv {
         let world = World::new(
             scenario.town.clone(),
             scenario.obstacles.clone(),
-            scenario.vehicle.clone(),
-            scenario.adversary.body,
+            vec![scenario.vehicle.clone()],
+            vec![scenario.adversary.body],
             lights,
             scenario.episode.tick,
         );
@@ -135,13 +135,9 @@ impl PedestrianEnv {
         let spawn = near.unwrap_or_else(|| scenario.spawn.sample(town, obstacles, first, &mut stream));
         // A whole number of cycles of groups with up to four turns.
         let light_phase = stream.random_range(0.0..12.0 * LightCycle::default().turn());
-        self.world.begin(&Scene {
-            ego: spawn.ego,
-            ego_speed: spawn.ego_speed,
-            pedestrian: spawn.pedestrian,
-            light_phase,
-        });
-        self.policy.reset(&self.sensors.perceive(&self.world), seed.child("policy").stream());
+        let vehicles = &[ActorStart { pose: spawn.ego, speed: spawn.ego_speed }];
+        self.world.begin(&Start { vehicles, pedestrians: &[ActorStart::standing(spawn.pedestrian)], light_phase });
+        self.policy.reset(&self.sensors.perceive(&self.world, 0), seed.child("policy").stream());
         self.episode = Episode {
             spawn,
             width: self.width,
@@ -150,7 +146,7 @@ impl PedestrianEnv {
             contact: None,
             turn: 0.0,
             reward: 0.0,
-            least_gap: self.world.gap(),
+            least_gap: self.world.gap(0, 0),
             mode: DrivingMode::Cruise,
             control: Control::default(),
             digest: 0,
@@ -197,7 +193,7 @@ impl PedestrianEnv {
 
     /// What the pedestrian sees.
     pub fn observe(&self) -> Observation {
-        let (pedestrian, ego) = (&self.world.pedestrian, &self.world.ego);
+        let (pedestrian, ego) = (&self.world.pedestrians[0].state, &self.world.ego().state);
         let observed = self.scenario.adversary.observed_speed;
         Observation::new(&pedestrian.pose, pedestrian.speed(), &ego.pose, ego.speed, observed)
     }
@@ -236,15 +232,15 @@ impl PedestrianEnv {
     }
 
     /// Lets the driver prepare for the coming tick, so that drivers of many environments can be asked at once.
-    pub fn announce(&mut self) {
-        self.policy.announce(&self.sensors.perceive(&self.world));
+    pub fn prepare(&mut self) {
+        self.policy.prepare(&self.sensors.perceive(&self.world, 0));
     }
 
     /// Moves on by one tick; gives the decision's step when the command has been held long enough or the episode is over.
     pub fn tick(&mut self) -> Option<Step> {
         let rule = &self.scenario.episode;
         let (limit, hold) = (rule.ticks, rule.hold);
-        let perception = self.sensors.perceive(&self.world);
+        let perception = self.sensors.perceive(&self.world, 0);
         let control = self.policy.drive(&perception);
         if let Some(fault) = self.policy.fault() {
             return Some(self.give_up(fault));
@@ -253,7 +249,7 @@ impl PedestrianEnv {
             self.episode.mode = self.policy.mode();
         }
         self.episode.held += 1;
-        let contact = self.world.tick(control, self.episode.command);
+        let contact = self.world.tick(&[control], &[self.episode.command]);
         self.episode.contact = contact;
         self.episode.control = control;
         self.record();
@@ -276,13 +272,13 @@ impl PedestrianEnv {
     }
 
     /// Another environment of the same scenario and seed, when its driver and this one's gain from driving at once.
-    pub fn twin(&self) -> Option<Self> {
-        self.policy.twin().map(|policy| Self::with_policy(self.scenario.clone(), self.seed, policy))
+    pub fn clone_for_batch(&self) -> Option<Self> {
+        self.policy.clone_for_batch().map(|policy| Self::with_policy(self.scenario.clone(), self.seed, policy))
     }
 
     /// How many twins should drive at once.
-    pub fn company(&self) -> usize {
-        self.policy.company()
+    pub fn batch_size(&self) -> usize {
+        self.policy.batch_size()
     }
 
     /// Pays for the decision and ends the episode when it is over.
@@ -335,7 +331,7 @@ impl PedestrianEnv {
     }
 
     fn situation(&self, contact: Option<&Contact>) -> Situation {
-        let (ego, pedestrian) = (&self.world.ego, &self.world.pedestrian);
+        let (ego, pedestrian) = (&self.world.ego().state, &self.world.pedestrians[0].state);
         let local = ego.pose.to_local(pedestrian.pose.position());
         let (ahead, aside) = contact.map_or((local.x, local.y), |contact| (contact.ahead, contact.aside));
         Situation {
@@ -364,42 +360,45 @@ impl PedestrianEnv {
     }
 
     fn record(&mut self) {
-        let (ego, pedestrian) = (&self.world.ego, &self.world.pedestrian);
+        let (ego, pedestrian) = (&self.world.ego().state, &self.world.pedestrians[0].state);
         for value in [ego.pose.x, ego.pose.y, ego.pose.yaw, ego.speed, pedestrian.pose.x, pedestrian.pose.y] {
             self.episode.digest = mix(self.episode.digest, value.to_bits());
         }
         // The distance of the centres bounds the gap from below; most ticks need no more.
-        let blueprint = &self.world.blueprint;
-        let reach = self.episode.least_gap + blueprint.half_length + blueprint.half_width + self.world.body.radius;
+        let blueprint = &self.world.ego().blueprint;
+        let reach = self.episode.least_gap
+            + blueprint.half_length
+            + blueprint.half_width
+            + self.world.pedestrians[0].body.radius;
         let apart = (ego.pose.position() - pedestrian.pose.position()).norm_squared();
         if apart < reach * reach {
-            self.episode.least_gap = self.episode.least_gap.min(self.world.gap());
+            self.episode.least_gap = self.episode.least_gap.min(self.world.gap(0, 0));
         }
     }
 
     /// The learner's state: what the pedestrian sees, in the adversary's frame and units.
     pub fn state(&self) -> [f64; Self::STATE_DIM] {
-        let (pedestrian, ego) = (&self.world.pedestrian.pose, self.world.ego.pose.position());
+        let (pedestrian, ego) = (&self.world.pedestrians[0].state.pose, self.world.ego().state.pose.position());
         let initial = self.episode.spawn.pedestrian.yaw;
         self.scenario.adversary.encode(&self.observe(), pedestrian, initial, ego)
     }
 
     /// The command for a learner's action, now.
     pub fn command(&self, action: [f64; 2]) -> WalkCommand {
-        let (pedestrian, ego) = (&self.world.pedestrian.pose, self.world.ego.pose.position());
+        let (pedestrian, ego) = (&self.world.pedestrians[0].state.pose, self.world.ego().state.pose.position());
         self.scenario.adversary.command(action, pedestrian, self.episode.spawn.pedestrian.yaw, ego)
     }
 
     /// Where a homing pedestrian would walk: straight at the ego, as fast as it can.
     pub fn homing(&self) -> WalkCommand {
-        let offset = self.world.ego.pose.position() - self.world.pedestrian.pose.position();
+        let offset = self.world.ego().state.pose.position() - self.world.pedestrians[0].state.pose.position();
         WalkCommand { heading: libm::atan2(offset.y, offset.x), speed: self.scenario.adversary.speed.1 }
     }
 
     /// Where an intercepting pedestrian would walk: to the nearest place where it can meet an ego that keeps its
     /// velocity, or straight at the ego when there is none.
     pub fn intercept(&self) -> WalkCommand {
-        let (pedestrian, ego) = (&self.world.pedestrian.pose, &self.world.ego);
+        let (pedestrian, ego) = (&self.world.pedestrians[0].state.pose, &self.world.ego().state);
         let speed = self.scenario.adversary.speed.1;
         let offset = ego.pose.position() - pedestrian.position();
         let velocity = ego.pose.forward() * ego.speed;

@@ -85,7 +85,7 @@ impl Recording {
 
     /// Notes where everybody is after a tick, whether they touched in it, and what the driver did.
     pub fn watch(&mut self, world: &World, contact: Option<&Contact>, (mode, control): (DrivingMode, Control)) {
-        self.moments.push(Moment { ego: world.ego, pedestrian: world.pedestrian, mode, control });
+        self.moments.push(Moment { ego: world.ego().state, pedestrian: world.pedestrians[0].state, mode, control });
         self.contact = contact.copied();
     }
 

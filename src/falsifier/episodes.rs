@@ -14,7 +14,7 @@ const MOST_FAULTS: usize = 10;
 /// draws comes from `walker_seed`. Ends early, with the first episodes up to there, when the observer breaks or when the driver
 /// has failed in ten episodes in a row.
 ///
-/// Where the driver gains from it ([`DrivingPolicy::twin`](crate::av::DrivingPolicy::twin)), several episodes go on at
+/// Where the driver gains from it ([`DrivingPolicy::clone_for_batch`](crate::av::DrivingPolicy::clone_for_batch)), several episodes go on at
 /// once, tick by tick. That changes no outcome: an episode knows nothing of the others, and when a driver fails in
 /// company, each episode that it had in hand is tried again alone.
 pub fn try_walker(
@@ -74,10 +74,16 @@ impl Place {
 
 /// As many places as the driver wants and there are episodes for; none when one after another is as good.
 fn company(env: &PedestrianEnv, walker: &dyn Walker, episodes: usize) -> Vec<Place> {
-    let wanted = env.company().min(episodes);
+    let wanted = env.batch_size().min(episodes);
     let recording = Recording::new(&env.scenario().episode);
-    let place =
-        || Some(Place { env: env.twin()?, walker: walker.twin()?, recording: recording.clone(), episode: None });
+    let place = || {
+        Some(Place {
+            env: env.clone_for_batch()?,
+            walker: walker.clone_for_batch()?,
+            recording: recording.clone(),
+            episode: None,
+        })
+    };
     if wanted > 1 { (0..wanted).map_while(|_| place()).collect() } else { Vec::new() }
 }
 
@@ -140,7 +146,7 @@ impl<T> Trial<'_, T> {
             if running.is_empty() {
                 return ControlFlow::Continue(());
             }
-            running.iter_mut().for_each(|place| place.env.announce());
+            running.iter_mut().for_each(|place| place.env.prepare());
             let mut failed = Vec::new();
             for place in running {
                 let step = place.env.tick();

@@ -14,7 +14,7 @@ impl Walker for Intercept {
         env.intercept()
     }
 
-    fn twin(&self) -> Option<Box<dyn Walker>> {
+    fn clone_for_batch(&self) -> Option<Box<dyn Walker>> {
         Some(Box::new(*self))
     }
 }

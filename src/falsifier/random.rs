@@ -22,7 +22,7 @@ impl Walker for Random {
         env.command(bounds.map(|(low, high)| low + (high - low) * stream.random::<f64>()))
     }
 
-    fn twin(&self) -> Option<Box<dyn Walker>> {
+    fn clone_for_batch(&self) -> Option<Box<dyn Walker>> {
         Some(Box::new(self.clone()))
     }
 }

@@ -70,7 +70,7 @@ impl Walker for TrainedWalker {
         env.command(action)
     }
 
-    fn twin(&self) -> Option<Box<dyn Walker>> {
+    fn clone_for_batch(&self) -> Option<Box<dyn Walker>> {
         Some(Box::new(self.clone()))
     }
 }

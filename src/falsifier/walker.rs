@@ -12,7 +12,7 @@ pub trait Walker {
 
     /// Another one that chooses as this one does, for episodes that are tried at the same time; none when it cannot be in two
     /// episodes at once.
-    fn twin(&self) -> Option<Box<dyn Walker>> {
+    fn clone_for_batch(&self) -> Option<Box<dyn Walker>> {
         None
     }
 }

@@ -14,7 +14,7 @@ pub use angle::wrap_angle;
 pub use obstacles::Obstacles;
 pub use oriented_box::OrientedBox;
 pub use pose::Pose;
-pub use sweep::{Touch, first_touch, time_to_touch};
+pub use sweep::{Touch, first_touch, first_touch_of_boxes, time_to_touch};
 
 /// A place in the plane (m).
 pub type Point = nalgebra::Point2<f64>;

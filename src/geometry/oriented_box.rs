@@ -44,6 +44,29 @@ impl OrientedBox {
             .all(|axis| offset.dot(axis).abs() <= reach(axis, &ours, &self.half) + reach(axis, &theirs, &other.half))
     }
 
+    /// The shortest vector from this box to another one (m); zero when they overlap or touch.
+    pub fn separation(&self, other: &Self) -> Vector {
+        if self.overlaps(other) {
+            return Vector::zeros();
+        }
+        // Of two separate boxes a corner of one is nearest to the other.
+        let (there, back) = (self.way_to_corners(other), -other.way_to_corners(self));
+        if there.norm_squared() <= back.norm_squared() { there } else { back }
+    }
+
+    /// The shortest vector from this box to a corner of another one.
+    fn way_to_corners(&self, other: &Self) -> Vector {
+        let way = |corner: Point| {
+            let local = self.pose.to_local(corner);
+            let nearest =
+                Vector::new(local.x.clamp(-self.half.x, self.half.x), local.y.clamp(-self.half.y, self.half.y));
+            corner - self.pose.to_world(nearest)
+        };
+        let [first, others @ ..] = other.corners().map(way);
+        let shorter = |a: Vector, b: Vector| if b.norm_squared() < a.norm_squared() { b } else { a };
+        others.into_iter().fold(first, shorter)
+    }
+
     /// Whether the straight line between two points meets the box; by slabs.
     pub fn is_crossed_by(&self, from: Point, to: Point) -> bool {
         let (start, way) = (self.pose.to_local(from), self.pose.to_local(to) - self.pose.to_local(from));
@@ -81,6 +104,18 @@ mod tests {
         let turned = |x, y| OrientedBox::new(Pose::new(x, y, std::f64::consts::FRAC_PI_4), 1.0, 1.0);
         assert!(car.overlaps(&turned(3.4, 0.0)) && !car.overlaps(&turned(3.42, 0.0)));
         assert!(!car.overlaps(&turned(2.8, 1.8)), "corner to corner, where axis-parallel bounds overlap");
+    }
+
+    #[test]
+    fn the_separation_leads_from_side_to_side_or_from_corner_to_corner() {
+        let car = OrientedBox::new(Pose::new(0.0, 0.0, 0.0), 2.0, 1.0);
+        let at = |x, y, yaw| OrientedBox::new(Pose::new(x, y, yaw), 2.0, 1.0);
+        assert_eq!(car.separation(&at(1.0, 1.0, 0.5)), Vector::zeros());
+        assert!((car.separation(&at(5.5, 0.5, 0.0)) - Vector::new(1.5, 0.0)).norm() < 1e-12, "side to side");
+        assert!((car.separation(&at(7.0, 6.0, 0.0)) - Vector::new(3.0, 4.0)).norm() < 1e-12, "corner to corner");
+        let turned = at(0.0, -4.0, std::f64::consts::FRAC_PI_2);
+        assert!((car.separation(&turned) - Vector::new(0.0, -1.0)).norm() < 1e-12);
+        assert!((turned.separation(&car) - Vector::new(0.0, 1.0)).norm() < 1e-12);
     }
 
     #[test]

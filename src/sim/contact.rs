@@ -1,24 +1,74 @@
-/// The first touch of pedestrian and ego.
+use super::{ActorId, Pedestrian, Vehicle};
+use crate::geometry::{Touch, first_touch, first_touch_of_boxes};
+
+/// The first touch of a vehicle with a pedestrian or with another vehicle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
+    /// The vehicle, and the pedestrian or vehicle that touched it. Of two vehicles the first is the one with the smaller number.
+    pub pair: (ActorId, ActorId),
     /// When, as a share of the tick from 0 to 1.
     pub fraction: f64,
-    /// Bearing of the pedestrian from the middle of the ego's box (rad), positive to the left.
+    /// Bearing of the second's centre from the middle of the first's box (rad), positive to the left.
     pub bearing: f64,
-    /// How far the pedestrian is ahead of the middle of the ego's box (m).
+    /// How far the second's centre is ahead of the middle of the first's box (m).
     pub ahead: f64,
-    /// How far the pedestrian is to the left of the ego's axis (m).
+    /// How far the second's centre is to the left of the first's axis (m).
     pub aside: f64,
-    /// Speed of the ego then (m/s).
+    /// Speed of the first then (m/s).
     pub impact_speed: f64,
 }
 
 impl Contact {
-    /// Whether the pedestrian was within the front sector of this half angle (rad).
+    /// Whether the second was within the first's front sector of this half angle (rad).
     ///
     /// # Source
     /// The paper's commented text: −60° to 60° about the forward axis, from the centre; parts of the sides belong to it.
     pub fn is_front(&self, half_angle: f64) -> bool {
         self.bearing.abs() <= half_angle
+    }
+
+    /// Finds the first touch of a vehicle and a pedestrian in the last tick of `dt` (s).
+    pub(super) fn with_pedestrian(
+        pair: (ActorId, ActorId),
+        vehicle: &Vehicle,
+        pedestrian: &Pedestrian,
+        dt: f64,
+    ) -> Option<Self> {
+        let (blueprint, body) = (&vehicle.blueprint, &pedestrian.body);
+        let (from, to) = (pedestrian.before.pose.position(), pedestrian.state.pose.position());
+        // Far apart nothing needs to be computed: neither moves more than a few metres in a tick.
+        let reach = blueprint.half_length + blueprint.half_width + body.radius + 2.0;
+        let moved = (vehicle.before.speed + pedestrian.before.speed() + pedestrian.state.speed()) * dt;
+        let apart = (to - vehicle.state.pose.position()).norm_squared();
+        if apart > (reach + moved) * (reach + moved) {
+            return None;
+        }
+        let start = vehicle.before.outline(blueprint);
+        let touch = first_touch(from, to, body.radius, &start, &vehicle.outline())?;
+        Some(Self::new(pair, vehicle, &touch))
+    }
+
+    /// Finds the first touch of two vehicles in the last tick of `dt` (s).
+    pub(super) fn with_vehicle(pair: (ActorId, ActorId), first: &Vehicle, second: &Vehicle, dt: f64) -> Option<Self> {
+        let radius = |vehicle: &Vehicle| vehicle.blueprint.half_length + vehicle.blueprint.half_width;
+        let reach = radius(first) + radius(second) + (first.before.speed + second.before.speed) * dt;
+        let apart = (second.state.pose.position() - first.state.pose.position()).norm_squared();
+        if apart > reach * reach {
+            return None;
+        }
+        let start = |vehicle: &Vehicle| vehicle.before.outline(&vehicle.blueprint);
+        let touch = first_touch_of_boxes(&start(first), &first.outline(), &start(second), &second.outline())?;
+        Some(Self::new(pair, first, &touch))
+    }
+
+    fn new(pair: (ActorId, ActorId), first: &Vehicle, touch: &Touch) -> Self {
+        Self {
+            pair,
+            fraction: touch.fraction,
+            bearing: libm::atan2(touch.local.y, touch.local.x),
+            ahead: touch.local.x,
+            aside: touch.local.y,
+            impact_speed: first.before.speed + (first.state.speed - first.before.speed) * touch.fraction,
+        }
     }
 }

@@ -1,52 +1,29 @@
 use std::sync::Arc;
 
 use super::{
-    Contact, Control, LightClock, LightCycle, PedestrianBody, PedestrianState, VehicleBlueprint, VehicleState,
+    ActorId, Contact, Control, LightClock, LightCycle, Pedestrian, PedestrianBody, Start, Vehicle, VehicleBlueprint,
     WalkCommand,
 };
-use crate::geometry::{Obstacles, Pose, first_touch};
+use crate::geometry::Obstacles;
 use crate::road::Town;
 
-/// Limit that a vehicle begins with (m/s).
+/// A town with vehicles and pedestrians in it. Vehicle 0 is the ego, the car under test.
 ///
-/// # Source
-/// CARLA `Vehicle/WheeledVehicleAIController.h`: 30 km/h until the first sign.
-const FIRST_LIMIT: f64 = 30.0 / 3.6;
-
-/// How a world begins.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scene {
-    /// Pose of the ego.
-    pub ego: Pose,
-    /// Speed of the ego (m/s).
-    pub ego_speed: f64,
-    /// Pose of the pedestrian, who stands.
-    pub pedestrian: Pose,
-    /// How far the traffic lights are in their cycles (s).
-    pub light_phase: f64,
-}
-
-/// A town with a car and a pedestrian in it.
+/// An actor costs time only where it exists: every tick loops over the two lists and allocates nothing.
 #[derive(Debug, Clone)]
 pub struct World {
     /// The roads.
     pub town: Arc<Town>,
-    /// What blocks the pedestrian and sight.
+    /// What blocks pedestrians and sight.
     pub obstacles: Arc<Obstacles>,
-    /// The model of the ego.
-    pub blueprint: VehicleBlueprint,
-    /// The body of the pedestrian.
-    pub body: PedestrianBody,
-    /// The car under test.
-    pub ego: VehicleState,
-    /// The pedestrian.
-    pub pedestrian: PedestrianState,
-    /// Ticks since the beginning.
+    /// The vehicles, the ego first.
+    pub vehicles: Vec<Vehicle>,
+    /// The pedestrians.
+    pub pedestrians: Vec<Pedestrian>,
+    /// Ticks since the start.
     pub ticks: u32,
     /// Length of a tick (s).
     pub dt: f64,
-    /// The limit that holds for the ego (m/s).
-    pub speed_limit: f64,
     /// The cycle of the traffic lights; none where they are switched off.
     pub lights: Option<LightCycle>,
     light_phase: f64,
@@ -54,40 +31,54 @@ pub struct World {
 
 impl World {
     /// Makes a world whose actors stand at the origin; [`World::begin`] places them.
+    ///
+    /// # Panics
+    /// Without a vehicle, or with more than [`ActorId::MOST`] vehicles or pedestrians.
     pub fn new(
         town: Arc<Town>,
         obstacles: Arc<Obstacles>,
-        blueprint: VehicleBlueprint,
-        body: PedestrianBody,
+        vehicles: Vec<VehicleBlueprint>,
+        pedestrians: Vec<PedestrianBody>,
         lights: Option<LightCycle>,
         dt: f64,
     ) -> Self {
+        assert!(!vehicles.is_empty(), "a world has an ego");
+        assert!(vehicles.len().max(pedestrians.len()) <= ActorId::MOST, "a world has at most 255 actors of a kind");
         Self {
             town,
             obstacles,
-            blueprint,
-            body,
-            ego: VehicleState::default(),
-            pedestrian: PedestrianState::default(),
+            vehicles: vehicles.into_iter().map(Vehicle::new).collect(),
+            pedestrians: pedestrians.into_iter().map(Pedestrian::new).collect(),
             ticks: 0,
             dt,
-            speed_limit: FIRST_LIMIT,
             lights,
             light_phase: 0.0,
         }
     }
 
     /// Places the actors and starts the clock.
-    pub fn begin(&mut self, scene: &Scene) {
-        self.ego = VehicleState { pose: scene.ego, speed: scene.ego_speed, age: 0.0 };
-        self.pedestrian = PedestrianState::standing(scene.pedestrian);
+    ///
+    /// # Panics
+    /// When the start does not have one place for each actor.
+    pub fn begin(&mut self, start: &Start<'_>) {
+        assert_eq!(start.vehicles.len(), self.vehicles.len(), "each vehicle has a start");
+        assert_eq!(start.pedestrians.len(), self.pedestrians.len(), "each pedestrian has a start");
+        for (vehicle, start) in self.vehicles.iter_mut().zip(start.vehicles) {
+            vehicle.begin(start.vehicle(), &self.town);
+        }
+        for (pedestrian, start) in self.pedestrians.iter_mut().zip(start.pedestrians) {
+            pedestrian.begin(start.pedestrian());
+        }
         self.ticks = 0;
-        self.speed_limit = FIRST_LIMIT;
-        self.light_phase = scene.light_phase;
-        self.obey_signs();
+        self.light_phase = start.light_phase;
     }
 
-    /// Time since the beginning (s).
+    /// The car under test.
+    pub fn ego(&self) -> &Vehicle {
+        &self.vehicles[0]
+    }
+
+    /// Time since the start (s).
     pub fn elapsed(&self) -> f64 {
         f64::from(self.ticks) * self.dt
     }
@@ -97,57 +88,62 @@ impl World {
         self.lights.map(|cycle| cycle.clock(self.light_phase + self.elapsed()))
     }
 
-    /// The traffic light in whose trigger box the ego stands.
-    pub fn affecting_light(&self) -> Option<usize> {
+    /// The traffic light in whose trigger box a vehicle stands: its place among the town's lights. None where lights are
+    /// switched off.
+    pub fn affecting_light(&self, vehicle: usize) -> Option<usize> {
         self.lights?;
-        let reach = self.blueprint.half_length + 3.0;
-        let outline = self.ego.outline(&self.blueprint);
-        self.town.traffic_lights.iter().position(|light| {
-            let offset = light.trigger.pose.position() - self.ego.pose.position();
-            offset.norm_squared() < reach * reach && light.trigger.overlaps(&outline)
-        })
+        self.vehicles[vehicle].affecting_light(&self.town)
     }
 
-    /// Distance from the pedestrian's disc to the ego's box (m); 0 when they touch.
-    pub fn gap(&self) -> f64 {
-        let outline = self.ego.outline(&self.blueprint);
-        (outline.distance_to(self.pedestrian.pose.position()) - self.body.radius).max(0.0)
+    /// Distance from a pedestrian's disc to a vehicle's box (m); 0 when they touch.
+    pub fn gap(&self, vehicle: usize, pedestrian: usize) -> f64 {
+        let (vehicle, pedestrian) = (&self.vehicles[vehicle], &self.pedestrians[pedestrian]);
+        (vehicle.outline().distance_to(pedestrian.state.pose.position()) - pedestrian.body.radius).max(0.0)
     }
 
-    /// Moves both actors by one tick and finds their first touch.
+    /// Moves all actors by one tick and finds their first touch. There is one control for each vehicle and one command for each
+    /// pedestrian.
     ///
-    /// After a touch the actors stand where the tick ends; the touch itself is in the [`Contact`].
-    pub fn tick(&mut self, control: Control, command: WalkCommand) -> Option<Contact> {
-        let (ego, pedestrian) = (self.ego, self.pedestrian);
-        self.ego = ego.step(control, &self.blueprint, self.dt);
-        self.pedestrian = pedestrian.step(command, &self.body, &self.obstacles, self.dt);
-        self.ticks += 1;
-        self.obey_signs();
-        let (from, to) = (pedestrian.pose.position(), self.pedestrian.pose.position());
-        let (start, end) = (ego.outline(&self.blueprint), self.ego.outline(&self.blueprint));
-        // Far apart nothing needs to be computed: neither moves more than a few metres in a tick.
-        let reach = self.blueprint.half_length + self.blueprint.half_width + self.body.radius + 2.0;
-        let moved = (ego.speed + pedestrian.speed() + self.pedestrian.speed()) * self.dt;
-        let apart = (to - end.pose.position()).norm_squared();
-        if apart > (reach + moved) * (reach + moved) {
-            return None;
+    /// Vehicles touch pedestrians and each other. Pedestrians pass through each other. Of two touches at the same time the one
+    /// with a pedestrian counts, then the one of the smaller numbers. After a touch the actors stand where the tick ends; the touch
+    /// itself is in the [`Contact`].
+    ///
+    /// # Panics
+    /// When the number of controls or commands is not that of the vehicles or pedestrians.
+    pub fn tick(&mut self, controls: &[Control], commands: &[WalkCommand]) -> Option<Contact> {
+        assert_eq!(controls.len(), self.vehicles.len(), "each vehicle has a control");
+        assert_eq!(commands.len(), self.pedestrians.len(), "each pedestrian has a command");
+        for (vehicle, control) in self.vehicles.iter_mut().zip(controls) {
+            vehicle.step(*control, &self.town, self.dt);
         }
-        first_touch(from, to, self.body.radius, &start, &end).map(|touch| Contact {
-            fraction: touch.fraction,
-            bearing: libm::atan2(touch.local.y, touch.local.x),
-            ahead: touch.local.x,
-            aside: touch.local.y,
-            impact_speed: ego.speed + (self.ego.speed - ego.speed) * touch.fraction,
-        })
+        for (pedestrian, command) in self.pedestrians.iter_mut().zip(commands) {
+            pedestrian.step(*command, &self.obstacles, self.dt);
+        }
+        self.ticks += 1;
+        self.first_contact()
     }
 
-    fn obey_signs(&mut self) {
-        let reach = self.blueprint.half_length + 4.0;
-        for sign in &self.town.speed_signs {
-            let offset = sign.trigger.pose.position() - self.ego.pose.position();
-            if offset.norm_squared() < reach * reach && sign.trigger.overlaps(&self.ego.outline(&self.blueprint)) {
-                self.speed_limit = sign.limit;
+    fn first_contact(&self) -> Option<Contact> {
+        let mut first: Option<Contact> = None;
+        let mut note = |found: Option<Contact>| {
+            if let Some(found) = found
+                && first.is_none_or(|first| found.fraction < first.fraction)
+            {
+                first = Some(found);
+            }
+        };
+        for (number, vehicle) in (0..).zip(&self.vehicles) {
+            for (other, pedestrian) in (0..).zip(&self.pedestrians) {
+                let pair = (ActorId::Vehicle(number), ActorId::Pedestrian(other));
+                note(Contact::with_pedestrian(pair, vehicle, pedestrian, self.dt));
             }
         }
+        for (number, vehicle) in (0_u8..).zip(&self.vehicles) {
+            for (other, second) in (0_u8..).zip(&self.vehicles).skip(usize::from(number) + 1) {
+                let pair = (ActorId::Vehicle(number), ActorId::Vehicle(other));
+                note(Contact::with_vehicle(pair, vehicle, second, self.dt));
+            }
+        }
+        first
     }
 }

@@ -11,7 +11,7 @@ use falsify::av::{Actor, DrivingPolicy, Light, Perception};
 use falsify::geometry::{Obstacles, Pose, Vector};
 use falsify::road::{RoadIndex, RoadOption, RoutePoint, Town, Waypoint, opendrive};
 use falsify::seed::Seed;
-use falsify::sim::{LightColour, VehicleBlueprint};
+use falsify::sim::{ActorId, LightColour, VehicleBlueprint};
 use serde_json::Value;
 
 /// Half sizes of the recorded cars and walkers (m).
@@ -90,11 +90,13 @@ fn plan(town: &Town, table: &Table) -> Vec<RoutePoint> {
 }
 
 fn car(pose: Pose, speed: f64) -> Actor {
-    Actor { pose, velocity: pose.forward() * speed, half: Vector::new(CAR[0], CAR[1]), height: 0.0 }
+    let (velocity, half) = (pose.forward() * speed, Vector::new(CAR[0], CAR[1]));
+    Actor { id: ActorId::Vehicle(1), pose, velocity, half, height: 0.0 }
 }
 
 fn walker(pose: Pose) -> Actor {
-    Actor { pose, velocity: Vector::zeros(), half: Vector::new(WALKER, WALKER), height: WALKER_HEIGHT }
+    let (velocity, half) = (Vector::zeros(), Vector::new(WALKER, WALKER));
+    Actor { id: ActorId::Pedestrian(0), pose, velocity, half, height: WALKER_HEIGHT }
 }
 
 /// Agreement over the ticks of a release.

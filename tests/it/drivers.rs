@@ -8,7 +8,7 @@ use falsify::compile::{Catalog, Plan, compile};
 use falsify::env::Scenario;
 use falsify::geometry::{Obstacles, Pose};
 use falsify::seed::Seed;
-use falsify::sim::{Contact, Scene, WalkCommand, World};
+use falsify::sim::{ActorStart, Contact, Start, WalkCommand, World};
 
 const SCENARIO: &str = r#"
 edition 1
@@ -47,17 +47,19 @@ fn drive(policy: &str, x: f64, walker: Pose, walking: f64, seconds: f64) -> Driv
     let scenario = scenario(policy);
     let body = scenario.adversary.body.nimble();
     let empty = Arc::new(Obstacles::new(&[]));
-    let mut world = World::new(scenario.town.clone(), empty, scenario.vehicle.clone(), body, None, 0.05);
-    world.begin(&Scene { ego: Pose::new(x, -1.75, 0.0), ego_speed: 7.5, pedestrian: walker, light_phase: 0.0 });
+    let (car, town) = (scenario.vehicle.clone(), scenario.town.clone());
+    let mut world = World::new(town, empty, vec![car], vec![body], None, 0.05);
+    let vehicles = &[ActorStart { pose: Pose::new(x, -1.75, 0.0), speed: 7.5 }];
+    world.begin(&Start { vehicles, pedestrians: &[ActorStart::standing(walker)], light_phase: 0.0 });
     let mut driver = (scenario.policy)();
     let mut sensors = Sensors::default();
-    driver.reset(&sensors.perceive(&world), Seed::root(1).stream());
+    driver.reset(&sensors.perceive(&world, 0), Seed::root(1).stream());
     let (mut slowest, mut emergencies, mut contact) = (f64::INFINITY, 0, None);
     while contact.is_none() && world.elapsed() < seconds {
-        let control = driver.drive(&sensors.perceive(&world));
+        let control = driver.drive(&sensors.perceive(&world, 0));
         emergencies += u32::from(driver.mode() == DrivingMode::EmergencyStop);
-        contact = world.tick(control, WalkCommand { heading: walker.yaw, speed: walking });
-        slowest = slowest.min(world.ego.speed);
+        contact = world.tick(&[control], &[WalkCommand { heading: walker.yaw, speed: walking }]);
+        slowest = slowest.min(world.ego().state.speed);
     }
     Drive { contact, world, slowest, emergencies }
 }
@@ -69,9 +71,9 @@ fn they_stop_for_somebody_who_stands_in_the_lane() {
     for policy in GUARDED {
         let end = drive(policy, 20.0, standing, 0.0, 15.0);
         assert!(end.contact.is_none(), "{policy} hits at {:?}", end.contact);
-        assert!(end.slowest < 0.5 && end.world.ego.pose.x < 60.0, "{policy} does not stop: {}", end.slowest);
+        assert!(end.slowest < 0.5 && end.world.ego().state.pose.x < 60.0, "{policy} does not stop: {}", end.slowest);
     }
-    let gap = |policy| drive(policy, 20.0, standing, 0.0, 15.0).world.gap();
+    let gap = |policy| drive(policy, 20.0, standing, 0.0, 15.0).world.gap(0, 0);
     let (late, sure) = (gap("late_oracle"), gap("oracle"));
     assert!(late < 0.7, "as late as it can: {late}");
     assert!(sure < 1.5, "it creeps up as far as is safe: {sure}");
@@ -94,7 +96,7 @@ fn they_drive_past_somebody_on_the_far_pavement() {
         let alone = drive(policy, 20.0, Pose::new(1000.0, 1000.0, 0.0), 0.0, 60.0);
         let passing = drive(policy, 20.0, Pose::new(50.0, 5.3, 0.0), 0.0, 60.0);
         assert_eq!(passing.emergencies, 0, "{policy}");
-        assert_eq!(passing.world.ego, alone.world.ego, "{policy} is not moved by somebody over there");
+        assert_eq!(passing.world.ego().state, alone.world.ego().state, "{policy} is not moved by somebody over there");
         assert!(alone.slowest > 1.0, "{policy}: {}", alone.slowest);
     }
 }

@@ -11,7 +11,7 @@ use falsify::env::Scenario;
 use falsify::geometry::{Pose, Vector};
 use falsify::road::LaneFilter;
 use falsify::seed::Seed;
-use falsify::sim::{PedestrianBody, Scene, WalkCommand, World};
+use falsify::sim::{ActorStart, PedestrianBody, Start, WalkCommand, World};
 
 const SCENARIO: &str = r#"
 edition 1
@@ -38,8 +38,8 @@ fn world(scenario: &Scenario, lane: usize, pedestrian: Vector) -> World {
     let mut world = World::new(
         Arc::clone(&scenario.town),
         Arc::clone(&scenario.obstacles),
-        scenario.vehicle.clone(),
-        PedestrianBody::adult(),
+        vec![scenario.vehicle.clone()],
+        vec![PedestrianBody::adult()],
         None,
         0.05,
     );
@@ -47,7 +47,8 @@ fn world(scenario: &Scenario, lane: usize, pedestrian: Vector) -> World {
     let ego = town.pose(town.along(&town.driving_lanes()[lane], 5.0));
     let place = ego.to_world(Vector::new(pedestrian.x, -pedestrian.y));
     let facing = Pose::new(place.x, place.y, ego.yaw + std::f64::consts::FRAC_PI_2);
-    world.begin(&Scene { ego, ego_speed: 0.0, pedestrian: facing, light_phase: 0.0 });
+    let (vehicles, pedestrians) = (&[ActorStart::standing(ego)], &[ActorStart::standing(facing)]);
+    world.begin(&Start { vehicles, pedestrians, light_phase: 0.0 });
     world
 }
 
@@ -55,11 +56,11 @@ fn world(scenario: &Scenario, lane: usize, pedestrian: Vector) -> World {
 fn drive(world: &mut World, ticks: u32, mut each: impl FnMut(&World, DrivingMode)) -> Option<f64> {
     let mut sensors = Sensors::default();
     let mut driver = InterFuser::new(&Settings::default());
-    driver.reset(&sensors.perceive(world), Seed::root(3).stream());
-    let standing = WalkCommand { heading: world.pedestrian.pose.yaw, speed: 0.0 };
+    driver.reset(&sensors.perceive(world, 0), Seed::root(3).stream());
+    let standing = WalkCommand { heading: world.pedestrians[0].state.pose.yaw, speed: 0.0 };
     for _ in 0..ticks {
-        let control = driver.drive(&sensors.perceive(world));
-        if let Some(contact) = world.tick(control, standing) {
+        let control = driver.drive(&sensors.perceive(world, 0));
+        if let Some(contact) = world.tick(&[control], &[standing]) {
             return Some(contact.impact_speed);
         }
         each(world, driver.mode());
@@ -75,14 +76,14 @@ fn it_keeps_its_lane_through_every_bend_and_stays_below_its_speed() {
     for scenario in scenarios() {
         for lane in (0..scenario.town.driving_lanes().len()).step_by(5) {
             let mut world = world(&scenario, lane, NOWHERE);
-            let start = world.ego.pose.position();
+            let start = world.ego().state.pose.position();
             let (mut aside, mut fastest, mut driven, mut last) = (0.0_f64, 0.0_f64, 0.0, start);
             let hit = drive(&mut world, 1200, |world, mode| {
-                let here = world.ego.pose.position();
+                let here = world.ego().state.pose.position();
                 let nearest = world.town.nearest_lane(here, LaneFilter::Driving).expect("a town has lanes");
                 // The nearest lane of several in a junction; outside it must be a lane of this direction.
                 aside = aside.max((world.town.pose(nearest).position() - here).norm());
-                fastest = fastest.max(world.ego.speed);
+                fastest = fastest.max(world.ego().state.speed);
                 driven += (here - last).norm();
                 last = here;
                 assert!(matches!(mode, DrivingMode::Cruise), "{mode:?} with nobody near");
@@ -101,10 +102,10 @@ fn it_stops_for_somebody_who_stands_in_its_corridor_and_passes_one_beside_it() {
         let mut last = DrivingMode::Cruise;
         let hit = drive(&mut blocked, 400, |_, mode| last = mode);
         assert_eq!((hit, last), (None, DrivingMode::EmergencyStop));
-        assert!(blocked.ego.speed < 0.01 && blocked.gap() < 8.0, "{} m", blocked.gap());
+        assert!(blocked.ego().state.speed < 0.01 && blocked.gap(0, 0) < 8.0, "{} m", blocked.gap(0, 0));
         let mut free = world(&scenario, 0, Vector::new(25.0, 3.0));
         assert_eq!(drive(&mut free, 400, |_, _| ()), None);
-        assert!(free.gap() > 20.0, "it drove past");
+        assert!(free.gap(0, 0) > 20.0, "it drove past");
     }
 }
 
@@ -114,7 +115,15 @@ fn the_same_drive_has_the_same_bits() {
     let trace = || {
         let mut bits = Vec::new();
         let hit = drive(&mut world(scenario, 3, Vector::new(40.0, 1.0)), 600, |world, _| {
-            bits.extend([world.ego.pose.x, world.ego.pose.y, world.ego.pose.yaw, world.ego.speed].map(f64::to_bits));
+            bits.extend(
+                [
+                    world.ego().state.pose.x,
+                    world.ego().state.pose.y,
+                    world.ego().state.pose.yaw,
+                    world.ego().state.speed,
+                ]
+                .map(f64::to_bits),
+            );
         });
         (hit.map(f64::to_bits), bits)
     };

@@ -12,7 +12,7 @@ use falsify::falsifier::{Intercept, watch_walker};
 use falsify::geometry::{Obstacles, OrientedBox, Pose, Vector};
 use falsify::judge::{Encounter, Label, Reference, Sight, Trial, judge};
 use falsify::seed::Seed;
-use falsify::sim::{Contact, World};
+use falsify::sim::{ActorId, Contact, World};
 
 const SCENARIO: &str = r#"
 edition 1
@@ -122,20 +122,27 @@ fn run_out(obstacles: &[OrientedBox], speed: impl Fn(f64) -> f64) -> (Scenario, 
     let mut scenario = Scenario::clone(&scenario("blind"));
     scenario.obstacles = Arc::new(Obstacles::new(obstacles));
     let (town, obstacles, body) = (scenario.town.clone(), scenario.obstacles.clone(), scenario.adversary.body);
-    let mut world = World::new(town, obstacles, scenario.vehicle.clone(), body, None, 0.05);
+    let mut world = World::new(town, obstacles, vec![scenario.vehicle.clone()], vec![body], None, 0.05);
     let mut recording = Recording::new(&scenario.episode);
     // After 3 s the bumper is at 30 m and the pedestrian in the middle of it.
     let walked = |time: f64| (0..(time * 1000.0) as u32).map(|i| speed(f64::from(i) / 1000.0) / 1000.0).sum::<f64>();
     let end = walked(3.0);
     for tick in 0..=60 {
         let time = f64::from(tick) * 0.05;
-        world.ego.pose = Pose::new(10.0 * time - scenario.vehicle.half_length, 0.0, 0.0);
-        world.ego.speed = 10.0;
+        world.vehicles[0].state.pose = Pose::new(10.0 * time - scenario.vehicle.half_length, 0.0, 0.0);
+        world.vehicles[0].state.speed = 10.0;
         let aside = end - walked(time);
-        world.pedestrian.pose = Pose::new(30.0 + body.radius, aside, -std::f64::consts::FRAC_PI_2);
-        world.pedestrian.velocity = Vector::new(0.0, -speed(time));
+        world.pedestrians[0].state.pose = Pose::new(30.0 + body.radius, aside, -std::f64::consts::FRAC_PI_2);
+        world.pedestrians[0].state.velocity = Vector::new(0.0, -speed(time));
         let ahead = scenario.vehicle.half_length + body.radius;
-        let contact = Contact { fraction: 1.0, bearing: 0.0, ahead, aside: 0.0, impact_speed: 10.0 };
+        let contact = Contact {
+            pair: (ActorId::EGO, ActorId::Pedestrian(0)),
+            fraction: 1.0,
+            bearing: 0.0,
+            ahead,
+            aside: 0.0,
+            impact_speed: 10.0,
+        };
         if tick == 0 {
             recording.begin(&world);
         } else {
@@ -197,8 +204,8 @@ fn an_approach_is_the_pedestrian_as_the_car_sees_it() {
     nobody.begin(&World::new(
         scenario.town.clone(),
         scenario.obstacles.clone(),
-        scenario.vehicle.clone(),
-        scenario.adversary.body,
+        vec![scenario.vehicle.clone()],
+        vec![scenario.adversary.body],
         None,
         0.05,
     ));

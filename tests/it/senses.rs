@@ -9,7 +9,7 @@ use falsify::compile::{Catalog, Plan, compile};
 use falsify::env::{PedestrianEnv, Scenario};
 use falsify::geometry::{Obstacles, OrientedBox, Pose, Vector};
 use falsify::seed::{Seed, Stream};
-use falsify::sim::Control;
+use falsify::sim::{ActorId, Control};
 use rand::Rng;
 
 fn plan(text: &str) -> Plan {
@@ -65,11 +65,13 @@ impl DrivingPolicy for Probe {
 }
 
 fn person(x: f64, y: f64, velocity: Vector) -> Actor {
-    Actor { pose: Pose::new(x, y, 0.3), velocity, half: Vector::new(0.19, 0.19), height: 0.93 }
+    let (pose, half) = (Pose::new(x, y, 0.3), Vector::new(0.19, 0.19));
+    Actor { id: ActorId::Pedestrian(0), pose, velocity, half, height: 0.93 }
 }
 
 fn car(x: f64, y: f64, yaw: f64) -> Actor {
-    Actor { pose: Pose::new(x, y, yaw), velocity: Vector::zeros(), half: Vector::new(2.3, 0.9), height: 0.0 }
+    let (pose, velocity) = (Pose::new(x, y, yaw), Vector::zeros());
+    Actor { id: ActorId::Vehicle(0), pose, velocity, half: Vector::new(2.3, 0.9), height: 0.0 }
 }
 
 /// What reaches a driver at the origin that looks east, over so many ticks of 0.05 s, from actors that keep their velocity.
@@ -82,12 +84,12 @@ fn look(model: &SensorModel, walls: &[OrientedBox], people: &[Actor], cars: &[Ac
     let mut sensing = Sensing::new(Box::new(Probe(seen.clone())), Arc::new(model.clone()));
     let dt = 0.05;
     for tick in 0..ticks {
-        let moved = |actor: &Actor| {
+        let moved = |(id, actor): (ActorId, &Actor)| {
             let place = actor.pose.position() + actor.velocity * (f64::from(tick) * dt);
-            Actor { pose: Pose { x: place.x, y: place.y, ..actor.pose }, ..*actor }
+            Actor { id, pose: Pose { x: place.x, y: place.y, ..actor.pose }, ..*actor }
         };
-        let (people, cars): (Vec<Actor>, Vec<Actor>) =
-            (people.iter().map(moved).collect(), cars.iter().map(moved).collect());
+        let people: Vec<Actor> = (0..).map(ActorId::Pedestrian).zip(people).map(moved).collect();
+        let cars: Vec<Actor> = (0..).map(ActorId::Vehicle).zip(cars).map(moved).collect();
         let perception = Perception {
             town: &scenario.town,
             blueprint: &scenario.vehicle,

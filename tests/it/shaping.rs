@@ -118,7 +118,7 @@ fn beginnings_widen_from_near_to_all() {
         }
         let spawns = (0..200).map(|episode| {
             env.begin(episode);
-            (env.world().ego.pose, env.world().pedestrian.pose)
+            (env.world().ego().state.pose, env.world().pedestrians[0].state.pose)
         });
         spawns.collect()
     };

@@ -299,6 +299,7 @@ fn box_corners(obstacle: &Actor, centre: Location) -> [Corner; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sim::ActorId;
 
     #[test]
     fn a_straightened_zigzag_is_a_corridor() {
@@ -312,6 +313,7 @@ mod tests {
     #[test]
     fn boxes_have_their_corners_in_carlas_order() {
         let car = Actor {
+            id: ActorId::Vehicle(1),
             pose: Pose::new(10.0, 20.0, -std::f64::consts::FRAC_PI_2),
             velocity: Vector::zeros(),
             half: Vector::new(2.0, 1.0),

@@ -133,7 +133,7 @@ impl DrivingPolicy for External {
         locked(&self.session).forgive();
     }
 
-    fn announce(&mut self, perception: &Perception<'_>) {
+    fn prepare(&mut self, perception: &Perception<'_>) {
         match self.ask(perception) {
             Ok(place) => self.asked = Some(place),
             Err(fault) => self.fault = Some(fault),
@@ -142,7 +142,7 @@ impl DrivingPolicy for External {
 
     fn drive(&mut self, perception: &Perception<'_>) -> Control {
         if self.asked.is_none() && self.fault.is_none() {
-            self.announce(perception);
+            self.prepare(perception);
         }
         let Some(place) = self.asked.take() else { return Control::FULL_BRAKE };
         let decision = locked(&self.session).answer(place);
@@ -166,11 +166,11 @@ impl DrivingPolicy for External {
         self.fault
     }
 
-    fn twin(&self) -> Option<Box<dyn DrivingPolicy>> {
+    fn clone_for_batch(&self) -> Option<Box<dyn DrivingPolicy>> {
         Some(Box::new(Self::within(self.session.clone(), self.settings)))
     }
 
-    fn company(&self) -> usize {
+    fn batch_size(&self) -> usize {
         self.settings.worlds
     }
 }

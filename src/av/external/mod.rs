@@ -1,7 +1,7 @@
 //! A driver that is a program of its own, in whatever language: it gets what it sees as messages and answers with controls.
 //!
 //! ```text
-//! External ──┐ announce: adds its world to the request
+//! External ──┐ prepare:  adds its world to the request
 //! External ──┤                                            Session ── Link ──> the program
 //! External ──┘ drive: takes its answer; the first one     (handshake, encoding,     (pipes, deadlines:
 //!              sends the request                           restart after a fault)    given from above)

@@ -69,7 +69,7 @@ impl DrivingPolicy for Onnx {
         self.fault = None;
     }
 
-    fn announce(&mut self, perception: &Perception<'_>) {
+    fn prepare(&mut self, perception: &Perception<'_>) {
         self.path.advance(perception);
         let (actors, points) = self.model.room();
         self.view.look(perception, &self.path, actors, points);
@@ -83,7 +83,7 @@ impl DrivingPolicy for Onnx {
 
     fn drive(&mut self, perception: &Perception<'_>) -> Control {
         if self.asked.is_none() {
-            self.announce(perception);
+            self.prepare(perception);
         }
         let place = self.asked.take().unwrap_or_default();
         let mut shared = locked(&self.shared);
@@ -109,11 +109,11 @@ impl DrivingPolicy for Onnx {
         self.fault
     }
 
-    fn twin(&self) -> Option<Box<dyn DrivingPolicy>> {
+    fn clone_for_batch(&self) -> Option<Box<dyn DrivingPolicy>> {
         Some(Box::new(Self::within(self.model.clone(), self.shared.clone(), self.worlds)))
     }
 
-    fn company(&self) -> usize {
+    fn batch_size(&self) -> usize {
         self.worlds
     }
 }

@@ -12,7 +12,7 @@ use crate::sim::PedestrianBody;
 const DISTANCE: (f64, f64) = (5.0, 30.0);
 const BEARING: f64 = FRAC_PI_3;
 
-/// A pedestrian who is not there: at most one at a time, in the world at rest or walking straight.
+/// A false alarm: a pedestrian that does not exist, at most one at a time, at rest or walking straight.
 #[derive(Debug, Clone)]
 pub struct Ghost {
     actor: Option<Actor>,
@@ -20,7 +20,7 @@ pub struct Ghost {
 }
 
 impl Ghost {
-    /// Begins without one.
+    /// Starts without one.
     pub fn new(seed: Seed) -> Self {
         Self { actor: None, stream: seed.child("false_alarms").stream() }
     }
@@ -47,5 +47,6 @@ fn walker(place: Point, heading: f64, speed: f64) -> Actor {
     let body = PedestrianBody::adult();
     let pose = Pose::new(place.x, place.y, heading);
     let half = Vector::new(body.radius, body.radius);
-    Actor { pose, velocity: pose.forward() * speed, half, height: body.half_height }
+    let velocity = pose.forward() * speed;
+    Actor { id: Actor::FALSE_ALARM, pose, velocity, half, height: body.half_height }
 }

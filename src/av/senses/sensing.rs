@@ -6,11 +6,11 @@ use super::sight::{half_width_of, visible_share};
 use super::track::{Belief, Kind, Track, moved};
 use crate::av::{Actor, DrivingMode, DrivingPolicy, Fault, Perception};
 use crate::seed::{Seed, Stream};
-use crate::sim::Control;
+use crate::sim::{ActorId, Control};
 
-/// A driver that knows of others only what its sensors tell.
+/// A driver that knows of other actors only what its sensors report.
 ///
-/// Actors are told apart by their places in the lists of the true perception.
+/// Actors are told apart by their ids ([`Actor::id`]), whatever their order in the true perception is.
 pub struct Sensing {
     driver: Box<dyn DrivingPolicy>,
     model: Arc<SensorModel>,
@@ -75,8 +75,7 @@ impl Sensing {
     fn update(&mut self, perception: &Perception<'_>, dt: f64) {
         let model = &*self.model;
         let (people, cars) = (perception.pedestrians, perception.vehicles);
-        add_tracks(&mut self.people, people.len(), &self.seed.child("pedestrian"));
-        add_tracks(&mut self.cars, cars.len(), &self.seed.child("vehicle"));
+        let seeds = (self.seed.child("pedestrian"), self.seed.child("vehicle"));
         let place = self.updates as usize % self.history.len();
         let snapshot = &mut self.history[place];
         snapshot.pedestrians.clear();
@@ -88,7 +87,8 @@ impl Sensing {
             }
             track.update(model, kind, actor, miss_rate(model, perception, kind, actor))
         };
-        for (track, actor) in self.people.iter_mut().zip(people) {
+        for actor in people {
+            let track = track_of(&mut self.people, actor.id, &seeds.0);
             let Some(belief) = look_for(track, Kind::Pedestrian, actor) else { continue };
             if belief.confused {
                 let half = model.confused_half;
@@ -98,7 +98,8 @@ impl Sensing {
                 snapshot.pedestrians.push(belief.actor);
             }
         }
-        for (track, actor) in self.cars.iter_mut().zip(cars) {
+        for actor in cars {
+            let track = track_of(&mut self.cars, actor.id, &seeds.1);
             snapshot.vehicles.extend(look_for(track, Kind::Vehicle, actor).map(|belief| belief.actor));
         }
         if model.false_alarms > 0.0 {
@@ -119,7 +120,7 @@ fn miss_rate(model: &SensorModel, perception: &Perception<'_>, kind: Kind, actor
             Kind::Vehicle => half_width_of(&actor.outline(), eye),
         };
         let all = perception.pedestrians.iter().chain(perception.vehicles);
-        let others = all.filter(|other| !std::ptr::eq(*other, actor));
+        let others = all.filter(|other| other.id != actor.id);
         visible_share(eye, actor, half_width, perception.obstacles, others)
     } else {
         1.0
@@ -128,10 +129,14 @@ fn miss_rate(model: &SensorModel, perception: &Perception<'_>, kind: Kind, actor
     enough.then(|| model.miss_rate(distance, visible, seam))
 }
 
-fn add_tracks(tracks: &mut Vec<Track>, count: usize, seed: &Seed) {
-    for index in tracks.len()..count {
-        tracks.push(Track::new(seed.index(index as u64)));
-    }
+/// The track of an actor; a new one when the actor has none.
+fn track_of<'a>(tracks: &'a mut Vec<Track>, id: ActorId, seed: &Seed) -> &'a mut Track {
+    let known = tracks.iter().position(|track| track.id == id);
+    let place = known.unwrap_or_else(|| {
+        tracks.push(Track::new(id, seed));
+        tracks.len() - 1
+    });
+    &mut tracks[place]
 }
 
 impl DrivingPolicy for Sensing {
@@ -157,10 +162,10 @@ impl DrivingPolicy for Sensing {
         self.driver.reset(&believed, stream);
     }
 
-    fn announce(&mut self, perception: &Perception<'_>) {
+    fn prepare(&mut self, perception: &Perception<'_>) {
         self.look(perception);
         let believed = Perception { pedestrians: &self.pedestrians, vehicles: &self.vehicles, ..*perception };
-        self.driver.announce(&believed);
+        self.driver.prepare(&believed);
     }
 
     fn drive(&mut self, perception: &Perception<'_>) -> Control {
@@ -177,12 +182,12 @@ impl DrivingPolicy for Sensing {
         self.driver.fault()
     }
 
-    fn twin(&self) -> Option<Box<dyn DrivingPolicy>> {
-        let driver = self.driver.twin()?;
+    fn clone_for_batch(&self) -> Option<Box<dyn DrivingPolicy>> {
+        let driver = self.driver.clone_for_batch()?;
         Some(Box::new(Self::new(driver, self.model.clone())))
     }
 
-    fn company(&self) -> usize {
-        self.driver.company()
+    fn batch_size(&self) -> usize {
+        self.driver.batch_size()
     }
 }

@@ -3,10 +3,13 @@ use super::{Drift, Luck, SensorModel};
 use crate::av::Actor;
 use crate::geometry::{Pose, Vector};
 use crate::seed::Seed;
+use crate::sim::ActorId;
 
 /// What is known and believed of one actor.
 #[derive(Debug, Clone)]
 pub struct Track {
+    /// The actor that it follows.
+    pub id: ActorId,
     miss: Luck,
     confusion: Luck,
     drift: Drift,
@@ -24,7 +27,7 @@ pub struct Belief {
     age: f64,
 }
 
-/// Whom a track follows.
+/// What kind of actor a track follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     Pedestrian,
@@ -32,9 +35,11 @@ pub enum Kind {
 }
 
 impl Track {
-    /// Begins without having seen it; `seed` is the actor's own.
-    pub fn new(seed: Seed) -> Self {
+    /// Starts without having seen the actor. All draws come from `seed` and the actor's number.
+    pub fn new(id: ActorId, seed: &Seed) -> Self {
+        let seed = seed.index(id.number() as u64);
         Self {
+            id,
             miss: Luck::new(seed.child("miss").stream()),
             confusion: Luck::new(seed.child("confusion").stream()),
             drift: Drift::new(seed.child("noise").stream()),

@@ -6,7 +6,7 @@ use crate::road::{
     TownParts,
 };
 use crate::seed::Seed;
-use crate::sim::{LightColour, VehicleBlueprint};
+use crate::sim::{ActorId, LightColour, VehicleBlueprint};
 
 /// A road of 200 m along +x as in CARLA's towns: lanes of 4 m, a shoulder of 0.3 m and a sidewalk of 4 m on each side.
 /// The right driving lane's centre is at y = −2.
@@ -102,11 +102,13 @@ impl Scene {
 
 fn vehicle(x: f64, y: f64, speed: f64) -> Actor {
     let pose = Pose::new(x, y, 0.0);
-    Actor { pose, velocity: Vector::new(speed, 0.0), half: Vector::new(2.4, 1.08), height: 0.0 }
+    let (velocity, half) = (Vector::new(speed, 0.0), Vector::new(2.4, 1.08));
+    Actor { id: ActorId::Vehicle(1), pose, velocity, half, height: 0.0 }
 }
 
 fn walker(x: f64, y: f64, yaw: f64) -> Actor {
-    Actor { pose: Pose::new(x, y, yaw), velocity: Vector::zeros(), half: Vector::new(0.188, 0.188), height: 0.93 }
+    let (pose, velocity, half) = (Pose::new(x, y, yaw), Vector::zeros(), Vector::new(0.188, 0.188));
+    Actor { id: ActorId::Pedestrian(0), pose, velocity, half, height: 0.93 }
 }
 
 const NEWEST: Release = Release::V0_9_15;

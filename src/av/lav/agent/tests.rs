@@ -6,7 +6,7 @@ use crate::geometry::{Obstacles, OrientedBox, Point, Pose, Vector};
 use crate::road::design::{Node, Street, TownDesign};
 use crate::road::{LaneFilter, Town};
 use crate::seed::Seed;
-use crate::sim::{LightColour, PedestrianBody, Scene, VehicleBlueprint, WalkCommand, World};
+use crate::sim::{ActorId, ActorStart, LightColour, PedestrianBody, Start, VehicleBlueprint, WalkCommand, World};
 
 fn town(nodes: &[(f64, f64)], streets: &[&[usize]]) -> Arc<Town> {
     let node = |&(x, y): &(f64, f64)| Node { name: String::new(), position: Point::new(x, y), lights: false };
@@ -37,7 +37,14 @@ fn ring() -> Arc<Town> {
     )
 }
 
-/// A car on a lane of a town, and somebody standing far away.
+/// Puts the car at a pose and the pedestrian far away.
+fn begin(world: &mut World, car: Pose) {
+    let far = Pose::new(-1e4, 0.0, 0.0);
+    let (vehicles, pedestrians) = (&[ActorStart::standing(car)], &[ActorStart::standing(far)]);
+    world.begin(&Start { vehicles, pedestrians, light_phase: 0.0 });
+}
+
+/// A car on a lane of a town, and a pedestrian far away.
 struct Drive {
     world: World,
     sensors: Sensors,
@@ -49,27 +56,27 @@ impl Drive {
         let mut world = World::new(
             Arc::clone(town),
             Arc::new(Obstacles::new(&[])),
-            VehicleBlueprint { start_up_pause: 0.0, ..VehicleBlueprint::mkz_2017() },
-            PedestrianBody::adult().nimble(),
+            vec![VehicleBlueprint { start_up_pause: 0.0, ..VehicleBlueprint::mkz_2017() }],
+            vec![PedestrianBody::adult().nimble()],
             None,
             0.05,
         );
-        world.begin(&Scene { ego: start, ego_speed: 0.0, pedestrian: Pose::new(-1e4, 0.0, 0.0), light_phase: 0.0 });
+        begin(&mut world, start);
         let (mut sensors, mut lav) = (Sensors::default(), Lav::new(version, 0.1, 1.0));
-        lav.reset(&sensors.perceive(&world), Seed::root(seed).stream());
+        lav.reset(&sensors.perceive(&world, 0), Seed::root(seed).stream());
         Self { world, sensors, lav }
     }
 
     fn tick(&mut self, command: WalkCommand) -> Control {
-        let control = self.lav.drive(&self.sensors.perceive(&self.world));
-        self.world.tick(control, command);
+        let control = self.lav.drive(&self.sensors.perceive(&self.world, 0));
+        self.world.tick(&[control], &[command]);
         control
     }
 
     /// How far the car is beside its route (m), positive to the left.
     fn beside_route(&self) -> f64 {
         let nearest = self.lav.path.points().next().expect("a route has a point");
-        nearest.pose.to_local(self.world.ego.pose.position()).y
+        nearest.pose.to_local(self.world.ego().state.pose.position()).y
     }
 }
 
@@ -94,22 +101,23 @@ fn meet(version: Version, ahead: f64, left: f64, velocity: Vector, ticks: u32) -
     for _ in 0..200 {
         drive.tick(WalkCommand::default());
     }
-    let ego = drive.world.ego.pose;
-    drive.world.pedestrian.pose = Pose::new(ego.x + ahead, -2.0 + left, libm::atan2(velocity.y, velocity.x));
+    let ego = drive.world.ego().state.pose;
+    drive.world.pedestrians[0].state.pose = Pose::new(ego.x + ahead, -2.0 + left, libm::atan2(velocity.y, velocity.x));
     let command = WalkCommand { heading: libm::atan2(velocity.y, velocity.x), speed: velocity.norm() };
     let mut meeting = Meeting { braked_at: None, speed: 0.0, gap: f64::INFINITY, hit: None };
     for _ in 0..ticks {
-        let distance = (drive.world.pedestrian.pose.position() - drive.world.ego.pose.position()).norm();
-        let speed = drive.world.ego.speed;
-        let control = drive.lav.drive(&drive.sensors.perceive(&drive.world));
+        let distance =
+            (drive.world.pedestrians[0].state.pose.position() - drive.world.ego().state.pose.position()).norm();
+        let speed = drive.world.ego().state.speed;
+        let control = drive.lav.drive(&drive.sensors.perceive(&drive.world, 0));
         if control.brake > 0.0 && meeting.braked_at.is_none() {
             (meeting.braked_at, meeting.speed) = (Some(distance), speed);
         }
-        if let Some(contact) = drive.world.tick(control, command) {
+        if let Some(contact) = drive.world.tick(&[control], &[command]) {
             meeting.hit = Some(contact.impact_speed);
             break;
         }
-        meeting.gap = meeting.gap.min(drive.world.gap());
+        meeting.gap = meeting.gap.min(drive.world.gap(0, 0));
     }
     meeting
 }
@@ -176,7 +184,7 @@ fn it_keeps_its_lane_and_its_speed() {
             for _ in 0..4000 {
                 drive.tick(WalkCommand::default());
                 aside = aside.max(drive.beside_route().abs());
-                let speed = drive.world.ego.speed;
+                let speed = drive.world.ego().state.speed;
                 fastest = fastest.max(speed);
                 if drive.lav.command == Command::LaneFollow {
                     speeds.push(speed);
@@ -200,19 +208,14 @@ fn the_same_seed_gives_the_same_drive() {
         (0..2000).for_each(|_| {
             drive.tick(WalkCommand::default());
         });
-        let once = drive.world.ego;
+        let once = drive.world.ego().state;
         // The same driver again: nothing of its past is left.
-        drive.world.begin(&Scene {
-            ego: start,
-            ego_speed: 0.0,
-            pedestrian: Pose::new(-1e4, 0.0, 0.0),
-            light_phase: 0.0,
-        });
-        drive.lav.reset(&drive.sensors.perceive(&drive.world), Seed::root(seed).stream());
+        begin(&mut drive.world, start);
+        drive.lav.reset(&drive.sensors.perceive(&drive.world, 0), Seed::root(seed).stream());
         (0..2000).for_each(|_| {
             drive.tick(WalkCommand::default());
         });
-        (once, drive.world.ego)
+        (once, drive.world.ego().state)
     };
     let (once, again) = run(1);
     assert_eq!(once.pose, again.pose);
@@ -246,7 +249,7 @@ fn it_stops_where_the_road_ends() {
         for _ in 0..1600 {
             drive.tick(WalkCommand::default());
         }
-        let ego = drive.world.ego;
+        let ego = drive.world.ego().state;
         assert!(ego.pose.x > 285.0 && ego.pose.x < 300.0, "{version:?}: {ego:?}");
         if version == Version::V1 {
             assert_eq!((drive.lav.mode(), ego.speed), (DrivingMode::Arrived, 0.0));
@@ -259,13 +262,13 @@ fn drive_with(version: Version, ticks: u32, extras: &Extras) -> (Drive, Option<(
     let mut drive = Drive::new(&street(), version, Pose::new(40.0, -2.0, 0.0), 1);
     let mut braked = None;
     for _ in 0..ticks {
-        let mut perception = drive.sensors.perceive(&drive.world);
+        let mut perception = drive.sensors.perceive(&drive.world, 0);
         show(&mut perception, extras);
         let control = drive.lav.drive(&perception);
         if control.brake > 0.0 && braked.is_none() {
-            braked = Some((drive.world.ego.pose.x, drive.lav.mode()));
+            braked = Some((drive.world.ego().state.pose.x, drive.lav.mode()));
         }
-        drive.world.tick(control, WalkCommand::default());
+        drive.world.tick(&[control], &[WalkCommand::default()]);
     }
     (drive, braked)
 }
@@ -289,7 +292,8 @@ fn show<'a>(perception: &mut Perception<'a>, extras: &'a Extras) {
 }
 
 fn car(x: f64, y: f64) -> Actor {
-    Actor { pose: Pose::new(x, y, 0.0), velocity: Vector::zeros(), half: Vector::new(2.4, 1.0), height: 0.0 }
+    let (pose, velocity) = (Pose::new(x, y, 0.0), Vector::zeros());
+    Actor { id: ActorId::Vehicle(1), pose, velocity, half: Vector::new(2.4, 1.0), height: 0.0 }
 }
 
 #[test]
@@ -297,11 +301,11 @@ fn it_stops_behind_a_car_and_passes_one_two_metres_beside() {
     for version in [Version::V1, Version::V2] {
         let ahead = Extras { vehicles: vec![car(120.0, -2.0)], ..Extras::default() };
         let (drive, braked) = drive_with(version, 600, &ahead);
-        let gap = 120.0 - 2.4 - drive.world.blueprint.half_length - drive.world.ego.pose.x;
-        assert!(braked.is_some() && drive.world.ego.speed == 0.0 && gap > 1.0, "{version:?}: {gap} {braked:?}");
+        let gap = 120.0 - 2.4 - drive.world.ego().blueprint.half_length - drive.world.ego().state.pose.x;
+        assert!(braked.is_some() && drive.world.ego().state.speed == 0.0 && gap > 1.0, "{version:?}: {gap} {braked:?}");
         let beside = Extras { vehicles: vec![car(120.0, -4.2)], ..Extras::default() };
         let (drive, braked) = drive_with(version, 600, &beside);
-        assert!(braked.is_none() && drive.world.ego.pose.x > 125.0, "{version:?}: {braked:?}");
+        assert!(braked.is_none() && drive.world.ego().state.pose.x > 125.0, "{version:?}: {braked:?}");
     }
 }
 
@@ -312,7 +316,7 @@ fn only_v2_stops_for_a_car_that_drives_abeam() {
         drive.tick(WalkCommand::default());
         let abeam = Actor { velocity: Vector::new(24.0 / 3.6, 0.0), ..car(40.0, 0.25) };
         let vehicles = [abeam];
-        let mut perception = drive.sensors.perceive(&drive.world);
+        let mut perception = drive.sensors.perceive(&drive.world, 0);
         perception.vehicles = &vehicles;
         assert_eq!(drive.lav.drive(&perception).brake > 0.0, stops, "{version:?}");
         assert_eq!(drive.lav.verdict().unwrap().overruled.is_some(), stops);
@@ -325,7 +329,7 @@ fn it_stops_at_red_and_drives_at_green() {
         for version in [Version::V1, Version::V2] {
             let lights = vec![Light { trigger: Pose::new(120.0, -2.0, 0.0), colour }];
             let (drive, braked) = drive_with(version, 500, &Extras { lights, ..Extras::default() });
-            let bumper = drive.world.ego.pose.x + drive.world.blueprint.half_length;
+            let bumper = drive.world.ego().state.pose.x + drive.world.ego().blueprint.half_length;
             assert_eq!(braked.is_some(), stops, "{version:?} at {colour:?}");
             if stops {
                 assert_eq!(drive.lav.mode(), DrivingMode::RedLight);
@@ -341,7 +345,10 @@ fn it_stops_at_red_and_drives_at_green() {
 
 #[test]
 fn who_is_hidden_or_beyond_the_cameras_is_not_braked_for() {
-    let walker = |x: f64, y: f64| Actor { half: Vector::new(0.187_679, 0.187_679), height: 0.93, ..car(x, y) };
+    let walker = |x: f64, y: f64| {
+        let (id, half) = (ActorId::Pedestrian(0), Vector::new(0.187_679, 0.187_679));
+        Actor { id, half, height: 0.93, ..car(x, y) }
+    };
     let beside = |wall: bool| Extras {
         walkers: vec![walker(120.0, 0.2)],
         walls: wall.then(|| Obstacles::new(&[OrientedBox::new(Pose::new(116.5, -0.3, 0.0), 4.5, 0.05)])),
@@ -355,7 +362,7 @@ fn who_is_hidden_or_beyond_the_cameras_is_not_braked_for() {
         let mut drive = Drive::new(&street(), Version::V2, Pose::new(40.0, -2.0, 0.0), 1);
         drive.tick(WalkCommand::default());
         let walkers = [walker(40.0 + ahead, -0.4)];
-        let mut perception = drive.sensors.perceive(&drive.world);
+        let mut perception = drive.sensors.perceive(&drive.world, 0);
         perception.pedestrians = &walkers;
         assert_eq!(drive.lav.drive(&perception).brake > 0.0, seen, "{ahead} m ahead");
     }

@@ -3,7 +3,7 @@ use crate::geometry::{Point, Vector};
 
 /// A path as a line with lengths along it, measured from abeam the ego, for drivers that forecast.
 #[derive(Debug, Clone, Default)]
-pub struct Trace {
+pub struct RouteTrace {
     stations: Vec<Station>,
 }
 
@@ -26,7 +26,7 @@ pub struct OnTrace {
     pub reach: Vector,
 }
 
-impl Trace {
+impl RouteTrace {
     /// Follows the path that lies ahead of the ego now.
     pub fn follow(&mut self, path: &Path, perception: &Perception<'_>) {
         self.stations.clear();
@@ -53,7 +53,15 @@ impl Trace {
 
     /// Where an actor is and how it moves, from the piece of the line that is nearest to it.
     pub fn locate(&self, actor: &Actor) -> Option<OnTrace> {
-        let (place, velocity) = (actor.pose.position(), &actor.velocity);
+        self.locate_with(actor.pose.position(), &actor.velocity, |ahead| reach_of(actor, ahead))
+    }
+
+    /// Where a point is and how it moves (m/s), from the piece of the line that is nearest to it.
+    pub fn locate_point(&self, place: Point, velocity: &Vector) -> Option<OnTrace> {
+        self.locate_with(place, velocity, |_| Vector::zeros())
+    }
+
+    fn locate_with(&self, place: Point, velocity: &Vector, reach: impl Fn(&Vector) -> Vector) -> Option<OnTrace> {
         let mut best: Option<(f64, f64, &Station)> = None;
         for (index, station) in self.stations.iter().enumerate() {
             let offset = place - station.place;
@@ -72,7 +80,7 @@ impl Trace {
         Some(OnTrace {
             place: Vector::new(station.along + share, left(&offset)),
             velocity: Vector::new(ahead.dot(velocity), left(velocity)),
-            reach: reach_of(actor, &ahead),
+            reach: reach(&ahead),
         })
     }
 }
