@@ -21,6 +21,7 @@ pub mod rl;
 pub mod env;
 pub mod compile;
 pub mod judge;
+pub mod record;
 pub mod falsifier;
 pub mod campaign;
 pub mod analysis;

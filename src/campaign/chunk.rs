@@ -1,10 +1,12 @@
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use super::watch::{flow, watch_numbered};
-use super::{Cell, CellError, EpisodeRow, Keeper, Observer, Progress};
+use super::{Cell, CellError, Keeper, Observer, Progress};
 use crate::compile::Campaign;
 use crate::env::{Outcome, Recording};
 use crate::judge::{NearMiss, judge};
+use crate::record::{EpisodeRow, RunKey};
 use crate::rl::ActorCritic;
 use crate::seed::Seed;
 
@@ -49,11 +51,12 @@ pub(super) fn try_chunk(
     }
     observer.continued(cell, before.episodes);
     let rows = std::cell::RefCell::new(Rows { settled: Vec::new(), others: BTreeMap::new(), next: first, ticks: 0 });
+    let key = Arc::new(RunKey::of(evaluation));
     let mut limit = None;
     let mut note = |episode: u32, outcome: &Outcome, recording: &Recording| {
         let scenario = &evaluation.scenario;
         let (verdict, near_miss) = (judge(scenario, recording), NearMiss::new(scenario, recording));
-        rows.borrow_mut().add(EpisodeRow::new(evaluation, episode, *outcome, verdict, near_miss));
+        rows.borrow_mut().add(EpisodeRow { key: key.clone(), episode, outcome: *outcome, verdict, near_miss });
     };
     let stop = || observer.stop() || keeper.stop();
     let mut tell = |_| {
@@ -69,12 +72,9 @@ pub(super) fn try_chunk(
     for look in looks.into_iter().filter(|look| *look > first) {
         let tried = watch_numbered(evaluation, trained, next..look, seed, &mut note, &mut tell).len() as u32;
         next += tried;
-        let rows = &rows.borrow().settled;
-        let valid = rows.iter().filter(|row| row.outcome.fault().is_none()).count() as u64;
-        let collisions = rows.iter().filter(|row| row.outcome.is_collision()).count() as u64;
-        enough = next == look
-            && evaluation.halfwidth.is_some()
-            && rule.is_met(before.collisions + collisions, before.valid + valid);
+        let mut all = before;
+        rows.borrow().settled.iter().for_each(|row| all.add(row));
+        enough = next == look && evaluation.halfwidth.is_some() && rule.is_met(all.collisions, all.valid);
         if enough || next < look {
             break;
         }

@@ -1,8 +1,9 @@
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
-use super::{Cell, CellError, EpisodeRow, SearchResult};
+use super::{Cell, CellError, SearchResult};
 use crate::falsifier::TrainingRun;
+use crate::record::{EpisodeRow, Tally};
 use crate::rl::Trained;
 
 /// What somebody holds while nobody else may work on the same cell.
@@ -85,19 +86,6 @@ pub enum Progress<'a> {
     Enough,
     /// No more follow, for this reason.
     Failed(&'a CellError),
-}
-
-/// Some episodes of an evaluation, counted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Tally {
-    /// How many.
-    pub episodes: u32,
-    /// How many the driver drove to their end.
-    pub valid: u64,
-    /// How many ended in a collision.
-    pub collisions: u64,
-    /// Whether no more are needed.
-    pub enough: bool,
 }
 
 /// Keeps episodes in memory and nothing else, for few of them.

@@ -3,7 +3,6 @@
 //! What is finished goes to a [`Keeper`], who gives it back another time; progress goes to an [`Observer`]. An evaluation begins when
 //! its pedestrian is trained. Results are in the order of the plan, whatever the threads did.
 
-mod row;
 mod cell;
 mod observer;
 mod keeper;
@@ -17,9 +16,8 @@ mod shard;
 mod smoke;
 
 pub use cell::{CHUNK, Cell, CellError, cells};
-pub use keeper::{Claim, InMemory, Keeper, Progress, Tally};
+pub use keeper::{Claim, InMemory, Keeper, Progress};
 pub use observer::{Observer, Silent};
-pub use row::EpisodeRow;
 pub use run::{Finished, TrainingResult, collect, run, run_cells};
 pub use search::SearchResult;
 pub use shard::{Shard, deal, shard};

@@ -4,7 +4,7 @@ use std::sync::{Mutex, PoisonError};
 
 use super::repeat_args::GateOptions;
 use super::{ExitCode, front};
-use crate::report::{self, Gate, Judged, Manifest, Metrics, Suite, called};
+use crate::report::{self, Gate, Judged, Manifest, Metrics, Suite};
 
 /// The gates of a run, and what they have seen.
 pub struct Gates<'a> {
@@ -38,7 +38,7 @@ impl<'a> Gates<'a> {
         let gates: Vec<(Gate, Vec<Judged>)> = self.gates.iter().map(judge).collect();
         for (gate, judged) in &gates {
             for (cell, judged) in cells.iter().zip(judged) {
-                let cell = format!("{}, {}", manifest.campaign, called(cell));
+                let cell = format!("{}, {}", manifest.campaign, cell.key.in_full());
                 match judged {
                     Judged::Broken(values) => {
                         passed = false;

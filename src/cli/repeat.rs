@@ -7,11 +7,12 @@ use std::sync::Arc;
 use super::args::GivenOptions;
 use super::repeat_args::{Name, NameOptions, RepeatOptions};
 use super::{ExitCode, front};
-use crate::campaign::{self, EpisodeRow, SearchResult, watch};
+use crate::campaign::{self, SearchResult, watch};
 use crate::compile::{Campaign, Evaluation, Pedestrian, Search};
 use crate::env::{Outcome, Recording, Scenario};
 use crate::falsifier::{Failure, Spent, follow};
 use crate::judge::{NearMiss, Verdict, judge};
+use crate::record::{self, EpisodeRow, RunKey};
 use crate::report::{self, Difference, FileRecord, Manifest, ReadError, StoredReport};
 use crate::rl::ActorCritic;
 use crate::seed::Seed;
@@ -210,7 +211,13 @@ impl Source {
         let (outcome, recording) = seen.into_iter().next().expect("an episode that is tried comes to an end");
         let verdict = judge(&evaluation.scenario, &recording);
         let near_miss = NearMiss::new(&evaluation.scenario, &recording);
-        let again = report::episodes(&[EpisodeRow::new(evaluation, name.number, outcome, verdict, near_miss)]);
+        let again = record::episodes(&[EpisodeRow {
+            key: RunKey::of(evaluation).into(),
+            episode: name.number,
+            outcome,
+            verdict,
+            near_miss,
+        }]);
         let scenario = &evaluation.scenario;
         self.compared(name, who(evaluation), scenario, (outcome, recording, verdict), &stored, &again)
     }

@@ -46,7 +46,7 @@ impl Label {
     }
 
     /// Its name in tables.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::Standing => "standing",
             Self::WalkedIntoSide => "walked_into_side",

@@ -1,6 +1,7 @@
 use polars::prelude::{AnyValue, DataFrame};
 
-use super::{episodes, metrics};
+use super::metrics;
+use crate::record::episodes;
 
 /// What the tables of cells must not show, as `preventable_rate > 0.05 and town == village`.
 #[derive(Debug, Clone, PartialEq)]

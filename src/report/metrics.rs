@@ -1,11 +1,9 @@
 use polars::prelude::*;
 
 use crate::judge::Label;
+use crate::record::metric::{self, How, Which};
+use crate::record::{self, CellKey, columns};
 use crate::statistics::wilson;
-
-/// What a run is told apart by, beside its number.
-const CELL: [&str; 9] =
-    ["reward", "train_town", "train_policy", "pedestrian", "town", "policy", "vehicle", "adversary", "block"];
 
 /// The tables of metrics.
 #[derive(Debug, Clone)]
@@ -28,22 +26,8 @@ pub struct Spread {
 /// A cell, for people.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
-    /// Name of the reward.
-    pub reward: String,
-    /// Town and policy it was trained in and against; empty for untrained pedestrians.
-    pub trained: (String, String),
-    /// Who it is.
-    pub pedestrian: String,
-    /// Town it was tried in.
-    pub town: String,
-    /// Policy it was tried against.
-    pub policy: String,
-    /// The model of car.
-    pub vehicle: String,
-    /// The adversary, for its body.
-    pub adversary: String,
-    /// Number of the `evaluate` block, from 0.
-    pub block: u32,
+    /// Which cell.
+    pub key: CellKey,
     /// How many runs.
     pub runs: u32,
     /// How many episodes in all runs, without those in which the driver failed.
@@ -80,37 +64,16 @@ pub struct Cell {
     pub foreseeable: u32,
 }
 
-/// The metrics that get a mean and a spread in the table of cells.
-const AVERAGED: [&str; 8] = [
-    "collision_rate",
-    "front_rate",
-    "moving_rate",
-    "episode_reward",
-    "episode_length_s",
-    "impact_speed_mps",
-    "preventable_rate",
-    "preventable_share",
-];
-
-/// The rates that get an interval: name, part, whole.
-const RATES: [(&str, &str, &str); 5] = [
-    ("collision_rate", "collisions", "episodes"),
-    ("front_rate", "front_collisions", "collisions"),
-    ("moving_rate", "moving_collisions", "episodes"),
-    ("preventable_rate", "preventable_collisions", "episodes"),
-    ("preventable_share", "preventable_collisions", "collisions"),
-];
-
-/// The name of the column that counts a label.
-fn counted(label: Label) -> String {
-    format!("{}_collisions", label.name())
-}
+/// The stem of the files of the table of runs.
+pub(super) const RUNS: &str = "runs";
+/// The stem of the files of the table of cells.
+pub(super) const CELLS: &str = "cells";
 
 /// Aggregates episodes to runs and runs to cells, each in the order of first appearance. Episodes in which the driver failed
 /// are counted as `errors` and enter nothing else.
 ///
 /// # Errors
-/// Those of polars; none for a table made by [`episodes`](super::episodes).
+/// Those of polars; none for a table made by [`episodes`](crate::record::episodes).
 pub fn metrics(episodes: &DataFrame) -> PolarsResult<Metrics> {
     Metrics::of_runs(runs(episodes)?)
 }
@@ -120,73 +83,67 @@ pub fn metrics(episodes: &DataFrame) -> PolarsResult<Metrics> {
 /// # Errors
 /// As [`metrics`].
 pub fn runs(episodes: &DataFrame) -> PolarsResult<DataFrame> {
-    let total = |name: &str| col(name).cast(DataType::UInt32).sum();
-    let mut by_run: Vec<Expr> = CELL.iter().map(|name| col(*name)).collect();
-    by_run.push(col("run"));
-    by_run.insert(0, col("run_id"));
-    let labels = Label::ALL.map(|label| {
-        let one = col("verdict").eq(lit(label.name())).fill_null(lit(false));
-        one.cast(DataType::UInt32).sum().alias(counted(label))
-    });
-    let mut aggregated = vec![
-        valid().cast(DataType::UInt32).sum().alias("episodes"),
-        valid().not().cast(DataType::UInt32).sum().alias("errors"),
-        total("collision").alias("collisions"),
-        total("front").alias("front_collisions"),
-        total("moving").alias("moving_collisions"),
-        col("episode_reward").filter(valid()).mean(),
-        col("episode_length_s").filter(valid()).mean(),
-        col("impact_speed_mps").mean(),
-        col("least_gap_m").filter(valid()).mean(),
-        col("foreseeable").fill_null(lit(false)).cast(DataType::UInt32).sum().alias("foreseeable_collisions"),
-    ];
-    aggregated.extend(labels);
-    let mut runs = episodes
-        .clone()
-        .lazy()
-        .group_by_stable(by_run)
-        .agg(aggregated)
-        .with_columns([
-            ratio("collisions", "episodes").alias("collision_rate"),
-            ratio("front_collisions", "collisions").alias("front_rate"),
-            ratio("moving_collisions", "episodes").alias("moving_rate"),
-            ratio("preventable_collisions", "episodes").alias("preventable_rate"),
-            ratio("preventable_collisions", "collisions").alias("preventable_share"),
-        ])
-        .collect()?;
-    add_intervals(&mut runs)?;
+    let (all, mut aggregated, mut rates) = (record::metrics(), Vec::new(), Vec::new());
+    for metric in &all {
+        match metric.how {
+            How::Count(count) => aggregated.push(counted(count.which).alias(count.name())),
+            How::Mean(mean) if mean.of_valid => aggregated.push(col(mean.name).filter(valid()).mean()),
+            How::Mean(mean) => aggregated.push(col(mean.name).mean()),
+            How::Rate(rate) => rates.push(ratio(&rate.part.name(), &rate.whole.name()).alias(rate.name)),
+        }
+    }
+    let by_run = record::run_key_names().map(col);
+    let runs = episodes.clone().lazy().group_by_stable(by_run.collect::<Vec<_>>()).agg(aggregated).with_columns(rates);
+    let mut runs = runs.collect()?;
+    add_intervals(&mut runs, &all)?;
     Ok(runs)
 }
 
 fn of_runs(runs: DataFrame) -> PolarsResult<Metrics> {
-    let total = |name: &str| col(name).cast(DataType::UInt32).sum();
-    let by_cell: Vec<Expr> = CELL.iter().map(|name| col(*name)).collect();
-    let mut sums =
-        vec![len().cast(DataType::UInt32).alias("runs"), total("episodes"), total("errors"), total("collisions")];
-    sums.extend(["front_collisions", "moving_collisions", "foreseeable_collisions"].map(total));
-    sums.extend(Label::ALL.map(|label| total(&counted(label))));
-    for name in AVERAGED {
-        sums.push(col(name).mean().alias(format!("{name}_mean")));
-        sums.push(col(name).std(1).alias(format!("{name}_sd")));
+    let all = record::metrics();
+    let mut aggregated = vec![len().cast(DataType::UInt32).alias(metric::RUNS.name())];
+    for metric in &all {
+        if let How::Count(count) = metric.how {
+            aggregated.push(col(count.name()).cast(DataType::UInt32).sum());
+        }
     }
-    let mut cells = runs.clone().lazy().group_by_stable(by_cell).agg(sums).collect()?;
-    add_intervals(&mut cells)?;
+    for name in all.iter().filter(|metric| metric.is_averaged()).map(record::Metric::name) {
+        aggregated.push(col(&name).mean().alias(metric::MEAN.name(&name)));
+        aggregated.push(col(&name).std(1).alias(metric::SD.name(&name)));
+    }
+    let by_cell: Vec<Expr> = record::cell_key_names().map(col).collect();
+    let mut cells = runs.clone().lazy().group_by_stable(by_cell).agg(aggregated).collect()?;
+    add_intervals(&mut cells, &all)?;
     Ok(Metrics { runs, cells })
 }
 
 /// Adds Wilson's intervals to runs or cells.
-fn add_intervals(table: &mut DataFrame) -> PolarsResult<()> {
-    for (name, part, whole) in RATES {
-        let (low, high) = intervals(table, part, whole)?;
-        table.with_column(Column::new(format!("{name}_wilson_low").into(), low))?;
-        table.with_column(Column::new(format!("{name}_wilson_high").into(), high))?;
+fn add_intervals(table: &mut DataFrame, metrics: &[record::Metric]) -> PolarsResult<()> {
+    for metric in metrics {
+        let How::Rate(rate) = metric.how else { continue };
+        let (hits, trials) = (rate.part.read(table)?, rate.whole.read(table)?);
+        let pairs = hits.into_no_null_iter().zip(trials.into_no_null_iter());
+        let (low, high): (Vec<f64>, Vec<f64>) = pairs.map(|(hits, trials)| wilson(hits.into(), trials.into())).unzip();
+        table.with_column(Column::new(metric::WILSON_LOW.name(rate.name).into(), low))?;
+        table.with_column(Column::new(metric::WILSON_HIGH.name(rate.name).into(), high))?;
     }
     Ok(())
 }
 
 /// Whether the driver drove to the end of the episode.
 fn valid() -> Expr {
-    col("outcome").neq(lit("error"))
+    col(columns::OUTCOME.name).neq(lit(record::IN_ERROR))
+}
+
+/// The number of episodes that count.
+fn counted(which: Which) -> Expr {
+    let counts = match which {
+        Which::Valid => valid(),
+        Which::InError => valid().not(),
+        Which::True(column) => col(column).fill_null(lit(false)),
+        Which::Labelled(label) => col(columns::VERDICT.name).eq(lit(label.name())).fill_null(lit(false)),
+    };
+    counts.cast(DataType::UInt32).sum()
 }
 
 /// A share, missing when the whole is zero.
@@ -195,17 +152,11 @@ fn ratio(part: &str, whole: &str) -> Expr {
     when(col(whole).gt(lit(0u32))).then(share).otherwise(lit(NULL).cast(DataType::Float64))
 }
 
-fn intervals(cells: &DataFrame, part: &str, whole: &str) -> PolarsResult<(Vec<f64>, Vec<f64>)> {
-    let (hits, trials) = (cells.column(part)?.u32()?, cells.column(whole)?.u32()?);
-    let pairs = hits.into_no_null_iter().zip(trials.into_no_null_iter());
-    Ok(pairs.map(|(hits, trials)| wilson(hits.into(), trials.into())).unzip())
-}
-
 impl Metrics {
     /// Aggregates runs to cells.
     ///
     /// # Errors
-    /// Those of polars; none for a table made by the table of runs.
+    /// Those of polars; none for a table made by [`runs`].
     pub fn of_runs(runs: DataFrame) -> PolarsResult<Self> {
         of_runs(runs)
     }
@@ -216,51 +167,40 @@ impl Metrics {
     /// Those of polars; none for tables made by [`metrics`].
     pub fn cells(&self) -> PolarsResult<Vec<Cell>> {
         let frame = &self.cells;
-        let text = |name: &str, row: usize| -> PolarsResult<String> {
-            Ok(frame.column(name)?.str()?.get(row).unwrap_or_default().to_string())
+        let count = |count: metric::Count, row: usize| -> PolarsResult<u32> {
+            Ok(count.read(frame)?.get(row).unwrap_or_default())
         };
-        let count = |name: &str, row: usize| -> PolarsResult<u32> {
-            Ok(frame.column(name)?.u32()?.get(row).unwrap_or_default())
-        };
-        let number = |name: &str, row: usize| -> PolarsResult<Option<f64>> { Ok(frame.column(name)?.f64()?.get(row)) };
         let spread = |name: &str, row: usize| -> PolarsResult<Spread> {
-            Ok(Spread { mean: number(&format!("{name}_mean"), row)?, sd: number(&format!("{name}_sd"), row)? })
+            Ok(Spread { mean: metric::MEAN.read(name, frame)?.get(row), sd: metric::SD.read(name, frame)?.get(row) })
         };
-        let interval = |name: &str, row: usize| -> PolarsResult<(f64, f64)> {
-            let low = number(&format!("{name}_wilson_low"), row)?.unwrap_or(0.0);
-            Ok((low, number(&format!("{name}_wilson_high"), row)?.unwrap_or(1.0)))
+        let interval = |rate: metric::Rate, row: usize| -> PolarsResult<(f64, f64)> {
+            let (low, high) = rate.interval(frame)?;
+            Ok((low.get(row).unwrap_or(0.0), high.get(row).unwrap_or(1.0)))
         };
         let cell = |row: usize| {
             let mut labels = [0; 6];
             for (found, label) in labels.iter_mut().zip(Label::ALL) {
-                *found = count(&counted(label), row)?;
+                *found = count(metric::labelled(label), row)?;
             }
             Ok(Cell {
-                reward: text("reward", row)?,
-                trained: (text("train_town", row)?, text("train_policy", row)?),
-                pedestrian: text("pedestrian", row)?,
-                town: text("town", row)?,
-                policy: text("policy", row)?,
-                vehicle: text("vehicle", row)?,
-                adversary: text("adversary", row)?,
-                block: count("block", row)?,
-                runs: count("runs", row)?,
-                episodes: count("episodes", row)?,
-                errors: count("errors", row)?,
-                collision: spread("collision_rate", row)?,
-                interval: interval("collision_rate", row)?,
-                front: spread("front_rate", row)?,
-                moving: spread("moving_rate", row)?,
-                reward_sum: spread("episode_reward", row)?,
-                length: spread("episode_length_s", row)?,
-                impact_speed: spread("impact_speed_mps", row)?,
-                collisions: count("collisions", row)?,
-                preventable: spread("preventable_rate", row)?,
-                preventable_interval: interval("preventable_rate", row)?,
-                preventable_share: spread("preventable_share", row)?,
-                preventable_share_interval: interval("preventable_share", row)?,
+                key: CellKey::read(frame, row)?,
+                runs: count(metric::RUNS, row)?,
+                episodes: count(metric::EPISODES, row)?,
+                errors: count(metric::ERRORS, row)?,
+                collision: spread(metric::COLLISION_RATE.name, row)?,
+                interval: interval(metric::COLLISION_RATE, row)?,
+                front: spread(metric::FRONT_RATE.name, row)?,
+                moving: spread(metric::MOVING_RATE.name, row)?,
+                reward_sum: spread(metric::EPISODE_REWARD.name, row)?,
+                length: spread(metric::EPISODE_LENGTH.name, row)?,
+                impact_speed: spread(metric::IMPACT_SPEED.name, row)?,
+                collisions: count(metric::COLLISIONS, row)?,
+                preventable: spread(metric::PREVENTABLE_RATE.name, row)?,
+                preventable_interval: interval(metric::PREVENTABLE_RATE, row)?,
+                preventable_share: spread(metric::PREVENTABLE_SHARE.name, row)?,
+                preventable_share_interval: interval(metric::PREVENTABLE_SHARE, row)?,
                 labels,
-                foreseeable: count("foreseeable_collisions", row)?,
+                foreseeable: count(metric::FORESEEABLE_COLLISIONS, row)?,
             })
         };
         (0..frame.height()).map(cell).collect()
@@ -269,14 +209,12 @@ impl Metrics {
 
 #[cfg(test)]
 mod tests {
-    use super::super::episodes;
     use super::*;
     use crate::av::{DrivingMode, Fault};
-    use crate::campaign::EpisodeRow;
-    use crate::compile::TrainingKey;
     use crate::env::{Ending, Outcome, Spawn};
     use crate::geometry::Pose;
     use crate::judge::{Sight, Trial, Verdict};
+    use crate::record::{EpisodeRow, RunKey, episodes};
 
     fn row(run: u32, episode: u32, hit: Option<(bool, f64)>) -> EpisodeRow {
         let ending = hit.map_or(Ending::Timeout, |(front, impact_speed)| Ending::Collision {
@@ -297,15 +235,19 @@ mod tests {
             impact_speed,
             trials: [Trial { impact_speed: None, time: 1.0, least_gap: 0.5 }; 6],
         });
-        EpisodeRow {
-            run_id: format!("{run:08x}").parse().unwrap(),
-            trained: TrainingKey { town: "a".into(), policy: "p".into(), reward: "r1".into(), run }.into(),
-            pedestrian: "trained",
+        let cell = CellKey {
+            controller: "trained".into(),
+            reward: "r1".into(),
+            train_town: "a".into(),
+            train_policy: "p".into(),
             town: "b".into(),
             policy: "p".into(),
             vehicle: "v".into(),
             adversary: "w".into(),
             block: 0,
+        };
+        EpisodeRow {
+            key: RunKey { id: format!("{run:08x}").parse().unwrap(), cell, run }.into(),
             episode,
             outcome: Outcome {
                 spawn,

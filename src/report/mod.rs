@@ -4,7 +4,6 @@
 //! runs, that is over trainings; an interval is Wilson's over the episodes of all runs together and says nothing about
 //! further trainings; `evidence` has those that do.
 
-mod tables;
 mod episodes;
 mod metrics;
 mod learning_curve;
@@ -27,10 +26,8 @@ mod failure_modes;
 mod gate;
 mod render;
 
-pub use episodes::{Chunk, Chunks, Episodes, Run, decode, encode, tally};
-pub use evidence::{
-    Between, CellEvidence, CellKey, Change, Comparison, Evidence, Figure, Gathering, Quantiles, Test, Transfer,
-};
+pub use episodes::{Episodes, Run};
+pub use evidence::{Between, CellEvidence, Change, Comparison, Evidence, Figure, Gathering, Quantiles, Test, Transfer};
 pub use failure_modes::FailureModes;
 pub use folder::{Formats, ReportFolder, WriteError, write_csv, write_file, write_table};
 pub use gate::{Gate, GateError, Judged};
@@ -41,14 +38,13 @@ pub use metrics::{Cell, Metrics, Spread, metrics};
 pub use parting::parting;
 pub use published::{Agreement, Beside, beside, published, published_summary};
 pub use render::{
-    Narrative, Starts, Suite, Tally, animation, called, junit, narrative, search_table, shown, spawn_map, strip, table,
+    Narrative, Starts, Suite, Tally, animation, junit, narrative, search_table, shown, spawn_map, strip, table,
     town_map,
 };
 pub use searches::{Average, SearchCell, search_cell_table, search_cells, search_failures, searches};
 pub use stored::{Difference, ReadError, StoredFailure, StoredReport, differences, failure};
 pub use survival::{MedianTime, median_time};
 pub use table_stream::TableStream;
-pub use tables::episodes;
 pub use tick_file::{Wanted, write_ticks};
 pub use ticks::ticks;
 pub use waypoints::waypoints;

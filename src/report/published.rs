@@ -91,11 +91,11 @@ pub fn beside<'a>(published: &'a [Published], cells: &'a [Cell]) -> Vec<Beside<'
 }
 
 fn matching<'a>(theirs: &'a PublishedCell, cells: &'a [Cell]) -> impl Iterator<Item = (&'a PublishedCell, &'a Cell)> {
-    let trained = |cell: &&Cell| ["trained", "sampled"].contains(&cell.pedestrian.as_str());
+    let trained = |cell: &&Cell| ["trained", "sampled"].contains(&cell.key.controller.as_str());
     let same = move |cell: &&Cell| {
-        theirs.rewards.contains(&cell.reward)
-            && theirs.towns.contains(&cell.town)
-            && theirs.policies.contains(&cell.policy)
+        theirs.rewards.contains(&cell.key.reward)
+            && theirs.towns.contains(&cell.key.town)
+            && theirs.policies.contains(&cell.key.policy)
     };
     cells.iter().filter(trained).filter(same).map(move |cell| (theirs, cell))
 }
@@ -142,15 +142,15 @@ pub fn published(all: &[Beside<'_>]) -> DataFrame {
     };
     let columns = vec![
         text("source", &|row| row.source.to_string()),
-        text("reward", &|row| row.cell.reward.clone()),
-        text("train_town", &|row| row.cell.trained.0.clone()),
-        text("train_policy", &|row| row.cell.trained.1.clone()),
-        text("pedestrian", &|row| row.cell.pedestrian.clone()),
-        text("town", &|row| row.cell.town.clone()),
-        text("policy", &|row| row.cell.policy.clone()),
-        text("vehicle", &|row| row.cell.vehicle.clone()),
-        text("adversary", &|row| row.cell.adversary.clone()),
-        count("block", &|row| row.cell.block),
+        text("reward", &|row| row.cell.key.reward.clone()),
+        text("train_town", &|row| row.cell.key.train_town.clone()),
+        text("train_policy", &|row| row.cell.key.train_policy.clone()),
+        text("pedestrian", &|row| row.cell.key.controller.clone()),
+        text("town", &|row| row.cell.key.town.clone()),
+        text("policy", &|row| row.cell.key.policy.clone()),
+        text("vehicle", &|row| row.cell.key.vehicle.clone()),
+        text("adversary", &|row| row.cell.key.adversary.clone()),
+        count("block", &|row| row.cell.key.block),
         text("figure", &|row| row.published.column.to_string()),
         number("published_mean", &|row| Some(row.published.mean)),
         number("published_sd", &|row| row.published.sd),
@@ -182,10 +182,10 @@ pub fn published_summary(all: &[Beside<'_>]) -> String {
             let _ = writeln!(
                 page,
                 "| {} | {} | {} | {} | {} | {} | {} | {difference}{interval} | {} |",
-                cell.pedestrian,
-                cell.reward,
-                cell.town,
-                cell.policy,
+                cell.key.controller,
+                cell.key.reward,
+                cell.key.town,
+                cell.key.policy,
                 row.published.column,
                 spread(row.theirs()),
                 spread(row.ours),

@@ -9,6 +9,7 @@ use super::{Episodes, ReportFolder, WriteError, ticks};
 use crate::campaign::{Finished, watch};
 use crate::compile::{Evaluation, Pedestrian};
 use crate::env::{Outcome, Recording};
+use crate::record::EpisodeTable;
 use crate::rl::ActorCritic;
 use crate::seed::Seed;
 
@@ -68,11 +69,9 @@ impl<'a> Wanted<'a> {
 
 /// The numbers of the collisions, or of all episodes that were tried.
 fn chosen(part: &DataFrame, all: bool) -> PolarsResult<Vec<u32>> {
-    let (episodes, ticks) = (part.column("episode")?.u32()?, part.column("ticks")?.u32()?);
-    let collisions = part.column("collision")?.bool()?;
-    let rows = episodes.iter().zip(ticks.iter()).zip(collisions.iter());
-    let wanted = rows.filter(|((_, ticks), collision)| ticks.is_some() && (all || *collision == Some(true)));
-    Ok(wanted.filter_map(|((episode, _), _)| episode).collect())
+    let table = EpisodeTable::new(part)?;
+    let wanted = table.rows().filter(|row| table.ticks(*row).is_some() && (all || table.is_collision(*row)));
+    Ok(wanted.map(|row| table.episode(row)).collect())
 }
 
 /// Repeats episodes and writes them tick by tick as `ticks.parquet`, in the order given. Only a few hundred are in memory at once.

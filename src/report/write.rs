@@ -1,6 +1,7 @@
 use std::collections::BTreeMap;
 
 use super::failure_modes::{self, CellModes};
+use super::metrics::{CELLS, RUNS};
 use super::render::{
     accumulation_figure, file_names, mode_panels, modes_summary, rule_bars, search_summary, summary, write_page,
 };
@@ -34,11 +35,11 @@ pub fn write(
         let name = name.to_string();
         move |source| WriteError::Table { name, source }
     };
-    let metrics = Metrics::of_runs(gathered.runs.clone()).map_err(failed("cells"))?;
-    folder.table("runs", &metrics.runs)?;
+    let metrics = Metrics::of_runs(gathered.runs.clone()).map_err(failed(CELLS))?;
+    folder.table(RUNS, &metrics.runs)?;
     let evidence = &gathered.evidence;
-    let cells = metrics.cells.hstack(&evidence::cell_columns(&evidence.cells)).map_err(failed("cells"))?;
-    folder.table("cells", &cells)?;
+    let cells = metrics.cells.hstack(&evidence::cell_columns(&evidence.cells)).map_err(failed(CELLS))?;
+    folder.table(CELLS, &cells)?;
     folder.table("comparisons", &evidence::comparison_table(&evidence.comparisons))?;
     folder.table("transfer", &evidence::transfer_table(&evidence.transfers))?;
     let modes = modes.finish();
@@ -70,7 +71,7 @@ pub fn write(
         folder.file(&pedestrian_file(key, "safetensors"), &trained.actor_critic.to_safetensors(&metadata))?;
         folder.file(&pedestrian_file(key, "onnx"), &trained.actor_critic.to_onnx(&bounds, &metadata))?;
     }
-    let cells = metrics.cells().map_err(failed("cells"))?;
+    let cells = metrics.cells().map_err(failed(CELLS))?;
     let mut sections = String::new();
     if !campaign.published.is_empty() {
         let all = beside(&campaign.published, &cells);

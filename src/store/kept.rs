@@ -6,11 +6,11 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 
 use super::{Found, Header, Id, Ids, State, Store, StoreError, cell_name};
-use crate::campaign::{Cell, CellError, Claim, EpisodeRow, Keeper, Progress, SearchResult, Tally};
+use crate::campaign::{Cell, CellError, Claim, Keeper, Progress, SearchResult};
 use crate::compile::Campaign;
 use crate::env::Outcome;
 use crate::falsifier::{Spent, TrainingRun};
-use crate::report::{self, Chunk, Chunks};
+use crate::record::{self, Chunk, Chunks, EpisodeRow, Tally};
 use crate::rl::Trained;
 
 /// What a run may take.
@@ -187,7 +187,7 @@ impl Keeper for Kept<'_> {
         if enough || header.done >= planned.chunk(chunk).len() as u64 {
             return Tally { episodes: header.done as u32, enough, ..Tally::default() };
         }
-        match report::tally(&bytes) {
+        match record::tally(&bytes) {
             Ok(tally) => {
                 self.take_over(cell, header.seconds, bytes);
                 tally
@@ -209,7 +209,7 @@ impl Keeper for Kept<'_> {
             _ => lock(&self.in_hand).get_mut(&cell).map(|in_hand| std::mem::take(&mut in_hand.bytes)),
         };
         let before = before.filter(|bytes| !bytes.is_empty());
-        let (bytes, done) = match report::encode(before.as_deref(), rows) {
+        let (bytes, done) = match record::encode(before.as_deref(), rows) {
             Ok(encoded) => encoded,
             Err(source) => {
                 let source = std::io::Error::other(source.to_string());
@@ -277,7 +277,7 @@ impl Chunks for Kept<'_> {
     fn chunk(&self, evaluation: usize, chunk: u32) -> Option<Chunk> {
         let id = self.id(Cell::Chunk { evaluation, chunk });
         let Found::Whole(header, bytes) = self.store.read(id) else { return None };
-        let outcomes = report::decode(&bytes).inspect_err(|_| self.store.damaged(id)).ok()?;
+        let outcomes = record::decode(&bytes).inspect_err(|_| self.store.damaged(id)).ok()?;
         Some(Chunk { outcomes, error: header.error })
     }
 }

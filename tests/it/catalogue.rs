@@ -60,7 +60,7 @@ fn a_policy_of_the_caller_is_checked_and_driven_like_the_others() {
     run(&plan.campaigns[0], &Seed::root(1), &kept, &Silent);
     let rows = kept.into_rows();
     let way = |policy: &str| -> f64 {
-        let driven: Vec<_> = rows.iter().filter(|row| *row.policy == *policy).collect();
+        let driven: Vec<_> = rows.iter().filter(|row| row.key.cell.policy == *policy).collect();
         assert_eq!(driven.len(), 20, "{policy}");
         assert!(driven.iter().all(|row| row.outcome.last_mode == DrivingMode::EmergencyStop), "{policy}");
         driven.iter().filter_map(|row| row.outcome.impact_speed()).sum()

@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use falsify::campaign::{EpisodeRow, watch};
+use falsify::campaign::watch;
 use falsify::compile::{Campaign, Catalog, Evaluation, compile};
 use falsify::judge::{NearMiss, judge};
-use falsify::report::{FailureModes, ReportFolder, episodes, write_failure_modes};
+use falsify::record::{EpisodeRow, RunKey, episodes};
+use falsify::report::{FailureModes, ReportFolder, write_failure_modes};
 use falsify::seed::Seed;
 use polars::prelude::{Column, DataFrame, NamedFrom, Series};
 
@@ -43,8 +44,14 @@ fn rows(evaluation: &Evaluation, seed: &Seed) -> Vec<EpisodeRow> {
         },
         &mut |_| ControlFlow::Continue(()),
     );
-    let row =
-        |(episode, (outcome, verdict, near_miss))| EpisodeRow::new(evaluation, episode, outcome, verdict, near_miss);
+    let key = std::sync::Arc::new(RunKey::of(evaluation));
+    let row = |(episode, (outcome, verdict, near_miss))| EpisodeRow {
+        key: key.clone(),
+        episode,
+        outcome,
+        verdict,
+        near_miss,
+    };
     (0..).zip(noted).map(row).collect()
 }
 
@@ -103,8 +110,11 @@ fn kinds_add_up_and_their_examples_can_be_repeated() {
     for pedestrian in ["random", "intercept"] {
         let number = |row: &BTreeMap<String, String>, name: &str| row[name].parse::<f64>().unwrap();
         let here: Vec<_> = modes.iter().filter(|row| row["pedestrian"] == pedestrian).collect();
-        let collisions: Vec<&EpisodeRow> =
-            rows.iter().flatten().filter(|row| row.pedestrian == pedestrian && row.outcome.is_collision()).collect();
+        let collisions: Vec<&EpisodeRow> = rows
+            .iter()
+            .flatten()
+            .filter(|row| row.key.cell.controller == pedestrian && row.outcome.is_collision())
+            .collect();
         assert!(collisions.len() > 10, "{}", collisions.len());
         let counted: f64 =
             here.iter().filter(|row| row["cluster"] == "0").map(|row| number(row, "kind_failures")).sum();

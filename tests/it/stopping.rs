@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use falsify::campaign::{EpisodeRow, InMemory, Silent, StoppingRule, run};
+use falsify::campaign::{InMemory, Silent, StoppingRule, run};
 use falsify::compile::{Catalog, compile};
 use falsify::diagnostic::Sources;
+use falsify::record::EpisodeRow;
 use falsify::seed::Seed;
 
 const SCENARIO: &str = r#"
@@ -40,7 +41,7 @@ fn an_evaluation_ends_at_the_first_look_at_which_its_interval_is_narrow_enough()
     let rule = StoppingRule::new(Some(0.04), 2_200);
     assert_eq!(rule.looks(), [1_000, 2_000, 2_200]);
     for pedestrian in ["random", "intercept"] {
-        let rows: Vec<_> = one.iter().filter(|row| row.pedestrian == pedestrian).collect();
+        let rows: Vec<_> = one.iter().filter(|row| row.key.cell.controller == pedestrian).collect();
         let hits = |look: u32| rows[..look as usize].iter().filter(|row| row.outcome.is_collision()).count() as u64;
         let first = rule
             .looks()

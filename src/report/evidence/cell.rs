@@ -1,7 +1,8 @@
+use super::Figure;
 use super::place::{Measured, Place};
 use super::tried::Tried;
-use super::{CellKey, Figure};
 use crate::judge::Reference;
+use crate::record::CellKey;
 use crate::seed::Seed;
 use crate::statistics::{Sample, interquartile_mean, mean_interval, quantile};
 

@@ -1,5 +1,6 @@
+use super::Figure;
 use super::place::{Measured, Place};
-use super::{CellKey, Figure};
+use crate::record::CellKey;
 use crate::seed::Seed;
 use crate::statistics::{benjamini_hochberg, holm, mcnemar};
 
@@ -64,7 +65,7 @@ pub fn pairs(place: &Place) -> Vec<(usize, usize)> {
     for (first, a) in keys().filter(|(_, key)| key.is_trained()) {
         for (second, b) in keys() {
             let plain = !b.is_trained() && a.reward == b.reward;
-            let same = a.pedestrian == b.pedestrian && a.train_town == b.train_town && a.train_policy == b.train_policy;
+            let same = a.controller == b.controller && a.train_town == b.train_town && a.train_policy == b.train_policy;
             if plain || (same && second < first) {
                 pairs.push((first, second));
             }
@@ -77,7 +78,7 @@ pub fn pairs(place: &Place) -> Vec<(usize, usize)> {
 pub fn compare(place: &Place, measured: &Measured, (first, second): (usize, usize), seed: &Seed) -> Option<Comparison> {
     let (figure, sample) = (measured.figure, place.sample(measured, first, Some(second))?);
     let (ours, theirs) = (&place.runs(first)[0], &place.runs(second)[0]);
-    let seed = theirs.key.who(&ours.key.who(&seed.child("comparison")));
+    let seed = theirs.key.controller_seed(&ours.key.controller_seed(&seed.child("comparison")));
     let (a, b) = sample.values.split_at(sample.first);
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let cut = |(low, high): (f64, f64)| (low.clamp(-1.0, 1.0), high.clamp(-1.0, 1.0));

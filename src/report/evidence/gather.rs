@@ -43,7 +43,7 @@ impl Gathering {
     /// Adds all episodes of a run.
     ///
     /// # Errors
-    /// Those of polars; none for a table made by [`episodes`](crate::report::episodes).
+    /// Those of polars; none for a table made by [`episodes`](crate::record::episodes).
     pub fn add(&mut self, run: &DataFrame) -> PolarsResult<()> {
         if run.height() == 0 {
             return Ok(());
@@ -69,7 +69,7 @@ impl Evidence {
     /// Adds all runs of a place.
     fn add(&mut self, runs: Vec<Tried>, seed: &Seed) {
         let Some(first) = runs.first() else { return };
-        let seed = first.key.place(seed);
+        let seed = first.key.place_seed(seed);
         let place = Place::new(runs);
         let mut cells: Vec<_> = (0..place.cells.len()).map(|cell| CellEvidence::new(&place, cell)).collect();
         let pairs = pairs(&place);
@@ -78,7 +78,7 @@ impl Evidence {
         for figure in Figure::ALL {
             let measured = place.measure(figure);
             for (number, cell) in cells.iter_mut().enumerate() {
-                let seed = cell.key.who(&seed.child("cell"));
+                let seed = cell.key.controller_seed(&seed.child("cell"));
                 cell.measure(&place, &measured, number, &seed);
             }
             if Figure::COMPARED.contains(&figure) {

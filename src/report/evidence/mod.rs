@@ -23,4 +23,3 @@ pub use gather::{Evidence, Gathering};
 pub use page::page;
 pub use tables::{cell_columns, comparison_table, transfer_table};
 pub use transfer::{Change, Transfer};
-pub use tried::CellKey;

@@ -2,8 +2,9 @@ use std::fmt::Write;
 
 use super::super::Cell;
 use super::super::render::{place, training};
-use super::{CellEvidence, CellKey, Change, Evidence, Figure, Quantiles, Test};
+use super::{CellEvidence, Change, Evidence, Figure, Quantiles, Test};
 use crate::judge::Reference;
+use crate::record::CellKey;
 use crate::statistics::wilson;
 
 /// The sections of a summary that say how far its numbers can be trusted, and what they are to be compared with.
@@ -11,8 +12,8 @@ pub fn page(cells: &[Cell], evidence: &Evidence) -> String {
     let mut page = String::new();
     let both: Vec<(&Cell, &CellEvidence)> = cells.iter().zip(&evidence.cells).collect();
     let who = |cell: &Cell| {
-        let names = [cell.pedestrian.clone(), cell.reward.clone(), training(cell)];
-        format!("| {} | {} | {} |", names.join(" | "), place(cell, cells), cell.policy)
+        let names = [cell.key.controller.clone(), cell.key.reward.clone(), training(cell)];
+        format!("| {} | {} | {} |", names.join(" | "), place(cell, cells), cell.key.policy)
     };
     trainings(&mut page, &both, &who);
     compared(&mut page, evidence);
@@ -44,7 +45,7 @@ fn number(value: Option<f64>) -> String {
 
 /// The collision rate of each training.
 fn trainings(page: &mut String, cells: &[(&Cell, &CellEvidence)], who: Who) {
-    if cells.iter().all(|(cell, _)| cell.trained.0.is_empty() && cell.runs == 1) {
+    if cells.iter().all(|(cell, _)| cell.key.train_town.is_empty() && cell.runs == 1) {
         return;
     }
     page.push_str("\n## Would other trainings show the same?\n\n");
@@ -59,7 +60,7 @@ fn trainings(page: &mut String, cells: &[(&Cell, &CellEvidence)], who: Who) {
         "\nMiddle half: the mean without the best and the worst quarter of the runs. Both intervals are about *further trainings*: the \
          bootstrap draws runs and then episodes again, Student's is what \"±\" implies. ",
     );
-    let runs = cells.iter().filter(|(cell, _)| !cell.trained.0.is_empty()).map(|(cell, _)| cell.runs).min();
+    let runs = cells.iter().filter(|(cell, _)| !cell.key.train_town.is_empty()).map(|(cell, _)| cell.runs).min();
     match runs {
         Some(1) => page.push_str("**With one training the bootstrap is about its episodes alone.** "),
         Some(runs @ 2..5) => {
@@ -85,9 +86,9 @@ fn compared(page: &mut String, evidence: &Evidence) {
     let mut rows: Vec<(String, String)> = Vec::new();
     for found in &evidence.comparisons {
         let other = if found.second.reward == found.first.reward {
-            found.second.pedestrian.clone()
+            found.second.controller.clone()
         } else {
-            format!("{} {}", found.second.pedestrian, found.second.reward)
+            format!("{} {}", found.second.controller, found.second.reward)
         };
         let label = format!("{} {other} |", start(&found.first, &found.first.policy));
         let interval = range(found.student.or(Some(found.bootstrap)));
@@ -112,7 +113,7 @@ fn compared(page: &mut String, evidence: &Evidence) {
 /// The columns that name a cell, from its key.
 fn start(key: &CellKey, policy: &str) -> String {
     let trained = format!("{}, {}", key.train_town, key.train_policy);
-    format!("| {} | {} | {trained} | {} | {policy} |", key.pedestrian, key.reward, key.town)
+    format!("| {} | {} | {trained} | {} | {policy} |", key.controller, key.reward, key.town)
 }
 
 /// What gets lost in another town or against another driver.
@@ -136,7 +137,7 @@ fn transferred(page: &mut String, evidence: &Evidence) {
         };
         let label = format!(
             "| {} | {} | {}, {} | {town} | {policy} |",
-            home.pedestrian, home.reward, home.train_town, home.train_policy
+            home.controller, home.reward, home.train_town, home.train_policy
         );
         let text = format!(" {:+.2} ({}) |", found.gap, range(found.student.or(Some(found.bootstrap))));
         match rows.last_mut() {

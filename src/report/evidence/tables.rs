@@ -1,8 +1,9 @@
 use polars::prelude::{Column, DataFrame};
 
 use super::columns::Columns;
-use super::{CellEvidence, CellKey, Comparison, Figure, Quantiles, Transfer};
+use super::{CellEvidence, Comparison, Figure, Quantiles, Transfer};
 use crate::judge::Reference;
+use crate::record::CellKey;
 use crate::statistics::wilson;
 
 /// What the table of cells holds beside its means, in the order of the cells.
@@ -57,7 +58,7 @@ fn who<T>(columns: &mut Columns<T>, key: impl Fn(&T) -> &CellKey) {
     columns.text("reward", |row| key(row).reward.clone());
     columns.text("train_town", |row| key(row).train_town.clone());
     columns.text("train_policy", |row| key(row).train_policy.clone());
-    columns.text("pedestrian", |row| key(row).pedestrian.clone());
+    columns.text("pedestrian", |row| key(row).controller.clone());
 }
 
 fn body<T>(columns: &mut Columns<T>, key: impl Fn(&T) -> &CellKey) {
@@ -72,7 +73,7 @@ pub fn comparison_table(comparisons: &[Comparison]) -> DataFrame {
     who(&mut columns, |row| &row.first);
     place(&mut columns, "", |row| &row.first);
     body(&mut columns, |row| &row.first);
-    columns.text("other_pedestrian", |row| row.second.pedestrian.clone());
+    columns.text("other_pedestrian", |row| row.second.controller.clone());
     columns.text("other_reward", |row| row.second.reward.clone());
     columns.text("figure", |row| row.figure.name().into());
     columns.count("runs", |row| row.runs[0]);

@@ -1,17 +1,26 @@
 use super::*;
 use crate::av::DrivingMode;
-use crate::campaign::EpisodeRow;
-use crate::compile::TrainingKey;
 use crate::env::{Ending, Outcome, Spawn};
 use crate::geometry::Pose;
 use crate::judge::NearMiss;
-use crate::report::episodes;
+use crate::record::{CellKey, EpisodeRow, RunKey, episodes};
 use crate::seed::Seed;
 use polars::prelude::DataFrame;
 
 /// A run whose episodes collide, with a moving car, where the word says `x`; `e` is an error.
-fn run(pedestrian: &'static str, reward: &str, run: u32, town: &str, word: &str) -> DataFrame {
-    let trained = if pedestrian == "trained" { ("a", "p") } else { ("", "") };
+fn run(controller: &str, reward: &str, run: u32, town: &str, word: &str) -> DataFrame {
+    let trained = if controller == "trained" { ("a", "p") } else { ("", "") };
+    let cell = CellKey {
+        controller: controller.into(),
+        reward: reward.into(),
+        train_town: trained.0.into(),
+        train_policy: trained.1.into(),
+        town: town.into(),
+        policy: "p".into(),
+        vehicle: "v".into(),
+        adversary: "w".into(),
+        block: 0,
+    };
     let row = |(episode, letter): (usize, char)| {
         let ending = match letter {
             'x' => {
@@ -24,15 +33,7 @@ fn run(pedestrian: &'static str, reward: &str, run: u32, town: &str, word: &str)
         let spawn = Spawn { ego: Pose::default(), ego_speed: 0.0, pedestrian: Pose::default() };
         let last_mode = DrivingMode::Cruise;
         EpisodeRow {
-            run_id: format!("{run:08x}").parse().unwrap(),
-            trained: TrainingKey { town: trained.0.into(), policy: trained.1.into(), reward: reward.into(), run }
-                .into(),
-            pedestrian,
-            town: town.into(),
-            policy: "p".into(),
-            vehicle: "v".into(),
-            adversary: "w".into(),
-            block: 0,
+            key: RunKey { id: format!("{run:08x}").parse().unwrap(), cell: cell.clone(), run }.into(),
             episode: episode as u32,
             outcome: Outcome {
                 spawn,
@@ -91,7 +92,7 @@ fn single_runs_are_compared_by_mcnemar_on_pairs_that_both_finished() {
         .comparisons
         .iter()
         .filter(|found| found.figure == Figure::Collision)
-        .map(|found| (found.first.reward.as_str(), found.second.pedestrian.as_str(), found.second.reward.as_str()))
+        .map(|found| (found.first.reward.as_str(), found.second.controller.as_str(), found.second.reward.as_str()))
         .collect();
     assert_eq!(pairs, [("r1", "intercept", "r1"), ("r2", "trained", "r1"), ("r2", "random", "r2")]);
     let first = &found.comparisons[0];

@@ -1,6 +1,7 @@
 use std::collections::BTreeMap;
 
-use super::{CellEvidence, CellKey, Figure};
+use super::{CellEvidence, Figure};
+use crate::record::CellKey;
 use crate::seed::Seed;
 use crate::statistics::{Sample, mean_interval};
 
@@ -61,7 +62,7 @@ pub fn transfers(cells: &[CellEvidence], seed: &Seed) -> Vec<Transfer> {
                 (true, false) if here.policy == here.train_policy => Change::Policy,
                 _ => continue,
             };
-            let seed = there.place(&here.who(&here.place(seed)));
+            let seed = there.place_seed(&here.controller_seed(&here.place_seed(seed)));
             for (slot, figure) in Figure::COMPARED.into_iter().enumerate() {
                 let (Some(first), Some(second)) = (&home.samples[slot], &away.samples[slot]) else { continue };
                 all.extend(gap(first, second).map(|(sample, values)| Transfer {
@@ -87,7 +88,7 @@ fn cut((low, high): (f64, f64)) -> (f64, f64) {
 
 /// What two cells have in common in which the same pedestrian was tried in the same way.
 fn pedestrian(key: &CellKey) -> (u32, [&String; 6]) {
-    let names = [&key.vehicle, &key.adversary, &key.pedestrian, &key.reward, &key.train_town, &key.train_policy];
+    let names = [&key.vehicle, &key.adversary, &key.controller, &key.reward, &key.train_town, &key.train_policy];
     (key.block, names)
 }
 

@@ -1,54 +1,21 @@
 use polars::prelude::{DataFrame, PolarsResult};
 
 use super::Figure;
-use crate::judge::Reference;
+use crate::judge::{Label, Reference};
+use crate::record::{CellKey, EpisodeTable};
 use crate::seed::Seed;
 
-/// What tells cells apart.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Default)]
-pub struct CellKey {
-    /// Number of the `evaluate` block.
-    pub block: u32,
-    /// Town it was tried in.
-    pub town: String,
-    /// Policy it was tried against.
-    pub policy: String,
-    /// The model of car.
-    pub vehicle: String,
-    /// The adversary, for its body.
-    pub adversary: String,
-    /// Who it is.
-    pub pedestrian: String,
-    /// Name of the reward.
-    pub reward: String,
-    /// Town it was trained in; empty for untrained pedestrians.
-    pub train_town: String,
-    /// Policy it was trained against; empty for untrained pedestrians.
-    pub train_policy: String,
-}
-
 impl CellKey {
-    /// The branch of a seed that belongs to the place in which it was tried.
-    pub(super) fn place(&self, seed: &Seed) -> Seed {
+    /// The branch of a seed that belongs to the place.
+    pub(super) fn place_seed(&self, seed: &Seed) -> Seed {
         let names = [&self.town, &self.policy, &self.vehicle, &self.adversary];
         names.iter().fold(seed.child("place").index(self.block.into()), |seed, name| seed.child(name))
     }
 
-    /// The branch of a seed that belongs to the pedestrian.
-    pub(super) fn who(&self, seed: &Seed) -> Seed {
-        let names = [&self.pedestrian, &self.reward, &self.train_town, &self.train_policy];
+    /// The branch of a seed that belongs to the controller.
+    pub(super) fn controller_seed(&self, seed: &Seed) -> Seed {
+        let names = [&self.controller, &self.reward, &self.train_town, &self.train_policy];
         names.iter().fold(*seed, |seed, name| seed.child(name))
-    }
-
-    /// Whether it comes from a training.
-    pub fn is_trained(&self) -> bool {
-        !self.train_town.is_empty()
-    }
-
-    /// Whether another was tried in the same place: from the same beginnings, against the same driver.
-    pub fn is_beside(&self, other: &Self) -> bool {
-        let place = |key: &Self| [&key.town, &key.policy, &key.vehicle, &key.adversary].map(Clone::clone);
-        self.block == other.block && place(self) == place(other)
     }
 }
 
@@ -96,35 +63,15 @@ impl Tried {
     /// Reads the episodes of one run, and keeps those with numbers below a limit.
     ///
     /// # Errors
-    /// Those of polars; none for a table made by [`episodes`](crate::report::episodes).
+    /// Those of polars; none for a table made by [`episodes`](crate::record::episodes).
     pub fn new(run: &DataFrame, kept: usize) -> PolarsResult<Self> {
-        let text = |name: &str| -> PolarsResult<String> {
-            Ok(run.column(name)?.str()?.get(0).unwrap_or_default().to_string())
-        };
-        let count = |name: &str| -> PolarsResult<u32> { Ok(run.column(name)?.u32()?.get(0).unwrap_or_default()) };
-        let key = CellKey {
-            block: count("block")?,
-            town: text("town")?,
-            policy: text("policy")?,
-            vehicle: text("vehicle")?,
-            adversary: text("adversary")?,
-            pedestrian: text("pedestrian")?,
-            reward: text("reward")?,
-            train_town: text("train_town")?,
-            train_policy: text("train_policy")?,
-        };
-        let numbers = run.column("episode")?.u32()?;
-        let size = numbers.into_no_null_iter().max().map_or(0, |last| last as usize + 1);
+        let table = EpisodeTable::new(run)?;
+        let key = table.key()?;
+        let size = table.rows().map(|row| table.episode(row) as usize + 1).max().unwrap_or(0);
         let (mut flags, mut rewards) = (vec![0; size.min(kept)], vec![0.0; size.min(kept)]);
-        let (outcomes, verdicts) = (run.column("outcome")?.str()?, run.column("verdict")?.str()?);
-        let paid = run.column("episode_reward")?.f64()?;
-        let truths = |name: &str| run.column(name)?.bool();
-        let (hit, front, moving) = (truths("collision")?, truths("front")?, truths("moving")?);
-        let values = |name: &str| run.column(name)?.f64();
-        let (speed, ttc, pet) = (values("impact_speed_mps")?, values("min_ttc_s")?, values("pet_s")?);
         let mut tried = Self {
-            key,
-            run: count("run")?,
+            key: key.cell,
+            run: key.run,
             impact_speeds: Vec::new(),
             min_ttc: Vec::new(),
             pet: Vec::new(),
@@ -135,19 +82,16 @@ impl Tried {
             flags: Vec::new(),
             rewards: Vec::new(),
         };
-        for (row, episode) in numbers.into_no_null_iter().enumerate() {
-            if outcomes.get(row) == Some("error") {
-                continue;
-            }
-            let episode = episode as usize;
-            let collision = hit.get(row) == Some(true);
+        for row in table.rows().filter(|row| table.error(*row).is_none()) {
+            let episode = table.episode(row) as usize;
+            let collision = table.is_collision(row);
             let flag = |holds: bool, flag: u8| if holds { flag } else { 0 };
             let known = is::VALID
                 | flag(collision, is::COLLISION)
-                | flag(front.get(row) == Some(true), is::FRONT)
-                | flag(moving.get(row) == Some(true), is::MOVING)
-                | flag(verdicts.get(row) == Some("preventable"), is::PREVENTABLE);
-            let reward = paid.get(row).unwrap_or_default();
+                | flag(table.is_front(row), is::FRONT)
+                | flag(table.is_moving(row), is::MOVING)
+                | flag(table.label(row) == Some(Label::Preventable), is::PREVENTABLE);
+            let reward = table.reward(row).unwrap_or_default();
             for (count, flag) in tried.counts.iter_mut().zip(is::ALL) {
                 *count += u64::from(known & flag != 0);
             }
@@ -157,14 +101,14 @@ impl Tried {
             }
             (flags[episode], rewards[episode]) = (known, reward);
             if collision {
-                tried.impact_speeds.extend(speed.get(row));
+                tried.impact_speeds.extend(table.impact_speed(row));
             } else {
-                tried.min_ttc.extend(ttc.get(row));
-                tried.pet.extend(pet.get(row));
+                tried.min_ttc.extend(table.min_ttc(row));
+                tried.pet.extend(table.pet(row));
             }
         }
         for (avoided, reference) in tried.avoided.iter_mut().zip(Reference::ALL) {
-            *avoided = run.column(&format!("{}_avoids", reference.name()))?.bool()?.sum().unwrap_or(0).into();
+            *avoided = table.avoided(reference)?;
         }
         (tried.flags, tried.rewards) = (flags, rewards);
         Ok(tried)

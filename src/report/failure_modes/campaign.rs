@@ -4,6 +4,7 @@ use super::cell::CellModes;
 use super::sample::RunSample;
 use crate::campaign::TrainingResult;
 use crate::compile::{Campaign, Evaluation, Pedestrian};
+use crate::record::RunKey;
 use crate::rl::ActorCritic;
 use crate::seed::Seed;
 
@@ -13,6 +14,8 @@ pub struct FailureModes<'a> {
     campaign: &'a Campaign,
     trainings: &'a [TrainingResult],
     seed: Seed,
+    /// The keys of the evaluations, in the plan's order.
+    keys: Vec<RunKey>,
     /// The runs of cells of which some are still to come.
     open: Vec<Vec<RunSample<'a>>>,
     cells: Vec<CellModes<'a>>,
@@ -21,19 +24,25 @@ pub struct FailureModes<'a> {
 impl<'a> FailureModes<'a> {
     /// Of a campaign that has been run from this seed, before any of its episodes is seen.
     pub fn new(campaign: &'a Campaign, trainings: &'a [TrainingResult], seed: &Seed) -> Self {
-        Self { campaign, trainings, seed: *seed, open: Vec::new(), cells: Vec::new() }
+        let keys = campaign.evaluations.iter().map(RunKey::of).collect();
+        Self { campaign, trainings, seed: *seed, keys, open: Vec::new(), cells: Vec::new() }
     }
 
-    /// Takes a table of the episodes of one run, as [`episodes`](crate::report::episodes) makes it; runs may come in any order, each
+    /// Takes a table of the episodes of one run, as [`episodes`](crate::record::episodes) makes it; runs may come in any order, each
     /// once. One that was not planned, or has no episodes, is left out.
     ///
     /// # Errors
     /// Those of polars, when a column is missing or of another type.
     pub fn add(&mut self, run: &DataFrame) -> PolarsResult<()> {
-        let Some(evaluation) = planned(self.campaign, run)? else { return Ok(()) };
-        let planned = self.campaign.evaluations.iter().filter(|other| is_of_one_cell(evaluation, other)).count();
-        let sample = RunSample::new(evaluation, planned, run)?;
-        let place = self.open.iter().position(|cell| is_of_one_cell(cell[0].evaluation, evaluation));
+        if run.height() == 0 {
+            return Ok(());
+        }
+        let wanted = RunKey::read(run, 0)?;
+        let is_it = |key: &RunKey| (&key.cell, key.run) == (&wanted.cell, wanted.run);
+        let Some(place) = self.keys.iter().position(is_it) else { return Ok(()) };
+        let planned = self.keys.iter().filter(|key| key.cell == wanted.cell).count();
+        let sample = RunSample::new(&self.campaign.evaluations[place], self.keys[place].clone(), planned, run)?;
+        let place = self.open.iter().position(|cell| cell[0].key.cell == wanted.cell);
         let place = place.unwrap_or_else(|| {
             self.open.push(Vec::new());
             self.open.len() - 1
@@ -58,44 +67,10 @@ impl<'a> FailureModes<'a> {
         for runs in std::mem::take(&mut self.open) {
             self.analyse(runs);
         }
-        let place = |cell: &CellModes<'_>| {
-            self.campaign.evaluations.iter().position(|each| is_of_one_cell(each, cell.evaluation))
-        };
+        let place = |cell: &CellModes<'_>| self.keys.iter().position(|key| key.cell == cell.key);
         self.cells.sort_by_key(place);
         self.cells
     }
-}
-
-/// Whether two evaluations are runs of one cell.
-fn is_of_one_cell(a: &Evaluation, b: &Evaluation) -> bool {
-    names(a) == names(b)
-}
-
-/// All names of an evaluation but the number of its run, in the order of the columns.
-pub fn names(evaluation: &Evaluation) -> ([&str; 8], u32) {
-    let key = &evaluation.trained;
-    let (pedestrian, town, policy) = (evaluation.pedestrian.name(), &evaluation.town, &evaluation.policy);
-    let (vehicle, adversary) = (&evaluation.vehicle, &evaluation.adversary);
-    ([&key.reward, &key.town, &key.policy, pedestrian, town, policy, vehicle, adversary], evaluation.block)
-}
-
-/// The columns of [`names`].
-pub const NAMES: [&str; 8] =
-    ["reward", "train_town", "train_policy", "pedestrian", "town", "policy", "vehicle", "adversary"];
-
-/// The evaluation whose episodes a table holds.
-fn planned<'a>(campaign: &'a Campaign, run: &DataFrame) -> PolarsResult<Option<&'a Evaluation>> {
-    if run.height() == 0 {
-        return Ok(None);
-    }
-    let mut wanted = [""; 8];
-    for (value, name) in wanted.iter_mut().zip(NAMES) {
-        *value = run.column(name)?.str()?.get(0).unwrap_or_default();
-    }
-    let number = |name| PolarsResult::Ok(run.column(name)?.u32()?.get(0).unwrap_or_default());
-    let (block, number) = (number("block")?, number("run")?);
-    let is_it = |each: &&Evaluation| names(each) == (wanted, block) && each.trained.run == number;
-    Ok(campaign.evaluations.iter().find(is_it))
 }
 
 /// The networks of an evaluation's pedestrian, if it has any.

@@ -4,6 +4,7 @@ use super::start::cases;
 use crate::analysis::{Approach, Explanation, Failure, FailureMode, Richness, failure_modes};
 use crate::compile::Evaluation;
 use crate::geometry::Vector;
+use crate::record::CellKey;
 use crate::rl::ActorCritic;
 use crate::seed::Seed;
 
@@ -58,7 +59,9 @@ impl Mode {
 /// What is known of a cell.
 #[derive(Debug, Clone)]
 pub struct CellModes<'a> {
-    /// Any of its evaluations tells what it is.
+    /// Which cell.
+    pub key: CellKey,
+    /// One of its evaluations.
     pub evaluation: &'a Evaluation,
     /// Half extents of the car (m).
     pub car: Vector,
@@ -103,6 +106,7 @@ impl<'a> CellModes<'a> {
             modes.iter().filter(|mode| mode.mode.cluster == 0).map(|mode| mode.mode.failures as u64).collect();
         let sum = |of: fn(&RunSample<'_>) -> u64| runs.iter().map(of).sum::<u64>();
         Self {
+            key: runs[0].key.cell.clone(),
             evaluation,
             car: Vector::new(scenario.vehicle.half_length, scenario.vehicle.half_width),
             all: (sum(|run| run.all.0), sum(|run| run.all.1)),
@@ -121,7 +125,7 @@ fn shown(mode: FailureMode, failures: &[Failure], runs: &[RunSample<'_>]) -> Mod
     let run = runs.iter().find(|run| run.evaluation.trained.run == example.run);
     let approach = |member: &usize| failures[*member].approach.clone();
     Mode {
-        example: (example.run, example.episode, run.map_or(String::new(), |run| run.name.clone())),
+        example: (example.run, example.episode, run.map_or(String::new(), |run| run.key.id.to_string())),
         medoid: approach(&mode.medoid),
         others: mode.members.iter().filter_map(approach).take(SHOWN).collect(),
         mode,

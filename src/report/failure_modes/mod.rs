@@ -11,7 +11,7 @@ mod cell;
 mod campaign;
 mod tables;
 
-pub use campaign::{FailureModes, names};
+pub use campaign::FailureModes;
 pub use cell::{CellModes, Mode, Target};
 pub use repeat::MOST as MOST_REPEATED;
 pub use sample::{MOST_CASES, MOST_FAILURES};

@@ -4,8 +4,8 @@ use crate::analysis::{Failure, Impact, Kind};
 use crate::av::DrivingMode;
 use crate::compile::Evaluation;
 use crate::env::Spawn;
-use crate::geometry::Pose;
 use crate::judge::{Label, Sight};
+use crate::record::{EpisodeTable, RunKey};
 
 /// Most collisions of a cell that are looked at, the first ones of each of its runs.
 pub const MOST_FAILURES: usize = 20_000;
@@ -33,8 +33,8 @@ pub struct Case {
 #[derive(Debug, Clone)]
 pub struct RunSample<'a> {
     pub evaluation: &'a Evaluation,
-    /// The name under which its episodes can be found.
-    pub name: String,
+    /// Its key.
+    pub key: RunKey,
     /// How many episodes and collisions it has, without those in which the driver failed.
     pub all: (u64, u64),
     /// How many of its first episodes were looked at for collisions; all of these are in the list.
@@ -44,52 +44,18 @@ pub struct RunSample<'a> {
 }
 
 impl<'a> RunSample<'a> {
-    /// Takes a part of a run's episodes, one of so many runs of its cell.
-    pub fn new(evaluation: &'a Evaluation, runs: usize, frame: &DataFrame) -> PolarsResult<Self> {
-        let text = |name: &str| frame.column(name).and_then(|column| column.str().cloned());
-        let number = |name: &str| frame.column(name).and_then(|column| column.f64().cloned());
-        let truth = |name: &str| frame.column(name).and_then(|column| column.bool().cloned());
-        let episodes = frame.column("episode")?.u32()?.clone();
-        let (outcome, mode, digest, verdict) =
-            (text("outcome")?, text("driving_mode")?, text("digest")?, text("verdict")?);
-        let (front, moving) = (truth("front")?, truth("moving")?);
-        let (speed, bearing, length) =
-            (number("impact_speed_mps")?, number("impact_bearing_deg")?, number("episode_length_s")?);
-        let in_sight = number("in_sight_s")?;
-        let places = ["ego_x_m", "ego_y_m", "ego_yaw_deg", "ego_speed_mps", "pedestrian_x_m", "pedestrian_y_m"];
-        let places: Vec<_> = places.iter().map(|name| number(name)).collect::<PolarsResult<_>>()?;
-        let yaw = number("pedestrian_yaw_deg")?;
-        let name = frame.column("run_id").ok().and_then(|column| column.str().ok()?.get(0).map(String::from));
-        let mut sample = Self {
-            evaluation,
-            name: name.unwrap_or_else(|| format!("run {}", evaluation.trained.run)),
-            all: (0, 0),
-            episodes: 0,
-            failures: Vec::new(),
-            cases: Vec::new(),
-        };
+    /// Takes the first episodes of a run, one of this many runs of its cell.
+    pub(super) fn new(evaluation: &'a Evaluation, key: RunKey, runs: usize, frame: &DataFrame) -> PolarsResult<Self> {
+        let table = EpisodeTable::new(frame)?;
+        let mut sample = Self { evaluation, key, all: (0, 0), episodes: 0, failures: Vec::new(), cases: Vec::new() };
         let (failures, cases) = (MOST_FAILURES.div_ceil(runs), MOST_CASES.div_ceil(runs));
-        for row in 0..frame.height() {
-            let outcome = outcome.get(row).unwrap_or_default();
-            if outcome == "error" {
-                continue;
-            }
-            let of = |column: &polars::prelude::Float64Chunked| column.get(row).unwrap_or_default();
-            let (episode, collision) = (episodes.get(row).unwrap_or_default(), outcome == "collision");
+        for row in table.rows().filter(|row| table.error(*row).is_none()) {
+            let (episode, collision) = (table.episode(row), table.is_collision(row));
             sample.all = (sample.all.0 + 1, sample.all.1 + u64::from(collision));
-            let label = verdict.get(row).and_then(Label::named);
+            let label = table.label(row);
             if sample.cases.len() < cases {
-                let pose = |i: usize, yaw: f64| Pose::new(of(&places[i]), of(&places[i + 1]), yaw.to_radians());
-                sample.cases.push(Case {
-                    episode,
-                    spawn: Spawn {
-                        ego: pose(0, of(&places[2])),
-                        ego_speed: of(&places[3]),
-                        pedestrian: pose(4, of(&yaw)),
-                    },
-                    collision,
-                    preventable: label == Some(Label::Preventable),
-                });
+                let preventable = label == Some(Label::Preventable);
+                sample.cases.push(Case { episode, spawn: table.spawn(row), collision, preventable });
             }
             if sample.failures.len() == failures {
                 continue;
@@ -97,21 +63,21 @@ impl<'a> RunSample<'a> {
             sample.episodes += 1;
             let Some(label) = label else { continue };
             let kind = Kind {
-                impact: Impact::new(front.get(row).unwrap_or_default(), of(&bearing).to_radians()),
-                moving: moving.get(row).unwrap_or_default(),
+                impact: Impact::new(table.is_front(row), table.impact_bearing(row).unwrap_or_default()),
+                moving: table.is_moving(row),
                 verdict: label,
-                occluded: Sight { hidden: 0.0, seen: of(&in_sight) }.is_occluded(),
-                mode: mode.get(row).and_then(DrivingMode::named).unwrap_or(DrivingMode::Unknown),
+                occluded: Sight { hidden: 0.0, seen: table.in_sight(row).unwrap_or_default() }.is_occluded(),
+                mode: table.driving_mode(row).unwrap_or(DrivingMode::Unknown),
             };
             let failure = Failure {
                 run: evaluation.trained.run,
                 episode,
                 kind,
-                impact_speed: of(&speed),
-                length: of(&length),
+                impact_speed: table.impact_speed(row).unwrap_or_default(),
+                length: table.length(row).unwrap_or_default(),
                 approach: None,
             };
-            sample.failures.push(Sampled { failure, digest: digest.get(row).unwrap_or_default().into() });
+            sample.failures.push(Sampled { failure, digest: table.digest(row).into() });
         }
         Ok(sample)
     }

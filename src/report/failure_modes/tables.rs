@@ -1,8 +1,8 @@
 use polars::prelude::{Column, DataFrame, NamedFrom, Series};
 
-use super::campaign::{NAMES, names};
 use super::cell::{CellModes, Mode, Target};
 use crate::analysis::{Explanation, Importance, Rule, accumulation};
+use crate::record::{CellKey, cell_key};
 use crate::statistics::wilson;
 
 /// Points of an accumulation curve.
@@ -18,10 +18,8 @@ impl<'a, T> Table<'a, T> {
     /// Begins with what the rows belong to.
     fn new(rows: Vec<(&'a CellModes<'a>, T)>) -> Self {
         let mut table = Self { rows, columns: Vec::new() };
-        for (index, name) in NAMES.into_iter().enumerate() {
-            table.text(name, |cell, _| names(cell.evaluation).0[index].into());
-        }
-        table.count("block", |cell, _| cell.evaluation.block.into());
+        let keys: Vec<&CellKey> = table.rows.iter().map(|(cell, _)| &cell.key).collect();
+        table.columns.extend(cell_key(|key: &&CellKey| *key).iter().map(|entry| entry.values(&keys)));
         table
     }
 

@@ -55,12 +55,12 @@ fn one(page: &mut String, suite: &Suite, [tests, failures, errors, skipped]: &[u
     }
     for cell in &suite.cells {
         for (name, value) in figures(cell) {
-            property(page, &format!("{} / {name}", called(cell)), &value);
+            property(page, &format!("{} / {name}", cell.key.in_full()), &value);
         }
     }
     page.push_str("    </properties>\n");
     for (row, cell) in suite.cells.iter().enumerate() {
-        case(page, &manifest.campaign, &called(cell), &findings(suite, row));
+        case(page, &manifest.campaign, &cell.key.in_full(), &findings(suite, row));
     }
     for training in manifest.trainings.iter().filter(|training| !training.error.is_empty()) {
         let name = format!(
@@ -129,18 +129,6 @@ fn case(page: &mut String, campaign: &str, name: &str, findings: &[Finding]) {
 
 fn property(page: &mut String, name: &str, value: &str) {
     let _ = writeln!(page, "      <property name=\"{}\" value=\"{}\"/>", escaped(name), escaped(value));
-}
-
-/// What a cell is called.
-pub fn called(cell: &Cell) -> String {
-    let trained = match (cell.trained.0.as_str(), cell.trained.1.as_str()) {
-        ("", _) => String::new(),
-        (town, policy) => format!(" ({town}, {policy})"),
-    };
-    format!(
-        "{} {}{trained} in {} against {}, {}, {}, block {}",
-        cell.pedestrian, cell.reward, cell.town, cell.policy, cell.vehicle, cell.adversary, cell.block
-    )
 }
 
 fn figures(cell: &Cell) -> Vec<(&'static str, String)> {

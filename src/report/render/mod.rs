@@ -11,7 +11,7 @@ mod svg;
 mod town;
 
 pub use episode::{Narrative, animation, narrative, strip};
-pub use junit::{Suite, called, junit, shown};
+pub use junit::{Suite, junit, shown};
 pub use modes::{accumulation_figure, file_names, mode_panels, modes_summary, rule_bars};
 pub use page::{Tally, write_page};
 pub use summary::{place, search_summary, search_table, spread, summary, table, training};

@@ -1,6 +1,5 @@
 use kuva::prelude::*;
 
-use super::words::label;
 use crate::report::failure_modes::{CellModes, accumulated};
 use crate::report::render::svg::COLOURS;
 
@@ -17,7 +16,7 @@ pub fn accumulation_figure(cells: &[CellModes<'_>]) -> Option<String> {
     }
     let line = |(cell, colour): (&&CellModes<'_>, &&str)| {
         let points = accumulated(cell).into_iter().map(|(episodes, kinds)| (episodes as f64, kinds));
-        LinePlot::new().with_data(points).with_color(*colour).with_legend(label(cell.evaluation)).into()
+        LinePlot::new().with_data(points).with_color(*colour).with_legend(cell.key.to_string()).into()
     };
     let plots: Vec<Plot> = shown.iter().zip(&COLOURS).map(line).collect();
     let title = match all {

@@ -1,6 +1,6 @@
 use std::fmt::Write;
 
-use super::words::{label, percent};
+use super::words::percent;
 use crate::analysis::{Approach, Station};
 use crate::geometry::Vector;
 use crate::report::failure_modes::{CellModes, Mode};
@@ -42,7 +42,7 @@ pub fn mode_panels(cell: &CellModes<'_>) -> String {
          <text x=\"{SPACE}\" y=\"39\">Ways of the pedestrian to the touch as the car sees them, the last {:.0} s, a dot every {} s; thick: the medoid. \
          </text>\n<text x=\"{SPACE}\" y=\"54\"><tspan fill=\"#b2182b\">Red</tspan>: the car moves at the touch, <tspan \
          fill=\"#2166dc\">blue</tspan>: it stands. Circles about the car: every 5 m.{}</text>\n",
-        escape(&label(cell.evaluation)),
+        escape(&cell.key.to_string()),
         Approach::WINDOW,
         Approach::STEP,
         if cell.modes.len() > MOST {

@@ -1,6 +1,6 @@
 use std::fmt::Write;
 
-use super::words::{label, percent};
+use super::words::percent;
 use crate::analysis::Explanation;
 use crate::report::failure_modes::{CellModes, Target};
 use crate::report::render::svg::escape;
@@ -26,7 +26,7 @@ pub fn rule_bars(cell: &CellModes<'_>) -> String {
          .overall{{stroke:#0072B2;stroke-width:2.4}}.note{{fill:#666;font-size:11px}}</style>\n\
          <rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n\
          <text x=\"{LEFT}\" y=\"22\" font-size=\"15\" font-weight=\"bold\">{}</text>\n",
-        escape(&label(cell.evaluation)),
+        escape(&cell.key.to_string()),
     );
     let mut y = 30.0;
     for (target, found) in &cell.explanations {

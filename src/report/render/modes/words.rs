@@ -1,25 +1,12 @@
 use std::fmt::Write;
 
 use crate::analysis::Rule;
-use crate::compile::Evaluation;
-use crate::report::failure_modes::{CellModes, MOST_CASES, MOST_FAILURES, MOST_REPEATED, Mode, Target, names};
+use crate::record::CellKey;
+use crate::report::failure_modes::{CellModes, MOST_CASES, MOST_FAILURES, MOST_REPEATED, Mode, Target};
 use crate::statistics::wilson;
 
 /// Modes of a cell that the summary names.
 const NAMED: usize = 3;
-
-/// What a cell is, for people.
-pub fn label(evaluation: &Evaluation) -> String {
-    let key = &evaluation.trained;
-    let trained = if key.town.is_empty() { String::new() } else { format!(" ({}, {})", key.town, key.policy) };
-    format!(
-        "{} {}{trained} in {} against {}",
-        evaluation.pedestrian.name(),
-        key.reward,
-        evaluation.town,
-        evaluation.policy
-    )
-}
 
 /// A share as a percentage.
 pub fn percent(share: f64) -> String {
@@ -28,15 +15,13 @@ pub fn percent(share: f64) -> String {
 
 /// A name for the files of each cell, no longer than it takes to tell them apart.
 pub fn file_names(cells: &[CellModes<'_>]) -> Vec<String> {
-    let short = |cell: &CellModes<'_>| {
-        let each = cell.evaluation;
-        format!("{}-{}-{}-{}", each.pedestrian.name(), each.trained.reward, each.town, each.policy)
+    let short = |CellModes { key, .. }: &CellModes<'_>| {
+        format!("{}-{}-{}-{}", key.controller, key.reward, key.town, key.policy)
     };
-    let long = |cell: &CellModes<'_>| {
-        let ([reward, train_town, train_policy, pedestrian, town, policy, vehicle, adversary], block) =
-            names(cell.evaluation);
-        let from = if train_town.is_empty() { String::new() } else { format!("-from-{train_town}-{train_policy}") };
-        format!("{pedestrian}-{reward}{from}-{town}-{policy}-{vehicle}-{adversary}-{block}")
+    let long = |CellModes { key, .. }: &CellModes<'_>| {
+        let CellKey { block, town, policy, vehicle, adversary, controller, reward, train_town, train_policy } = key;
+        let from = if key.is_trained() { format!("-from-{train_town}-{train_policy}") } else { String::new() };
+        format!("{controller}-{reward}{from}-{town}-{policy}-{vehicle}-{adversary}-{block}")
     };
     let name = |cell: &CellModes<'_>| {
         let alike = cells.iter().filter(|other| short(other) == short(cell)).count();
@@ -71,7 +56,7 @@ pub fn modes_summary(cells: &[CellModes<'_>], names: &[String]) -> String {
         let _ = writeln!(
             text,
             "| [{}](modes/{name}.svg) | {} | {} | {:.0} ({:.0}..{:.0}) | {} | {} |",
-            label(cell.evaluation),
+            cell.key,
             cell.all.1,
             richness.seen,
             richness.estimate,
@@ -118,7 +103,7 @@ fn explained(text: &mut String, cells: &[CellModes<'_>], names: &[String]) {
             let _ = writeln!(
                 text,
                 "| [{}](modes/{name}-why.svg) | {what} | {} | {} | {} | {:.2} |",
-                label(cell.evaluation),
+                cell.key,
                 percent(found.overall.0 as f64 / found.overall.1.max(1) as f64),
                 rule(found.rules.first().filter(|_| told)),
                 rule(found.rules.last().filter(|_| told)),

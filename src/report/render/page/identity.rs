@@ -1,34 +1,16 @@
 use std::collections::BTreeMap;
 
-use polars::prelude::*;
+use polars::prelude::{DataFrame, PolarsResult};
 
 use super::super::summary::{place, training};
-use super::tally::CellKey;
+use crate::record::{CellKey, metric};
 use crate::report::Cell;
-
-/// The key by which tables and tallies know a cell.
-pub fn key(cell: &Cell) -> CellKey {
-    let (town, policy) = cell.trained.clone();
-    let names = [
-        cell.pedestrian.clone(),
-        cell.reward.clone(),
-        town,
-        policy,
-        cell.town.clone(),
-        cell.policy.clone(),
-        cell.vehicle.clone(),
-        cell.adversary.clone(),
-    ];
-    (names, cell.block)
-}
 
 /// A cell with what it is called on the page.
 #[derive(Debug, Clone)]
 pub struct Named<'a> {
     /// The cell.
     pub cell: &'a Cell,
-    /// Its key.
-    pub key: CellKey,
     /// Who tries, with what tells it from the others.
     pub who: String,
     /// Where and against whom.
@@ -41,25 +23,25 @@ pub struct Named<'a> {
 ///
 /// An untrained pedestrian does the same for every reward, so only its first row is kept: the others differ in what it is paid.
 pub fn named(cells: &[Cell]) -> Vec<Named<'_>> {
-    let trainings = cells.iter().filter(|cell| !cell.trained.0.is_empty());
-    let several = trainings.clone().any(|cell| trainings.clone().any(|other| other.trained != cell.trained));
+    let trainings = cells.iter().filter(|cell| cell.key.is_trained());
+    let several = trainings.clone().any(|cell| trainings.clone().any(|other| training(other) != training(cell)));
     let mut all: Vec<Named<'_>> = Vec::new();
     let mut learners: Vec<String> = Vec::new();
     for cell in cells {
-        let learnt = !cell.trained.0.is_empty();
-        let mut who = match (learnt, cell.pedestrian.as_str()) {
-            (true, "trained") => format!("trained, {}", cell.reward),
-            (true, other) => format!("{other}, {}", cell.reward),
+        let learnt = cell.key.is_trained();
+        let mut who = match (learnt, cell.key.controller.as_str()) {
+            (true, "trained") => format!("trained, {}", cell.key.reward),
+            (true, other) => format!("{other}, {}", cell.key.reward),
             (false, other) => other.to_string(),
         };
         if learnt && several {
             who = format!("{who} ({})", training(cell));
         }
-        let place = format!("{} · {}", place(cell, cells), cell.policy);
+        let place = format!("{} · {}", place(cell, cells), cell.key.policy);
         if !learnt && all.iter().any(|other| other.who == who && other.place == place) {
             continue;
         }
-        let colour = match cell.pedestrian.as_str() {
+        let colour = match cell.key.controller.as_str() {
             "random" => 6,
             "intercept" => 2,
             "homing" => 4,
@@ -71,7 +53,7 @@ pub fn named(cells: &[Cell]) -> Vec<Named<'_>> {
                 [0, 1, 3, 5, 4, 2][number % 6]
             }
         };
-        all.push(Named { cell, key: key(cell), who, place, colour });
+        all.push(Named { cell, who, place, colour });
     }
     all
 }
@@ -88,8 +70,8 @@ pub fn places<'a, 'b>(cells: &'b [Named<'a>]) -> Vec<(&'b str, Vec<&'b Named<'a>
     all
 }
 
-/// The rates that a row of results shows: what share of all episodes it is of, by column of `runs`.
-pub const RATES: [&str; 3] = ["collision", "moving", "preventable"];
+/// The rates that a row of results shows: each is of all episodes.
+pub const RATES: [metric::Rate; 3] = [metric::COLLISION_RATE, metric::MOVING_RATE, metric::PREVENTABLE_RATE];
 
 /// What the runs of a cell say, for each of [`RATES`].
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -107,20 +89,12 @@ pub struct RunRates {
 /// # Errors
 /// Those of polars; none for a table made by [`metrics`](crate::report::metrics).
 pub fn run_rates(runs: &DataFrame) -> PolarsResult<BTreeMap<CellKey, RunRates>> {
-    let text = |name: &str| -> PolarsResult<StringChunked> { Ok(runs.column(name)?.str()?.clone()) };
-    let whole = |name: &str| -> PolarsResult<UInt32Chunked> { Ok(runs.column(name)?.u32()?.clone()) };
-    let names = ["pedestrian", "reward", "train_town", "train_policy", "town", "policy", "vehicle", "adversary"];
-    let names = names.iter().map(|name| text(name)).collect::<PolarsResult<Vec<_>>>()?;
-    let (block, episodes) = (whole("block")?, whole("episodes")?);
-    let counts = RATES.iter().map(|rate| {
-        let name = if *rate == "collision" { "collisions".to_string() } else { format!("{rate}_collisions") };
-        whole(&name)
-    });
-    let counts = counts.collect::<PolarsResult<Vec<_>>>()?;
+    let episodes = metric::EPISODES.read(runs)?;
+    let counts = RATES.map(|rate| rate.part.read(runs));
+    let counts = counts.into_iter().collect::<PolarsResult<Vec<_>>>()?;
     let mut all: BTreeMap<CellKey, RunRates> = BTreeMap::new();
     for row in 0..runs.height() {
-        let names = std::array::from_fn(|column| names[column].get(row).unwrap_or_default().to_string());
-        let found = all.entry((names, block.get(row).unwrap_or_default())).or_default();
+        let found = all.entry(CellKey::read(runs, row)?).or_default();
         let tried = u64::from(episodes.get(row).unwrap_or_default());
         found.episodes += tried;
         for (number, count) in counts.iter().enumerate() {

@@ -173,7 +173,7 @@ fn key_numbers(contents: &Contents<'_>, cells: &[Named<'_>]) -> String {
     if episodes > 0 {
         tiles.push((count(episodes), "episodes tried".into()));
     }
-    let trained: Vec<&Named<'_>> = cells.iter().filter(|named| named.cell.pedestrian == "trained").collect();
+    let trained: Vec<&Named<'_>> = cells.iter().filter(|named| named.cell.key.controller == "trained").collect();
     let most = |rate: fn(&Named<'_>) -> Option<f64>| {
         let judged: &[&Named<'_>] = &trained;
         judged.iter().filter_map(|named| Some((rate(named)?, *named))).max_by(|a, b| a.0.total_cmp(&b.0))

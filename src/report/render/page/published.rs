@@ -49,8 +49,8 @@ fn row(html: &mut String, beside: &Beside<'_>, cells: &[Named<'_>]) {
         "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td>\
          <td class=\"number\">{difference}{interval}</td><td{class}>{}</td></tr>",
         escape(who),
-        escape(&beside.cell.town),
-        escape(&beside.cell.policy),
+        escape(&beside.cell.key.town),
+        escape(&beside.cell.key.policy),
         escape(&beside.published.column.replace('_', " ")),
         spread(beside.theirs()),
         spread(beside.ours),

@@ -5,7 +5,7 @@ use super::super::summary::spread;
 use super::Contents;
 use super::identity::{Named, RATES, RunRates, places};
 use super::markup::{escape, percent};
-use super::tally::CellKey;
+use crate::record::CellKey;
 use crate::report::{Beside, Spread};
 use crate::statistics::wilson;
 
@@ -30,7 +30,7 @@ pub fn results(contents: &Contents<'_>, cells: &[Named<'_>], rates: &BTreeMap<Ce
     for (place, members) in places(cells) {
         let _ = write!(html, "<tbody><tr><th colspan=\"7\" scope=\"rowgroup\">{}</th></tr>", escape(place));
         for named in members {
-            row(&mut html, contents, named, rates.get(&named.key));
+            row(&mut html, contents, named, rates.get(&named.cell.key));
         }
         html.push_str("</tbody>");
     }
@@ -64,8 +64,8 @@ fn row(html: &mut String, contents: &Contents<'_>, named: &Named<'_>, rates: Opt
     let empty = RunRates::default();
     let rates = rates.unwrap_or(&empty);
     for (number, spread_over_runs) in [cell.collision, cell.moving, cell.preventable].into_iter().enumerate() {
-        let column = format!("{}_rate", RATES[number]);
-        let same = |beside: &&Beside<'_>| beside.published.column == column && std::ptr::eq(beside.cell, cell);
+        let same =
+            |beside: &&Beside<'_>| beside.published.column == RATES[number].name && std::ptr::eq(beside.cell, cell);
         let published = contents.published.iter().find(same);
         let interval = wilson(rates.failures[number], rates.episodes);
         let colour = if number == 2 { "v0".into() } else { format!("f{}", named.colour) };

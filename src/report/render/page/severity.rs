@@ -55,7 +55,7 @@ struct Distribution {
 
 impl Distribution {
     fn draw(&self, tally: &Tally, cells: &[Named<'_>]) -> Option<Figure> {
-        let found = |named: &Named<'_>| tally.cells.iter().find(|cell| cell.key == named.key);
+        let found = |named: &Named<'_>| tally.cells.iter().find(|cell| cell.key == named.cell.key);
         let curves: Vec<_> = cells.iter().filter_map(|named| Some((named, (self.curve)(found(named)?)))).collect();
         let all = || curves.iter().flat_map(|(_, curve)| curve).filter(|point| point.0 <= self.horizon);
         let (right, most) = all().fold((0.0, 0.0), |(x, y): (f64, f64), point| (x.max(point.0), y.max(point.1)));
@@ -80,7 +80,9 @@ impl Distribution {
             let mut shares: Vec<String> = Vec::new();
             let mut drawn: Vec<Curve> = Vec::new();
             for named in members {
-                let Some((_, curve)) = curves.iter().find(|(other, _)| other.key == named.key) else { continue };
+                let Some((_, curve)) = curves.iter().find(|(other, _)| other.cell.key == named.cell.key) else {
+                    continue;
+                };
                 let points: Vec<(f64, f64)> = curve.iter().copied().filter(|point| point.0 <= right).collect();
                 let there = points.iter().find(|point| point.0 >= self.example.0).or(points.last());
                 shares.push(format!("{} {}", named.who, percent(there.map_or(0.0, |point| point.1))));

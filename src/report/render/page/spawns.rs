@@ -31,10 +31,10 @@ struct Group<'a> {
 /// Where trained pedestrians began and how often they hit a moving car from there: over the towns, and about the car.
 pub fn spawns(tally: &Tally, cells: &[Named<'_>], towns: &[NamedTown]) -> Vec<Figure> {
     let mut groups: Vec<Group<'_>> = Vec::new();
-    for named in cells.iter().filter(|named| named.cell.pedestrian == "trained") {
-        let Some(found) = tally.cells.iter().find(|cell| cell.key == named.key) else { continue };
-        let Some(town) = towns.iter().find(|town| town.name == named.cell.town) else { continue };
-        let title = format!("{} · {}", named.place, named.cell.reward);
+    for named in cells.iter().filter(|named| named.cell.key.controller == "trained") {
+        let Some(found) = tally.cells.iter().find(|cell| cell.key == named.cell.key) else { continue };
+        let Some(town) = towns.iter().find(|town| town.name == named.cell.key.town) else { continue };
+        let title = format!("{} · {}", named.place, named.cell.key.reward);
         let place = groups.iter().position(|group| group.title == title).unwrap_or_else(|| {
             groups.push(Group { title, town, starts: Bins::new(), around: Bins::new() });
             groups.len() - 1

@@ -1,8 +1,8 @@
 use std::collections::BTreeMap;
 
-use polars::prelude::*;
+use polars::prelude::{DataFrame, PolarsResult};
 
-use crate::geometry::{Point, Pose};
+use crate::record::{CellKey, EpisodeTable};
 
 /// Edge of a bin about the car (m).
 pub const NEAR: f64 = 2.0;
@@ -10,12 +10,6 @@ pub const NEAR: f64 = 2.0;
 pub const FAR: f64 = 3.0;
 /// Width of a bin of speeds (m/s), and of times (s).
 const STEP: f64 = 0.25;
-
-/// What the page tells cells apart by; names of columns of `episodes`.
-const KEY: [&str; 8] = ["pedestrian", "reward", "train_town", "train_policy", "town", "policy", "vehicle", "adversary"];
-
-/// A cell: pedestrian, reward, town and policy of its training, town, policy, vehicle, adversary, and the number of the `evaluate` block.
-pub type CellKey = ([String; 8], u32);
 
 /// Episodes that began in one place.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -115,45 +109,26 @@ impl Tally {
         if run.height() == 0 {
             return Ok(());
         }
-        let text = |name: &str| -> PolarsResult<String> {
-            Ok(run.column(name)?.str()?.get(0).unwrap_or_default().to_string())
-        };
-        let mut names: [String; 8] = Default::default();
-        for (value, name) in names.iter_mut().zip(KEY) {
-            *value = text(name)?;
-        }
-        let key = (names, run.column("block")?.u32()?.get(0).unwrap_or_default());
+        let episodes = EpisodeTable::new(run)?;
+        let key = episodes.key()?.cell;
         let place = self.cells.iter().position(|cell| cell.key == key).unwrap_or_else(|| {
             self.cells.push(CellTally { key, ..CellTally::default() });
             self.cells.len() - 1
         });
         let cell = &mut self.cells[place];
-        let (outcome, moving) = (run.column("outcome")?.str()?, run.column("moving")?.bool()?);
-        let speed = run.column("impact_speed_mps")?.f64()?;
-        let number = |name: &str| -> PolarsResult<Float64Chunked> { Ok(run.column(name)?.f64()?.clone()) };
-        let maybe = |name: &str| run.column(name).ok().and_then(|column| column.f64().ok()).cloned();
-        let (time, lag) = (maybe("min_ttc_s"), maybe("pet_s"));
-        let (ego_x, ego_y, ego_yaw) = (number("ego_x_m")?, number("ego_y_m")?, number("ego_yaw_deg")?);
-        let (x, y) = (number("pedestrian_x_m")?, number("pedestrian_y_m")?);
-        for row in (0..run.height()).filter(|row| outcome.get(*row) != Some("error")) {
-            let at = |column: &Float64Chunked| column.get(row).unwrap_or_default();
-            let hit = moving.get(row).unwrap_or_default();
-            let ego = Pose::new(at(&ego_x), at(&ego_y), at(&ego_yaw).to_radians());
-            let start = Point::new(at(&x), at(&y));
-            let seen = ego.to_local(start);
+        for row in episodes.rows().filter(|row| episodes.error(*row).is_none()) {
+            let (spawn, hit) = (episodes.spawn(row), episodes.is_moving(row));
+            let start = spawn.pedestrian.position();
+            let seen = spawn.ego.to_local(start);
             cell.episodes += 1;
             cell.town.entry(bin(start.x, start.y, FAR)).or_default().add(hit);
             cell.around.entry(bin(seen.x, seen.y, NEAR)).or_default().add(hit);
-            if let (true, Some(speed)) = (hit, speed.get(row)) {
+            if let (true, Some(speed)) = (hit, episodes.impact_speed(row)) {
                 cell.speeds.add(speed);
             }
-            if outcome.get(row) == Some("collision") {
-                continue;
-            }
-            for (into, from) in [(&mut cell.times, &time), (&mut cell.lags, &lag)] {
-                if let Some(value) = from.as_ref().and_then(|column| column.get(row)) {
-                    into.add(value);
-                }
+            if !episodes.is_collision(row) {
+                episodes.min_ttc(row).into_iter().for_each(|time| cell.times.add(time));
+                episodes.pet(row).into_iter().for_each(|lag| cell.lags.add(lag));
             }
         }
         Ok(())

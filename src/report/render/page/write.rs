@@ -5,7 +5,8 @@ use super::identity::{Named, named};
 use super::{ComparisonSection, Contents, ModeCard, page};
 use crate::analysis::Impact;
 use crate::campaign::Finished;
-use crate::compile::{Campaign, Evaluation};
+use crate::compile::Campaign;
+use crate::record::CellKey;
 use crate::report::evidence::{self, Evidence};
 use crate::report::failure_modes::{CellModes, Mode};
 use crate::report::{Cell, Gathered, Manifest, ReportFolder, WriteError, beside, search_cells};
@@ -26,10 +27,8 @@ pub fn write_page(
 ) -> Result<(), WriteError> {
     let failed = |source| WriteError::Table { name: "report.html".into(), source };
     let names = named(cells);
-    let mut cards: Vec<ModeCard> = modes
-        .iter()
-        .flat_map(|cell| cell.modes.iter().filter_map(|mode| card(cell.evaluation, mode, &names)))
-        .collect();
+    let mut cards: Vec<ModeCard> =
+        modes.iter().flat_map(|cell| cell.modes.iter().filter_map(|mode| card(&cell.key, mode, &names))).collect();
     repeat_examples(&mut cards, campaign, &finished.trainings, &Seed::root(manifest.seed));
     let page = page(&Contents {
         campaign,
@@ -104,15 +103,8 @@ fn extras(found: &Evidence) -> PolarsResult<Vec<ComparisonSection>> {
 }
 
 /// What the page says of a mode; none for cells that stand in no row of it.
-fn card(evaluation: &Evaluation, mode: &Mode, names: &[Named<'_>]) -> Option<ModeCard> {
-    let trained = &evaluation.trained;
-    let same = |cell: &Cell| {
-        (cell.pedestrian.as_str(), &cell.reward, &cell.trained.0, &cell.trained.1, cell.block)
-            == (evaluation.pedestrian.name(), &trained.reward, &trained.town, &trained.policy, evaluation.block)
-            && [&cell.town, &cell.policy, &cell.vehicle, &cell.adversary].map(String::as_str)
-                == [&*evaluation.town, &*evaluation.policy, &*evaluation.vehicle, &*evaluation.adversary]
-    };
-    let named = names.iter().find(|named| same(named.cell))?;
+fn card(key: &CellKey, mode: &Mode, names: &[Named<'_>]) -> Option<ModeCard> {
+    let named = names.iter().find(|named| named.cell.key == *key)?;
     let example = mode.example_name();
     let mode = &mode.mode;
     let kind = mode.kind;
@@ -142,7 +134,7 @@ fn card(evaluation: &Evaluation, mode: &Mode, names: &[Named<'_>]) -> Option<Mod
             mode.length,
             kind.mode.name().replace('_', " ")
         ),
-        trained: !trained.town.is_empty(),
+        trained: key.is_trained(),
         verdict: kind.verdict.name(),
         failures: (mode.share * f64::from(named.cell.collisions)).round() as usize,
         share: mode.share,

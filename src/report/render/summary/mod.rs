@@ -80,10 +80,10 @@ fn episodes(page: &mut String, cells: &[Cell]) {
         let _ = writeln!(
             page,
             "| {} | {} | {trained} | {} | {} | {} × {} | {} | {:.2}..{:.2} | {} | {} | {} | {} s | {} m/s |",
-            cell.pedestrian,
-            cell.reward,
+            cell.key.controller,
+            cell.key.reward,
             place(cell, cells),
-            cell.policy,
+            cell.key.policy,
             cell.runs,
             cell.episodes / cell.runs.max(1),
             spread(cell.collision),
@@ -146,32 +146,33 @@ fn errors(page: &mut String, cells: &[Cell]) {
         let _ = writeln!(
             page,
             "- {} in {} against {}: {errors} of {all}",
-            cell.pedestrian,
+            cell.key.controller,
             place(cell, cells),
-            cell.policy
+            cell.key.policy
         );
     }
 }
 
 /// What the pedestrian of a cell was trained in and against.
 pub fn training(cell: &Cell) -> String {
-    match &cell.trained {
-        (town, _) if town.is_empty() => "–".to_string(),
-        (town, policy) => format!("{town}, {policy}"),
+    if cell.key.is_trained() {
+        format!("{}, {}", cell.key.train_town, cell.key.train_policy)
+    } else {
+        "–".to_string()
     }
 }
 
 /// The town of a cell, with whatever else differs between the cells: vehicle, adversary, `evaluate` block.
 pub fn place(cell: &Cell, cells: &[Cell]) -> String {
-    let mut text = cell.town.clone();
-    if cells.iter().any(|other| other.vehicle != cell.vehicle) {
-        let _ = write!(text, ", {}", cell.vehicle);
+    let mut text = cell.key.town.clone();
+    if cells.iter().any(|other| other.key.vehicle != cell.key.vehicle) {
+        let _ = write!(text, ", {}", cell.key.vehicle);
     }
-    if cells.iter().any(|other| other.adversary != cell.adversary) {
-        let _ = write!(text, ", {}", cell.adversary);
+    if cells.iter().any(|other| other.key.adversary != cell.key.adversary) {
+        let _ = write!(text, ", {}", cell.key.adversary);
     }
-    if cells.iter().any(|other| other.block != cell.block) {
-        let _ = write!(text, " #{}", cell.block);
+    if cells.iter().any(|other| other.key.block != cell.key.block) {
+        let _ = write!(text, " #{}", cell.key.block);
     }
     text
 }
@@ -200,14 +201,14 @@ pub fn table(name: &str, cells: &[Cell]) -> String {
     let head = ["pedestrian", "town", "policy", "collision", "front", "moving", "reward", "n"];
     let mut rows: Vec<[String; 8]> = vec![head.map(String::from)];
     for cell in cells {
-        let who = match cell.trained.0.as_str() {
-            "" => format!("{} ({})", cell.pedestrian, cell.reward),
-            town => format!("{} {} ({town}, {})", cell.pedestrian, cell.reward, cell.trained.1),
+        let who = match cell.key.train_town.as_str() {
+            "" => format!("{} ({})", cell.key.controller, cell.key.reward),
+            town => format!("{} {} ({town}, {})", cell.key.controller, cell.key.reward, cell.key.train_policy),
         };
         rows.push([
             who,
             place(cell, cells),
-            cell.policy.clone(),
+            cell.key.policy.clone(),
             spread(cell.collision),
             spread(cell.front),
             spread(cell.moving),

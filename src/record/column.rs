@@ -1,0 +1,260 @@
+use std::borrow::Cow;
+use std::marker::PhantomData;
+
+use polars::prelude::{
+    BooleanChunked, Column as Values, DataFrame, DataType, Float64Chunked, NamedFrom, PlSmallStr, PolarsResult, Scalar,
+    Series, StringChunked, UInt32Chunked, UInt64Chunked,
+};
+
+/// What a column holds: text, counts, numbers or truth values.
+pub trait Kind: 'static {
+    /// The values of such a column in memory.
+    type Array;
+
+    /// The type in a table.
+    const TYPE: DataType;
+
+    /// The values of a column.
+    ///
+    /// # Errors
+    /// The column holds something else.
+    fn array(column: &Values) -> PolarsResult<&Self::Array>;
+}
+
+/// What a column of a kind is written from: a value for every row, or one that may be missing.
+pub trait Cell<K>: Sized {
+    /// The column.
+    fn series(name: PlSmallStr, values: Vec<Self>) -> Series;
+}
+
+macro_rules! kind {
+    ($kind:ty, $array:ty, $type:expr, $method:ident, $($cell:ty),+) => {
+        impl Kind for $kind {
+            type Array = $array;
+            const TYPE: DataType = $type;
+
+            fn array(column: &Values) -> PolarsResult<&$array> {
+                column.$method()
+            }
+        }
+        $(impl Cell<$kind> for $cell {
+            fn series(name: PlSmallStr, values: Vec<Self>) -> Series {
+                Series::new(name, values)
+            }
+        })+
+    };
+}
+
+kind!(String, StringChunked, DataType::String, str, String, Option<String>, &'static str, Option<&'static str>);
+kind!(u32, UInt32Chunked, DataType::UInt32, u32, u32, Option<u32>);
+kind!(u64, UInt64Chunked, DataType::UInt64, u64, u64, Option<u64>);
+kind!(f64, Float64Chunked, DataType::Float64, f64, f64, Option<f64>);
+kind!(bool, BooleanChunked, DataType::Boolean, bool, bool, Option<bool>);
+
+/// A column of a table: its name, its unit and its meaning. The only place where its name is spelt.
+#[derive(Debug)]
+pub struct Column<K> {
+    /// The name, with the unit at its end.
+    pub name: &'static str,
+    /// The unit, as people write it; empty without one.
+    pub unit: &'static str,
+    /// What it means, for `reports/README.md`.
+    pub doc: &'static str,
+    kind: PhantomData<fn() -> K>,
+}
+
+impl<K: Kind> Column<K> {
+    /// A column of this name, unit and meaning.
+    pub const fn new(name: &'static str, unit: &'static str, doc: &'static str) -> Self {
+        Self { name, unit, doc, kind: PhantomData }
+    }
+
+    /// Its values in a table.
+    ///
+    /// # Errors
+    /// The table has no such column, or it holds something else.
+    pub fn read<'a>(&self, table: &'a DataFrame) -> PolarsResult<&'a K::Array> {
+        K::array(table.column(self.name)?)
+    }
+
+    /// What is said of it.
+    pub fn reference(&self) -> ColumnReference {
+        ColumnReference { name: self.name.into(), unit: self.unit.into(), doc: self.doc.into(), holds: K::TYPE }
+    }
+
+    /// The column of a table whose rows give these values.
+    pub fn of<'t, R, V: Cell<K>>(&self, value: impl Fn(&R) -> V + 't) -> Entry<'t, R> {
+        Entry::new::<K, V>(self.name.into(), self.unit.into(), self.doc.into(), value)
+    }
+}
+
+/// Columns that say the same of several things: `cc_avoids`, `rss_avoids` and so on. The name of the thing comes first.
+#[derive(Debug)]
+pub struct Family<K> {
+    suffix: &'static str,
+    unit: &'static str,
+    doc: &'static str,
+    kind: PhantomData<fn() -> K>,
+}
+
+impl<K: Kind> Family<K> {
+    /// The family of columns whose names end like this.
+    pub const fn new(suffix: &'static str, unit: &'static str, doc: &'static str) -> Self {
+        Self { suffix, unit, doc, kind: PhantomData }
+    }
+
+    /// What it means.
+    pub const fn doc(&self) -> &'static str {
+        self.doc
+    }
+
+    /// The name of a member.
+    pub fn name(&self, member: &str) -> String {
+        format!("{member}{}", self.suffix)
+    }
+
+    /// The values of a member in a table.
+    ///
+    /// # Errors
+    /// The table has no such column, or it holds something else.
+    pub fn read<'a>(&self, member: &str, table: &'a DataFrame) -> PolarsResult<&'a K::Array> {
+        K::array(table.column(&self.name(member))?)
+    }
+
+    /// A member of a table whose rows give these values.
+    pub fn of<'t, R, V: Cell<K>>(&self, member: &str, value: impl Fn(&R) -> V + 't) -> Entry<'t, R> {
+        Entry::new::<K, V>(self.name(member).into(), self.unit.into(), self.doc.into(), value)
+    }
+
+    /// What is said of a member.
+    pub fn reference(&self, member: &str) -> ColumnReference {
+        let (unit, doc) = (self.unit.into(), self.doc.into());
+        ColumnReference { name: self.name(member).into(), unit, doc, holds: K::TYPE }
+    }
+}
+
+/// A column of a table whose rows are of type `R`, with how it is read from a row.
+pub struct Entry<'t, R> {
+    reference: ColumnReference,
+    write: Box<dyn Fn(PlSmallStr, &[R]) -> Series + 't>,
+    pub(super) metrics: Vec<super::Metric>,
+}
+
+/// What is said of a column, for people.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ColumnReference {
+    /// The name.
+    pub name: Cow<'static, str>,
+    /// The unit; empty without one.
+    pub unit: Cow<'static, str>,
+    /// What it means.
+    pub doc: Cow<'static, str>,
+    /// What it holds.
+    pub holds: DataType,
+}
+
+impl<'t, R> Entry<'t, R> {
+    /// A column of kind `K` whose name is made up, since it belongs to a family: one for each reference driver, say.
+    pub fn new<K: Kind, V: Cell<K>>(
+        name: Cow<'static, str>,
+        unit: Cow<'static, str>,
+        doc: Cow<'static, str>,
+        value: impl Fn(&R) -> V + 't,
+    ) -> Self {
+        let write = move |name: PlSmallStr, rows: &[R]| V::series(name, rows.iter().map(&value).collect());
+        let reference = ColumnReference { name, unit, doc, holds: K::TYPE };
+        Self { reference, write: Box::new(write), metrics: Vec::new() }
+    }
+
+    /// The same values under another name.
+    pub fn named(mut self, name: impl Into<Cow<'static, str>>) -> Self {
+        self.reference.name = name.into();
+        self
+    }
+
+    /// The same with another meaning.
+    pub fn meaning(mut self, doc: impl Into<Cow<'static, str>>) -> Self {
+        self.reference.doc = doc.into();
+        self
+    }
+
+    /// Adds how runs and cells aggregate it.
+    pub fn aggregated(mut self, metrics: impl IntoIterator<Item = super::Metric>) -> Self {
+        self.metrics.extend(metrics);
+        self
+    }
+
+    /// What is said of it.
+    pub fn reference(&self) -> &ColumnReference {
+        &self.reference
+    }
+
+    /// The values of some rows.
+    pub fn values(&self, rows: &[R]) -> Values {
+        (self.write)(self.reference.name.as_ref().into(), rows).into()
+    }
+
+    /// The value of one row, `count` times.
+    pub(super) fn repeated(&self, row: &R, count: usize) -> Values {
+        let one = (self.write)(self.reference.name.as_ref().into(), std::slice::from_ref(row));
+        let value = one.get(0).expect("there is one row").into_static();
+        Values::new_scalar(self.reference.name.as_ref().into(), Scalar::new(one.dtype().clone(), value), count)
+    }
+}
+
+/// The columns of a table in their order.
+pub struct Table<'t, R> {
+    /// The stem of its files.
+    pub name: &'static str,
+    /// What a row is, and what else is to be said of the table.
+    pub doc: &'static str,
+    pub(super) entries: Vec<Entry<'t, R>>,
+}
+
+/// What is said of a table, for people.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TableReference {
+    /// The stem of its files.
+    pub name: &'static str,
+    /// What a row is.
+    pub doc: &'static str,
+    /// Its columns in their order.
+    pub columns: Vec<ColumnReference>,
+}
+
+impl<'t, R> Table<'t, R> {
+    /// A table without columns.
+    pub fn new(name: &'static str, doc: &'static str) -> Self {
+        Self { name, doc, entries: Vec::new() }
+    }
+
+    /// Adds a column.
+    #[must_use]
+    pub fn column(mut self, entry: Entry<'t, R>) -> Self {
+        self.entries.push(entry);
+        self
+    }
+
+    /// Adds several columns.
+    #[must_use]
+    pub fn columns(mut self, entries: impl IntoIterator<Item = Entry<'t, R>>) -> Self {
+        self.entries.extend(entries);
+        self
+    }
+
+    /// The columns of some rows.
+    pub fn values(&self, rows: &[R]) -> Vec<Values> {
+        self.entries.iter().map(|entry| entry.values(rows)).collect()
+    }
+
+    /// The table of some rows, in their order.
+    pub fn frame(&self, rows: &[R]) -> DataFrame {
+        DataFrame::new(rows.len(), self.values(rows)).expect("the columns of a table have different names")
+    }
+
+    /// What is said of it.
+    pub fn reference(&self) -> TableReference {
+        let columns = self.entries.iter().map(|entry| entry.reference().clone()).collect();
+        TableReference { name: self.name, doc: self.doc, columns }
+    }
+}

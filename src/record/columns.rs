@@ -1,0 +1,167 @@
+//! The columns that several tables share, and those that are read back: each is named here and nowhere else.
+
+use super::{Column, Family};
+
+/// Short name of a run or of a search.
+pub const RUN_ID: Column<String> = Column::new(
+    "run_id",
+    "",
+    "short name of the run or of the search: 32 bits of BLAKE3 over its names, the campaign's included. Episode 17 of run `1a2b3c4d` \
+     is called `1a2b3c4d:17`",
+);
+/// Name of the reward.
+pub const REWARD: Column<String> = Column::new(
+    "reward",
+    "",
+    "reward of the training; of an untrained pedestrian, the reward that is counted here; `none` in a campaign without training",
+);
+/// Town of the training.
+pub const TRAIN_TOWN: Column<String> =
+    Column::new("train_town", "", "town of the training; empty for untrained pedestrians");
+/// Driving policy of the training.
+pub const TRAIN_POLICY: Column<String> =
+    Column::new("train_policy", "", "driving policy of the training; empty for untrained pedestrians");
+/// Number of the run.
+pub const RUN: Column<u32> = Column::new("run", "", "number of the run, that is of the training, from 0");
+/// What controls the pedestrian.
+pub const CONTROLLER: Column<String> = Column::new(
+    "pedestrian",
+    "",
+    "what controls the pedestrian: `trained` (the mean of its policy), `sampled` (draws from its policy), `random` (each command \
+     uniform), `homing` (walks straight at the car, as fast as it can), `intercept` (walks to where it would meet a car that keeps its \
+     velocity)",
+);
+/// Town of the episodes.
+pub const TOWN: Column<String> = Column::new("town", "", "town of the episodes");
+/// Driving policy of the episodes.
+pub const POLICY: Column<String> = Column::new("policy", "", "driving policy of the car");
+/// The vehicle.
+pub const VEHICLE: Column<String> = Column::new("vehicle", "", "model of the car");
+/// The adversary.
+pub const ADVERSARY: Column<String> = Column::new("adversary", "", "body of the pedestrian");
+/// Number of the block.
+pub const BLOCK: Column<u32> = Column::new("block", "", "number of the `evaluate` block in its campaign, from 0");
+/// Number of the episode.
+pub const EPISODE: Column<u32> =
+    Column::new("episode", "", "number of the episode, from 0; equal numbers of a place have equal starts");
+
+/// How the episode ended.
+pub const OUTCOME: Column<String> = Column::new(
+    "outcome",
+    "",
+    "`collision`, `timeout`, `lost` (the scenario's `end_when` was true), or `error` (an external driver failed as a program)",
+);
+/// Why the driver failed.
+pub const ERROR: Column<String> = Column::new("error", "", "why the driver failed; empty otherwise");
+/// Whether they touched.
+pub const COLLISION: Column<bool> = Column::new("collision", "", "whether car and pedestrian touched");
+/// Whether they touched within the front sector.
+pub const FRONT: Column<bool> =
+    Column::new("front", "", "whether they touched within the front sector, by the bearing from the car's middle");
+/// Whether they touched while the car moved.
+pub const MOVING: Column<bool> =
+    Column::new("moving", "", "whether they touched while the car was faster than `moving_above`");
+/// Speed of the car at the touch.
+pub const IMPACT_SPEED: Column<f64> = Column::new("impact_speed_mps", "m/s", "speed of the car at the touch");
+/// Where the pedestrian was at the touch.
+pub const IMPACT_BEARING: Column<f64> = Column::new(
+    "impact_bearing_deg",
+    "deg",
+    "bearing of the pedestrian from the car's middle at the touch, positive to the left",
+);
+/// Sum of the rewards.
+pub const EPISODE_REWARD: Column<f64> = Column::new("episode_reward", "", "sum of the rewards");
+/// Length of the episode.
+pub const EPISODE_LENGTH: Column<f64> = Column::new("episode_length_s", "s", "time until the touch or the end");
+/// Simulator ticks.
+pub const TICKS: Column<u32> = Column::new("ticks", "", "simulator ticks");
+/// Least gap.
+pub const LEAST_GAP: Column<f64> =
+    Column::new("least_gap_m", "m", "least distance from the pedestrian's disc to the car's box; 0 at a collision");
+/// Least time to collision.
+pub const MIN_TTC: Column<f64> = Column::new(
+    "min_ttc_s",
+    "s",
+    "least time to collision of disc and box at constant velocities, over all ticks at which the car moves (more than 0.1 m/s); 0 \
+     after a touch of a moving car, missing if they never were on course to touch within 10 s",
+);
+/// Post-encroachment time.
+pub const PET: Column<f64> = Column::new(
+    "pet_s",
+    "s",
+    "post-encroachment time, to a tick: the least time between one leaving a place and the other reaching it, over all places that \
+     disc and box both sweep; missing without such a place and at a collision",
+);
+/// What the driver did.
+pub const DRIVING_MODE: Column<String> =
+    Column::new("driving_mode", "", "what the driver did at the pedestrian's last decision");
+/// Position of the car.
+pub const EGO_X: Column<f64> = Column::new("ego_x_m", "m", "start of the car, in the world frame");
+/// Position of the car.
+pub const EGO_Y: Column<f64> = Column::new("ego_y_m", "m", EGO_X.doc);
+/// Heading of the car.
+pub const EGO_YAW: Column<f64> = Column::new("ego_yaw_deg", "deg", "heading of the car at the start");
+/// Speed of the car.
+pub const EGO_SPEED: Column<f64> = Column::new("ego_speed_mps", "m/s", "speed of the car at the start");
+/// Position of the pedestrian.
+pub const PEDESTRIAN_X: Column<f64> = Column::new("pedestrian_x_m", "m", "start of the pedestrian, in the world frame");
+/// Position of the pedestrian.
+pub const PEDESTRIAN_Y: Column<f64> = Column::new("pedestrian_y_m", "m", PEDESTRIAN_X.doc);
+/// Heading of the pedestrian.
+pub const PEDESTRIAN_YAW: Column<f64> =
+    Column::new("pedestrian_yaw_deg", "deg", "heading of the pedestrian at the start");
+/// Digest of the episode.
+pub const DIGEST: Column<String> =
+    Column::new("digest", "", "hash of every state of the episode; equal digests mean equal episodes");
+/// Digests on the way.
+pub const TRAIL: Column<String> = Column::new(
+    "trail",
+    "",
+    "of a collision: the number of decisions from mark to mark, a colon, and a byte of the digest at each mark; it shows where a \
+     repetition diverges",
+);
+
+/// The verdict on a collision.
+pub const VERDICT: Column<String> = Column::new(
+    "verdict",
+    "",
+    "what the reference drivers say of a collision, see [Was it avoidable?](#was-it-avoidable); this and all columns below are missing \
+     without a collision",
+);
+/// Whether the pedestrian was foreseeable.
+pub const FORESEEABLE: Column<bool> = Column::new(
+    "foreseeable",
+    "",
+    "whether the pedestrian never walked faster than 8 km/h nor accelerated by more than 1.65 m/s² (Euro NCAP's running adult); turning \
+     and stopping are not limited. A pedestrian that obeys at once is foreseeable only if it stands",
+);
+/// Time of danger.
+pub const WARNING: Column<f64> = Column::new("warning_s", "s", "time from the start of the danger to the touch");
+/// How much was hidden.
+pub const HIDDEN_SHARE: Column<f64> = Column::new(
+    "hidden_share",
+    "",
+    "share of the last 3 s before the touch in which obstacles hid the middle and both edges of the pedestrian from the driver's eye, \
+     whatever the driver's sensors are",
+);
+/// Time in sight.
+pub const IN_SIGHT: Column<f64> = Column::new(
+    "in_sight_s",
+    "s",
+    "time in sight without a break before the touch, 3 s at most; before its start, a shorter episode counts as in sight",
+);
+/// Whether a reference driver avoids a collision.
+pub const AVOIDS: Family<bool> =
+    Family::new("_avoids", "", "whether that reference driver touches nobody while it moves");
+/// By how much it avoids it.
+pub const MARGIN: Family<f64> = Family::new(
+    "_margin_m",
+    "m",
+    "least gap until the reference driver's car stood or had passed, if it avoids the collision",
+);
+/// By how much it is slower.
+pub const SPEED_REDUCTION: Family<f64> = Family::new(
+    "_impact_speed_reduction_mps",
+    "m/s",
+    "recorded impact speed less that of the reference driver; all of it if it avoids the collision, negative if it hits harder",
+);

@@ -1,0 +1,199 @@
+use polars::prelude::{Column as Values, DataFrame};
+
+use super::columns::{
+    ADVERSARY, AVOIDS, BLOCK, COLLISION, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
+    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FORESEEABLE, FRONT, HIDDEN_SHARE, IMPACT_BEARING, IMPACT_SPEED, IN_SIGHT,
+    LEAST_GAP, MARGIN, MIN_TTC, MOVING, OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, REWARD, RUN,
+    RUN_ID, SPEED_REDUCTION, TICKS, TOWN, TRAIL, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT, WARNING,
+};
+use super::metric::{self, Metric};
+use super::{CellKey, ColumnReference, Entry, EpisodeRow, RunKey, Table};
+use crate::env::Ending;
+use crate::judge::{Label, NearMiss, Reference, Trial, Verdict};
+
+/// The stem of the files of the table of episodes.
+pub const EPISODES: &str = "episodes";
+
+/// The columns of a cell's key, for a table whose rows have one.
+pub fn cell_key<'t, R>(key: impl Fn(&R) -> &CellKey + Copy + 't) -> [Entry<'t, R>; 9] {
+    [
+        REWARD.of(move |row| key(row).reward.clone()),
+        TRAIN_TOWN.of(move |row| key(row).train_town.clone()),
+        TRAIN_POLICY.of(move |row| key(row).train_policy.clone()),
+        CONTROLLER.of(move |row| key(row).controller.clone()),
+        TOWN.of(move |row| key(row).town.clone()),
+        POLICY.of(move |row| key(row).policy.clone()),
+        VEHICLE.of(move |row| key(row).vehicle.clone()),
+        ADVERSARY.of(move |row| key(row).adversary.clone()),
+        BLOCK.of(move |row| key(row).block),
+    ]
+}
+
+/// The columns of a run's key in the table of episodes.
+fn run_key<'t, R>(key: impl Fn(&R) -> &RunKey + Copy + 't) -> Vec<Entry<'t, R>> {
+    let mut entries = vec![RUN_ID.of(move |row: &R| key(row).id.to_string())];
+    entries.extend(cell_key(move |row| &key(row).cell));
+    entries.insert(4, RUN.of(move |row| key(row).run));
+    entries
+}
+
+/// The key of a run, `rows` times.
+pub(super) fn repeated_key(key: &RunKey, rows: usize) -> Vec<Values> {
+    run_key(|key: &RunKey| key).iter().map(|entry| entry.repeated(key, rows)).collect()
+}
+
+/// The table of episodes: a row for each, first the key of its run.
+pub fn episode_table() -> Table<'static, EpisodeRow> {
+    let table = Table::new(
+        EPISODES,
+        "One row for each episode. Episodes with equal numbers in one town against one policy have equal starts, so rows can be paired.",
+    );
+    table.columns(run_key(|row: &EpisodeRow| &*row.key)).columns(outcome_table().entries)
+}
+
+/// What runs and cells make of episodes, in the order of their tables.
+pub fn metrics() -> Vec<Metric> {
+    let mut all: Vec<Metric> = outcome_table().entries.iter().flat_map(|entry| entry.metrics.clone()).collect();
+    all.sort_by_key(|metric| metric.place);
+    all
+}
+
+/// The names of the columns of a cell's key.
+pub fn cell_key_names() -> impl Iterator<Item = String> {
+    cell_key_references().into_iter().map(|column| column.name.into_owned())
+}
+
+/// The names of the columns of a run's key, as the table of runs has them: the number of the run comes last.
+pub fn run_key_names() -> impl Iterator<Item = String> {
+    run_key_references().into_iter().map(|column| column.name.into_owned())
+}
+
+/// What is said of the columns of a cell's key.
+pub fn cell_key_references() -> Vec<ColumnReference> {
+    cell_key(|key: &CellKey| key).iter().map(|entry| entry.reference().clone()).collect()
+}
+
+/// What is said of the columns of a run's key, in the order of [`run_key_names`].
+pub fn run_key_references() -> Vec<ColumnReference> {
+    [vec![RUN_ID.reference()], cell_key_references(), vec![RUN.reference()]].concat()
+}
+
+/// Episodes as a table, one row each, in the order given.
+pub fn episodes(rows: &[EpisodeRow]) -> DataFrame {
+    episode_table().frame(rows)
+}
+
+/// The part of the table of episodes that is stored: the episodes without the key of their run, which the plan knows.
+///
+/// A new quantity of an episode is one entry here; [`Entry::aggregated`] says what runs and cells make of it.
+pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
+    let table = Table::new(EPISODES, "The episodes of one run.");
+    let table = table
+        .column(EPISODE.of(|row: &EpisodeRow| row.episode))
+        .column(
+            OUTCOME
+                .of(|row: &EpisodeRow| ending(&row.outcome.ending))
+                .aggregated([metric::EPISODES.at(0), metric::ERRORS.at(1)]),
+        )
+        .column(ERROR.of(|row: &EpisodeRow| row.outcome.fault().map_or(String::new(), |fault| fault.to_string())))
+        .column(
+            COLLISION.of(|row| hit(row).is_some()).aggregated([metric::COLLISIONS.at(2), metric::COLLISION_RATE.at(5)]),
+        )
+        .column(
+            FRONT
+                .of(|row| hit(row).is_some_and(|hit| hit.front))
+                .aggregated([metric::FRONT_COLLISIONS.at(3), metric::FRONT_RATE.at(6)]),
+        )
+        .column(
+            MOVING
+                .of(|row| hit(row).is_some_and(|hit| hit.moving))
+                .aggregated([metric::MOVING_COLLISIONS.at(4), metric::MOVING_RATE.at(7)]),
+        )
+        .column(IMPACT_SPEED.of(|row| hit(row).map(|hit| hit.speed)).aggregated([metric::IMPACT_SPEED.at(10)]))
+        .column(IMPACT_BEARING.of(|row| hit(row).map(|hit| hit.bearing.to_degrees())))
+        .column(EPISODE_REWARD.of(|row: &EpisodeRow| row.outcome.reward).aggregated([metric::EPISODE_REWARD.at(8)]))
+        .column(EPISODE_LENGTH.of(|row: &EpisodeRow| row.outcome.duration).aggregated([metric::EPISODE_LENGTH.at(9)]))
+        .column(TICKS.of(|row: &EpisodeRow| row.outcome.ticks))
+        .column(LEAST_GAP.of(|row: &EpisodeRow| row.outcome.least_gap).aggregated([metric::LEAST_GAP.at(11)]))
+        .column(MIN_TTC.of(|row| near_miss(row).min_ttc))
+        .column(PET.of(|row| near_miss(row).pet))
+        .column(DRIVING_MODE.of(|row: &EpisodeRow| row.outcome.last_mode.name()))
+        .column(EGO_X.of(|row: &EpisodeRow| row.outcome.spawn.ego.x))
+        .column(EGO_Y.of(|row: &EpisodeRow| row.outcome.spawn.ego.y))
+        .column(EGO_YAW.of(|row: &EpisodeRow| row.outcome.spawn.ego.yaw.to_degrees()))
+        .column(EGO_SPEED.of(|row: &EpisodeRow| row.outcome.spawn.ego_speed))
+        .column(PEDESTRIAN_X.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.x))
+        .column(PEDESTRIAN_Y.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.y))
+        .column(PEDESTRIAN_YAW.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.yaw.to_degrees()))
+        .column(DIGEST.of(|row: &EpisodeRow| format!("{:016x}", row.outcome.digest)))
+        .column(TRAIL.of(|row: &EpisodeRow| row.outcome.is_collision().then(|| row.outcome.trail.to_string())));
+    table.columns(verdicts())
+}
+
+/// What the reference drivers say of collisions.
+fn verdicts() -> Vec<Entry<'static, EpisodeRow>> {
+    let verdict = |row: &EpisodeRow| row.verdict;
+    let labels = (0_u8..).zip(Label::ALL).map(|(place, label)| metric::labelled(label).at(13 + place));
+    let rates = [metric::PREVENTABLE_RATE.at(19), metric::PREVENTABLE_SHARE.at(20)];
+    let mut entries = vec![
+        VERDICT.of(move |row| verdict(row).map(|verdict| verdict.label.name())).aggregated(labels.chain(rates)),
+        FORESEEABLE
+            .of(move |row| verdict(row).map(|verdict| verdict.foreseeable))
+            .aggregated([metric::FORESEEABLE_COLLISIONS.at(12)]),
+        WARNING.of(move |row| verdict(row).map(|verdict| verdict.warning)),
+        HIDDEN_SHARE.of(move |row| verdict(row).map(|verdict| verdict.sight.hidden)),
+        IN_SIGHT.of(move |row| verdict(row).map(|verdict| verdict.sight.seen)),
+    ];
+    for reference in Reference::ALL {
+        let name = reference.name();
+        let trial = move |verdict: &Verdict| *verdict.trial(reference);
+        entries.push(AVOIDS.of(name, move |row| verdict(row).map(|verdict| trial(&verdict).is_avoided())));
+        let margin =
+            move |verdict: &Verdict| Some(trial(verdict)).filter(Trial::is_avoided).map(|trial| trial.least_gap);
+        entries.push(MARGIN.of(name, move |row| verdict(row).and_then(|verdict| margin(&verdict))));
+        entries.push(SPEED_REDUCTION.of(name, move |row| verdict(row).map(|verdict| verdict.reduction(reference))));
+    }
+    entries
+}
+
+/// A touch.
+struct Hit {
+    front: bool,
+    moving: bool,
+    speed: f64,
+    bearing: f64,
+}
+
+fn hit(row: &EpisodeRow) -> Option<Hit> {
+    match row.outcome.ending {
+        Ending::Collision { front, moving, impact_speed, bearing } => {
+            Some(Hit { front, moving, speed: impact_speed, bearing })
+        }
+        _ => None,
+    }
+}
+
+/// A driver that failed has not driven to the end.
+fn near_miss(row: &EpisodeRow) -> NearMiss {
+    if row.outcome.fault().is_some() { NearMiss::default() } else { row.near_miss }
+}
+
+/// What `outcome` says of an episode in error.
+pub const IN_ERROR: &str = named::ERROR;
+
+/// The names of endings in tables.
+pub(super) mod named {
+    pub const COLLISION: &str = "collision";
+    pub const LOST: &str = "lost";
+    pub const TIMEOUT: &str = "timeout";
+    pub const ERROR: &str = "error";
+}
+
+fn ending(ending: &Ending) -> &'static str {
+    match ending {
+        Ending::Collision { .. } => named::COLLISION,
+        Ending::Lost => named::LOST,
+        Ending::Timeout => named::TIMEOUT,
+        Ending::Error(_) => named::ERROR,
+    }
+}

@@ -1,0 +1,105 @@
+use std::fmt;
+
+use crate::compile::{Evaluation, RunId};
+
+/// What tells one cell of results from another: a controller and its training, and where and against what it was run.
+///
+/// All runs of a cell differ in their number alone.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub struct CellKey {
+    /// Number of the `evaluate` block, from 0.
+    pub block: u32,
+    /// Name of the town.
+    pub town: String,
+    /// Name of the driving policy.
+    pub policy: String,
+    /// Name of the vehicle.
+    pub vehicle: String,
+    /// Name of the adversary, for its body.
+    pub adversary: String,
+    /// What controls the pedestrian: `trained`, `sampled`, `random`, `homing` or `intercept`.
+    pub controller: String,
+    /// Name of the reward.
+    pub reward: String,
+    /// Town of the training; empty for an untrained controller.
+    pub train_town: String,
+    /// Driving policy of the training; empty for an untrained controller.
+    pub train_policy: String,
+}
+
+impl CellKey {
+    /// The key of an evaluation's cell.
+    pub fn of(evaluation: &Evaluation) -> Self {
+        let trained = &evaluation.trained;
+        Self {
+            block: evaluation.block,
+            town: evaluation.town.to_string(),
+            policy: evaluation.policy.to_string(),
+            vehicle: evaluation.vehicle.to_string(),
+            adversary: evaluation.adversary.to_string(),
+            controller: evaluation.pedestrian.name().to_string(),
+            reward: trained.reward.clone(),
+            train_town: trained.town.clone(),
+            train_policy: trained.policy.clone(),
+        }
+    }
+
+    /// Whether the controller comes from a training.
+    pub fn is_trained(&self) -> bool {
+        !self.train_town.is_empty()
+    }
+
+    /// Whether another cell has the same place: the same block, town, policy, vehicle and adversary. Cells of one place share
+    /// their starts.
+    pub fn is_beside(&self, other: &Self) -> bool {
+        (self.block, &self.town, &self.policy, &self.vehicle, &self.adversary)
+            == (other.block, &other.town, &other.policy, &other.vehicle, &other.adversary)
+    }
+
+    /// The controller with its reward and its training, as `trained r1 (harbour, careful)`.
+    pub fn who(&self) -> String {
+        let Self { controller, reward, train_town, train_policy, .. } = self;
+        if self.is_trained() {
+            format!("{controller} {reward} ({train_town}, {train_policy})")
+        } else {
+            format!("{controller} {reward}")
+        }
+    }
+
+    /// All of the key in words: [`Display`](fmt::Display), then vehicle, adversary and block.
+    pub fn in_full(&self) -> String {
+        format!("{self}, {}, {}, block {}", self.vehicle, self.adversary, self.block)
+    }
+}
+
+/// `trained r1 (harbour, careful) in village against careful`.
+impl fmt::Display for CellKey {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} in {} against {}", self.who(), self.town, self.policy)
+    }
+}
+
+/// What tells one run from another: its cell and its number.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub struct RunKey {
+    /// The short name.
+    pub id: RunId,
+    /// The cell.
+    pub cell: CellKey,
+    /// Number of the run, from 0.
+    pub run: u32,
+}
+
+impl RunKey {
+    /// The key of an evaluation.
+    pub fn of(evaluation: &Evaluation) -> Self {
+        Self { id: evaluation.id, cell: CellKey::of(evaluation), run: evaluation.trained.run }
+    }
+}
+
+/// The cell, and `, run 0`.
+impl fmt::Display for RunKey {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}, run {}", self.cell, self.run)
+    }
+}

@@ -1,0 +1,246 @@
+//! What runs and cells make of the columns of episodes.
+
+use polars::prelude::{DataFrame, DataType, Float64Chunked, PolarsResult, UInt32Chunked};
+
+use super::{Column, ColumnReference, Family, Kind, columns};
+use crate::judge::Label;
+
+/// A number that is calculated from the episodes of a run and from the runs of a cell: a column of the table of runs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Metric {
+    /// How it is calculated.
+    pub how: How,
+    /// Its place among the metrics. Tables keep the order of their columns when an entry moves.
+    pub place: u8,
+}
+
+/// How a metric is calculated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum How {
+    /// A number of episodes; a cell has the sum over its runs.
+    Count(Count),
+    /// A mean over episodes; a cell has mean and standard deviation over its runs.
+    Mean(Mean),
+    /// One count of another; a cell has mean and standard deviation over its runs, and the interval of the sums.
+    Rate(Rate),
+}
+
+/// A number of episodes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Count {
+    stem: &'static str,
+    suffix: &'static str,
+    doc: &'static str,
+    /// Which episodes count.
+    pub which: Which,
+}
+
+/// Which episodes count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Which {
+    /// Those without error.
+    Valid,
+    /// Those in error.
+    InError,
+    /// Those for which a column is true.
+    True(&'static str),
+    /// Those with this verdict.
+    Labelled(Label),
+}
+
+/// A mean over episodes; its column has the same name in the tables of episodes and of runs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mean {
+    /// The column.
+    pub name: &'static str,
+    unit: &'static str,
+    doc: &'static str,
+    /// Whether it is over the episodes without error; otherwise over those with a value.
+    pub of_valid: bool,
+    /// Whether cells have it too.
+    pub in_cells: bool,
+}
+
+/// One count of another, missing where that is 0, with Wilson's 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rate {
+    /// The column.
+    pub name: &'static str,
+    /// The part.
+    pub part: Count,
+    /// The whole.
+    pub whole: Count,
+    doc: &'static str,
+}
+
+impl Count {
+    /// The episodes that count, in a column of this name.
+    pub const fn new(name: &'static str, which: Which, doc: &'static str) -> Self {
+        Self { stem: name, suffix: "", doc, which }
+    }
+
+    /// Its column.
+    pub fn name(&self) -> String {
+        format!("{}{}", self.stem, self.suffix)
+    }
+
+    /// Its values in a table of runs or cells.
+    ///
+    /// # Errors
+    /// The table has no such column, or it holds something else.
+    pub fn read<'a>(&self, table: &'a DataFrame) -> PolarsResult<&'a UInt32Chunked> {
+        u32::array(table.column(&self.name())?)
+    }
+
+    /// It at a place among the metrics.
+    pub const fn at(self, place: u8) -> Metric {
+        Metric { how: How::Count(self), place }
+    }
+}
+
+impl Mean {
+    /// The mean of a column over the episodes without error.
+    pub const fn new(column: &Column<f64>, doc: &'static str) -> Self {
+        Self { name: column.name, unit: column.unit, doc, of_valid: true, in_cells: true }
+    }
+
+    /// The mean of a column over the episodes in which it has a value.
+    pub const fn of_present(column: &Column<f64>, doc: &'static str) -> Self {
+        Self { of_valid: false, ..Self::new(column, doc) }
+    }
+
+    /// It at a place among the metrics.
+    pub const fn at(self, place: u8) -> Metric {
+        Metric { how: How::Mean(self), place }
+    }
+}
+
+impl Rate {
+    /// One count of another, in a column of this name.
+    pub const fn new(name: &'static str, part: Count, whole: Count, doc: &'static str) -> Self {
+        Self { name, part, whole, doc }
+    }
+
+    /// It at a place among the metrics.
+    pub const fn at(self, place: u8) -> Metric {
+        Metric { how: How::Rate(self), place }
+    }
+
+    /// The ends of its interval in a table of runs or cells.
+    ///
+    /// # Errors
+    /// The table has no such columns, or they hold something else.
+    pub fn interval<'a>(&self, table: &'a DataFrame) -> PolarsResult<(&'a Float64Chunked, &'a Float64Chunked)> {
+        Ok((WILSON_LOW.read(self.name, table)?, WILSON_HIGH.read(self.name, table)?))
+    }
+}
+
+impl Metric {
+    /// Its column in the table of runs.
+    pub fn name(&self) -> String {
+        match self.how {
+            How::Count(count) => count.name(),
+            How::Mean(mean) => mean.name.to_string(),
+            How::Rate(rate) => rate.name.to_string(),
+        }
+    }
+
+    /// Whether a cell has mean and standard deviation of it over its runs.
+    pub fn is_averaged(&self) -> bool {
+        match self.how {
+            How::Count(_) => false,
+            How::Mean(mean) => mean.in_cells,
+            How::Rate(_) => true,
+        }
+    }
+
+    /// What is said of its column.
+    pub fn reference(&self) -> ColumnReference {
+        let (unit, doc, holds) = match self.how {
+            How::Count(count) => ("", count.doc, DataType::UInt32),
+            How::Mean(mean) => (mean.unit, mean.doc, DataType::Float64),
+            How::Rate(rate) => ("", rate.doc, DataType::Float64),
+        };
+        ColumnReference { name: self.name().into(), unit: unit.into(), doc: doc.into(), holds }
+    }
+}
+
+/// Number of runs of a cell.
+pub const RUNS: Count = Count::new("runs", Which::Valid, "number of runs");
+/// Number of episodes.
+pub const EPISODES: Count = Count::new(
+    "episodes",
+    Which::Valid,
+    "number of episodes; episodes in error are left out here and in every rate and mean",
+);
+/// Number of errors.
+pub const ERRORS: Count = Count::new("errors", Which::InError, "number of episodes in error");
+/// Number of collisions.
+pub const COLLISIONS: Count = Count::new("collisions", Which::True(columns::COLLISION.name), "number of collisions");
+/// Number of frontal collisions.
+pub const FRONT_COLLISIONS: Count =
+    Count::new("front_collisions", Which::True(columns::FRONT.name), "number of frontal collisions");
+/// Number of collisions with a moving car.
+pub const MOVING_COLLISIONS: Count =
+    Count::new("moving_collisions", Which::True(columns::MOVING.name), "number of collisions with a moving car");
+/// Number of collisions with a foreseeable pedestrian.
+pub const FORESEEABLE_COLLISIONS: Count = Count::new(
+    "foreseeable_collisions",
+    Which::True(columns::FORESEEABLE.name),
+    "number of collisions with a foreseeable pedestrian",
+);
+
+/// Number of collisions with a verdict.
+pub const fn labelled(label: Label) -> Count {
+    let doc = "number of collisions with that verdict";
+    Count { stem: label.name(), suffix: "_collisions", doc, which: Which::Labelled(label) }
+}
+
+/// Collisions of all episodes.
+pub const COLLISION_RATE: Rate =
+    Rate::new("collision_rate", COLLISIONS, EPISODES, "collisions of all episodes (the paper's CR)");
+/// Frontal collisions of all collisions.
+pub const FRONT_RATE: Rate = Rate::new(
+    "front_rate",
+    FRONT_COLLISIONS,
+    COLLISIONS,
+    "frontal collisions of all *collisions* (the paper's front CR); missing without any collision",
+);
+/// Collisions with a moving car of all episodes.
+pub const MOVING_RATE: Rate = Rate::new(
+    "moving_rate",
+    MOVING_COLLISIONS,
+    EPISODES,
+    "collisions with a moving car of all *episodes* (the paper's moving CR)",
+);
+/// Preventable collisions of all episodes.
+pub const PREVENTABLE_RATE: Rate =
+    Rate::new("preventable_rate", labelled(Label::Preventable), EPISODES, "preventable collisions of all *episodes*");
+/// Preventable collisions of all collisions.
+pub const PREVENTABLE_SHARE: Rate = Rate::new(
+    "preventable_share",
+    labelled(Label::Preventable),
+    COLLISIONS,
+    "preventable collisions of all *collisions*; missing without any collision",
+);
+/// Mean reward.
+pub const EPISODE_REWARD: Mean = Mean::new(&columns::EPISODE_REWARD, "mean reward of an episode");
+/// Mean length.
+pub const EPISODE_LENGTH: Mean = Mean::new(&columns::EPISODE_LENGTH, "mean length of an episode");
+/// Mean impact speed.
+pub const IMPACT_SPEED: Mean = Mean::of_present(&columns::IMPACT_SPEED, "mean speed of the car at a collision");
+/// Mean least gap.
+pub const LEAST_GAP: Mean = Mean { in_cells: false, ..Mean::new(&columns::LEAST_GAP, "mean of the least gaps") };
+
+/// Mean over runs of a metric.
+pub const MEAN: Family<f64> = Family::new("_mean", "", "mean over the runs of the cell");
+/// Standard deviation of a metric over runs.
+pub const SD: Family<f64> = Family::new("_sd", "", "sample standard deviation over the runs of the cell");
+/// Low end of the interval of a rate.
+pub const WILSON_LOW: Family<f64> = Family::new(
+    "_wilson_low",
+    "",
+    "Wilson's 95 % interval of that rate, over all episodes (of a share or `front_rate`: over all collisions) of the run or of the cell",
+);
+/// High end of the interval of a rate.
+pub const WILSON_HIGH: Family<f64> = Family::new("_wilson_high", "", WILSON_LOW.doc());

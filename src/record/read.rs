@@ -1,0 +1,258 @@
+//! Tables read back, by type and not by the text of their columns.
+
+use polars::prelude::{BooleanChunked, DataFrame, Float64Chunked, PolarsResult, StringChunked, UInt32Chunked};
+
+use super::columns::{
+    ADVERSARY, AVOIDS, BLOCK, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
+    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FRONT, IMPACT_BEARING, IMPACT_SPEED, IN_SIGHT, LEAST_GAP, MIN_TTC, MOVING,
+    OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, REWARD, RUN, RUN_ID, TICKS, TOWN, TRAIL,
+    TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT,
+};
+use super::episodes::named;
+use super::{CellKey, RunKey};
+use crate::av::DrivingMode;
+use crate::env::{Ending, Outcome, Spawn};
+use crate::geometry::Pose;
+use crate::judge::{Label, Reference};
+
+impl CellKey {
+    /// The key in a row of a table.
+    ///
+    /// # Errors
+    /// A column is missing or holds something else.
+    pub fn read(table: &DataFrame, row: usize) -> PolarsResult<Self> {
+        let text = |column: &super::Column<String>| -> PolarsResult<String> {
+            Ok(column.read(table)?.get(row).unwrap_or_default().to_string())
+        };
+        Ok(Self {
+            block: BLOCK.read(table)?.get(row).unwrap_or_default(),
+            town: text(&TOWN)?,
+            policy: text(&POLICY)?,
+            vehicle: text(&VEHICLE)?,
+            adversary: text(&ADVERSARY)?,
+            controller: text(&CONTROLLER)?,
+            reward: text(&REWARD)?,
+            train_town: text(&TRAIN_TOWN)?,
+            train_policy: text(&TRAIN_POLICY)?,
+        })
+    }
+}
+
+impl RunKey {
+    /// The key in a row of a table.
+    ///
+    /// # Errors
+    /// A column is missing or holds something else.
+    pub fn read(table: &DataFrame, row: usize) -> PolarsResult<Self> {
+        let id = RUN_ID.read(table)?.get(row).and_then(|id| id.parse().ok());
+        let run = RUN.read(table)?.get(row).unwrap_or_default();
+        Ok(Self { id: id.unwrap_or_default(), cell: CellKey::read(table, row)?, run })
+    }
+}
+
+/// A table of episodes, read row by row.
+///
+/// Missing numbers are none where that means something, and 0 elsewhere.
+#[derive(Debug, Clone, Copy)]
+pub struct EpisodeTable<'a> {
+    table: &'a DataFrame,
+    episode: &'a UInt32Chunked,
+    outcome: &'a StringChunked,
+    error: &'a StringChunked,
+    front: &'a BooleanChunked,
+    moving: &'a BooleanChunked,
+    impact_speed: &'a Float64Chunked,
+    impact_bearing: &'a Float64Chunked,
+    reward: &'a Float64Chunked,
+    length: &'a Float64Chunked,
+    ticks: &'a UInt32Chunked,
+    least_gap: &'a Float64Chunked,
+    min_ttc: &'a Float64Chunked,
+    pet: &'a Float64Chunked,
+    driving_mode: &'a StringChunked,
+    ego_x: &'a Float64Chunked,
+    ego_y: &'a Float64Chunked,
+    ego_yaw: &'a Float64Chunked,
+    ego_speed: &'a Float64Chunked,
+    pedestrian_x: &'a Float64Chunked,
+    pedestrian_y: &'a Float64Chunked,
+    pedestrian_yaw: &'a Float64Chunked,
+    digest: &'a StringChunked,
+    trail: &'a StringChunked,
+    verdict: &'a StringChunked,
+    in_sight: &'a Float64Chunked,
+}
+
+impl<'a> EpisodeTable<'a> {
+    /// Reads a table.
+    ///
+    /// # Errors
+    /// A column is missing or holds something else.
+    pub fn new(table: &'a DataFrame) -> PolarsResult<Self> {
+        Ok(Self {
+            table,
+            episode: EPISODE.read(table)?,
+            outcome: OUTCOME.read(table)?,
+            error: ERROR.read(table)?,
+            front: FRONT.read(table)?,
+            moving: MOVING.read(table)?,
+            impact_speed: IMPACT_SPEED.read(table)?,
+            impact_bearing: IMPACT_BEARING.read(table)?,
+            reward: EPISODE_REWARD.read(table)?,
+            length: EPISODE_LENGTH.read(table)?,
+            ticks: TICKS.read(table)?,
+            least_gap: LEAST_GAP.read(table)?,
+            min_ttc: MIN_TTC.read(table)?,
+            pet: PET.read(table)?,
+            driving_mode: DRIVING_MODE.read(table)?,
+            ego_x: EGO_X.read(table)?,
+            ego_y: EGO_Y.read(table)?,
+            ego_yaw: EGO_YAW.read(table)?,
+            ego_speed: EGO_SPEED.read(table)?,
+            pedestrian_x: PEDESTRIAN_X.read(table)?,
+            pedestrian_y: PEDESTRIAN_Y.read(table)?,
+            pedestrian_yaw: PEDESTRIAN_YAW.read(table)?,
+            digest: DIGEST.read(table)?,
+            trail: TRAIL.read(table)?,
+            verdict: VERDICT.read(table)?,
+            in_sight: IN_SIGHT.read(table)?,
+        })
+    }
+
+    /// The rows.
+    pub fn rows(&self) -> std::ops::Range<usize> {
+        0..self.table.height()
+    }
+
+    /// The key of the run of the first row; an empty one without rows.
+    ///
+    /// # Errors
+    /// A column is missing or holds something else.
+    pub fn key(&self) -> PolarsResult<RunKey> {
+        RunKey::read(self.table, 0)
+    }
+
+    /// Number of the episode.
+    pub fn episode(&self, row: usize) -> u32 {
+        self.episode.get(row).unwrap_or_default()
+    }
+
+    /// Why it is in error; none if it is not.
+    pub fn error(&self, row: usize) -> Option<&'a str> {
+        (self.outcome.get(row) == Some(named::ERROR)).then(|| self.error.get(row).unwrap_or_default())
+    }
+
+    /// Whether it is a collision.
+    pub fn is_collision(&self, row: usize) -> bool {
+        self.outcome.get(row) == Some(named::COLLISION)
+    }
+
+    /// Whether it is a collision within the front sector.
+    pub fn is_front(&self, row: usize) -> bool {
+        self.front.get(row).unwrap_or_default()
+    }
+
+    /// Whether it is a collision with a moving car.
+    pub fn is_moving(&self, row: usize) -> bool {
+        self.moving.get(row).unwrap_or_default()
+    }
+
+    /// Speed of the car at the touch (m/s).
+    pub fn impact_speed(&self, row: usize) -> Option<f64> {
+        self.impact_speed.get(row)
+    }
+
+    /// Bearing of the pedestrian at the touch (rad), positive to the left.
+    pub fn impact_bearing(&self, row: usize) -> Option<f64> {
+        self.impact_bearing.get(row).map(f64::to_radians)
+    }
+
+    /// Sum of the rewards.
+    pub fn reward(&self, row: usize) -> Option<f64> {
+        self.reward.get(row)
+    }
+
+    /// Length (s).
+    pub fn length(&self, row: usize) -> Option<f64> {
+        self.length.get(row)
+    }
+
+    /// Simulator ticks; none if it was not run.
+    pub fn ticks(&self, row: usize) -> Option<u32> {
+        self.ticks.get(row)
+    }
+
+    /// Least time to collision (s).
+    pub fn min_ttc(&self, row: usize) -> Option<f64> {
+        self.min_ttc.get(row)
+    }
+
+    /// Post-encroachment time (s).
+    pub fn pet(&self, row: usize) -> Option<f64> {
+        self.pet.get(row)
+    }
+
+    /// What the driver did at the last decision.
+    pub fn driving_mode(&self, row: usize) -> Option<DrivingMode> {
+        self.driving_mode.get(row).and_then(DrivingMode::named)
+    }
+
+    /// Digest, as 16 hexadecimal digits.
+    pub fn digest(&self, row: usize) -> &'a str {
+        self.digest.get(row).unwrap_or_default()
+    }
+
+    /// The verdict.
+    pub fn label(&self, row: usize) -> Option<Label> {
+        self.verdict.get(row).and_then(Label::named)
+    }
+
+    /// Time in sight before the touch (s).
+    pub fn in_sight(&self, row: usize) -> Option<f64> {
+        self.in_sight.get(row)
+    }
+
+    /// How many collisions a reference driver avoids.
+    ///
+    /// # Errors
+    /// The column is missing or holds something else.
+    pub fn avoided(&self, reference: Reference) -> PolarsResult<u64> {
+        Ok(AVOIDS.read(reference.name(), self.table)?.sum().unwrap_or(0).into())
+    }
+
+    /// The start.
+    pub fn spawn(&self, row: usize) -> Spawn {
+        let of = |column: &Float64Chunked| column.get(row).unwrap_or_default();
+        Spawn {
+            ego: Pose::new(of(self.ego_x), of(self.ego_y), of(self.ego_yaw).to_radians()),
+            ego_speed: of(self.ego_speed),
+            pedestrian: Pose::new(of(self.pedestrian_x), of(self.pedestrian_y), of(self.pedestrian_yaw).to_radians()),
+        }
+    }
+
+    /// The outcome; none if the episode is in error.
+    pub fn outcome(&self, row: usize) -> Option<Outcome> {
+        let ending = match self.outcome.get(row)? {
+            named::COLLISION => Ending::Collision {
+                front: self.front.get(row)?,
+                moving: self.moving.get(row)?,
+                impact_speed: self.impact_speed(row).unwrap_or_default(),
+                bearing: self.impact_bearing(row).unwrap_or_default(),
+            },
+            named::LOST => Ending::Lost,
+            named::TIMEOUT => Ending::Timeout,
+            _ => return None,
+        };
+        Some(Outcome {
+            spawn: self.spawn(row),
+            ending,
+            reward: self.reward(row).unwrap_or_default(),
+            ticks: self.ticks(row)?,
+            duration: self.length(row).unwrap_or_default(),
+            least_gap: self.least_gap.get(row).unwrap_or_default(),
+            last_mode: self.driving_mode(row)?,
+            digest: u64::from_str_radix(self.digest(row), 16).ok()?,
+            trail: self.trail.get(row).and_then(|trail| trail.parse().ok()).unwrap_or_default(),
+        })
+    }
+}

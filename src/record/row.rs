@@ -1,0 +1,20 @@
+use std::sync::Arc;
+
+use super::RunKey;
+use crate::env::Outcome;
+use crate::judge::{NearMiss, Verdict};
+
+/// One episode of an evaluation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EpisodeRow {
+    /// The run that it belongs to.
+    pub key: Arc<RunKey>,
+    /// Number of the episode, from 0; equal numbers of a place have equal starts.
+    pub episode: u32,
+    /// How it began and ended.
+    pub outcome: Outcome,
+    /// What the reference drivers say of it; none without a collision.
+    pub verdict: Option<Verdict>,
+    /// How near it came to a touch.
+    pub near_miss: NearMiss,
+}

@@ -1,0 +1,106 @@
+//! Episodes as they are stored: the table without the key of their run, as Parquet.
+
+use std::io::Cursor;
+use std::ops::Range;
+
+use polars::prelude::{Column as Values, DataFrame, NamedFrom, PlSmallStr, PolarsResult, Scalar, SchemaExtPl, Series};
+use polars_io::SerReader;
+use polars_io::parquet::read::ParquetReader;
+use polars_io::parquet::write::ParquetWriter;
+
+use super::columns::{COLLISION, EPISODE, ERROR, FRONT, MOVING, OUTCOME};
+use super::episodes::{named, outcome_table, repeated_key};
+use super::{EpisodeRow, RunKey, Tally};
+
+/// Some episodes of a run.
+#[derive(Debug, Clone)]
+pub struct Chunk {
+    /// The first of them, as [`encode`] wrote them.
+    pub outcomes: DataFrame,
+    /// Why there are no more; empty if there is no reason.
+    pub error: String,
+}
+
+impl Chunk {
+    /// No episodes, for no reason.
+    pub fn empty() -> Self {
+        Self { outcomes: outcome_table().frame(&[]), error: String::new() }
+    }
+
+    /// The episodes as rows of the table of episodes. `wanted` are the numbers of the episodes that the chunk should have; if it
+    /// has an error, the missing ones become rows in error.
+    ///
+    /// # Errors
+    /// Those of polars; none for what [`encode`] wrote.
+    pub fn into_episodes(self, key: &RunKey, wanted: Range<u32>) -> PolarsResult<DataFrame> {
+        let mut rows = self.outcomes.head(Some(wanted.len()));
+        let done = rows.height() as u32;
+        if !self.error.is_empty() {
+            rows.vstack_mut(&in_error(wanted.start + done..wanted.end, &self.error)?)?;
+            rows.rechunk_mut();
+        }
+        let mut columns = repeated_key(key, rows.height());
+        columns.extend(rows.columns().iter().cloned());
+        DataFrame::new(rows.height(), columns)
+    }
+}
+
+/// Where the episodes of a campaign are stored.
+pub trait Chunks {
+    /// A chunk of an evaluation, both by their numbers in the plan; none if it is not there.
+    fn chunk(&self, evaluation: usize, chunk: u32) -> Option<Chunk>;
+}
+
+/// Episodes that were not run, for this reason.
+fn in_error(episodes: Range<u32>, error: &str) -> PolarsResult<DataFrame> {
+    let count = episodes.len();
+    let text = |name, text| Values::new_scalar(name, Scalar::from(PlSmallStr::from(text)), count);
+    let column = |like: &Values| {
+        let name = like.name().clone();
+        match name.as_str() {
+            known if known == EPISODE.name => Series::new(name, episodes.clone().collect::<Vec<u32>>()).into(),
+            known if known == OUTCOME.name => text(name, named::ERROR),
+            known if known == ERROR.name => text(name, error),
+            known if [COLLISION.name, FRONT.name, MOVING.name].contains(&known) => {
+                Values::new_scalar(name, Scalar::from(false), count)
+            }
+            _ => Values::full_null(name, count, like.dtype()),
+        }
+    };
+    DataFrame::new(count, outcome_table().frame(&[]).columns().iter().map(column).collect())
+}
+
+/// Encodes episodes as Parquet, after those of an earlier encoding if there is one; also gives the number of all of them.
+///
+/// # Errors
+/// Those of polars; none if `before` is an encoding.
+pub fn encode(before: Option<&[u8]>, rows: &[EpisodeRow]) -> PolarsResult<(Vec<u8>, u64)> {
+    let mut table = outcome_table().frame(rows);
+    if let Some(before) = before {
+        let mut all = decode(before)?;
+        all.vstack_mut(&table)?;
+        all.rechunk_mut();
+        table = all;
+    }
+    let mut bytes = Vec::new();
+    ParquetWriter::new(&mut bytes).finish(&mut table)?;
+    Ok((bytes, table.height() as u64))
+}
+
+/// Counts the episodes that [`encode`] wrote.
+///
+/// # Errors
+/// As [`decode`].
+pub fn tally(bytes: &[u8]) -> PolarsResult<Tally> {
+    Tally::of(&decode(bytes)?)
+}
+
+/// Decodes what [`encode`] wrote.
+///
+/// # Errors
+/// It is no Parquet, or holds other columns.
+pub fn decode(bytes: &[u8]) -> PolarsResult<DataFrame> {
+    let table = ParquetReader::new(Cursor::new(bytes.to_vec())).finish()?;
+    outcome_table().frame(&[]).schema().ensure_is_exact_match(table.schema())?;
+    Ok(table)
+}
