@@ -1,7 +1,7 @@
 //! Tells the program which version of its code it is, and links it to a fixed place in memory.
 //!
-//! `FALSIFY_CODE` is a digest of all sources that make numbers: results are kept from run to run, and those of another version must not be
-//! taken for ours. What only shows results has no part in it.
+//! `FALSIFY_CODE` is a digest of all sources that make numbers: results are stored, and those of another version must not be taken for ours.
+//! Sources that only show results have no part in it, nor has wording: comments, sentences and tests.
 //!
 //! The library of tables brings some 400,000 relocations with it; carried out at every start they take longer than checking a
 //! scenario. Nothing in the program is to be guarded by a random place: it reads text files of its own user. Finding and
@@ -11,12 +11,12 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Sources without influence on any number.
-const ONLY_SHOWS: [&str; 9] = [
+/// Sources without influence on any number. What the language makes of a file is digested by itself, in `compile::Recipe`.
+const NO_NUMBERS: [&str; 9] = [
     "src/analysis",
     "src/cli",
     "src/diagnostic",
-    "src/lang/format",
+    "src/lang",
     "src/lsp",
     "src/main.rs",
     "src/process",
@@ -79,32 +79,121 @@ fn archives(folder: &Path) -> Option<()> {
 
 /// The digest of the sources.
 fn code() -> String {
-    let mut files = Vec::new();
-    for place in ["src", "grammar", "Cargo.lock"] {
+    for place in ["src", "Cargo.lock"] {
         println!("cargo::rerun-if-changed={place}");
-        gather(Path::new(place), &mut files);
     }
-    files.sort();
+    digest(&sources(Path::new(".")))
+}
+
+/// The sources below a folder that make numbers, by their paths from there, in order.
+pub fn sources(root: &Path) -> Vec<(String, String)> {
+    let (mut open, mut found) = (vec![PathBuf::from("src"), PathBuf::from("Cargo.lock")], Vec::new());
+    while let Some(place) = open.pop() {
+        let name = place.to_string_lossy().replace('\\', "/");
+        if NO_NUMBERS.contains(&name.as_str()) {
+            continue;
+        }
+        if let Ok(entries) = std::fs::read_dir(root.join(&place)) {
+            open.extend(entries.flatten().map(|entry| place.join(entry.file_name())));
+        } else if !name.ends_with(".md") && !name.ends_with("/tests.rs") {
+            let bytes = std::fs::read(root.join(&place)).unwrap_or_default();
+            found.push((name, String::from_utf8_lossy(&bytes).into_owned()));
+        }
+    }
+    found.sort();
+    found
+}
+
+/// The digest of sources, as 16 hexadecimal digits.
+pub fn digest(sources: &[(String, String)]) -> String {
     let mut digest = blake3::Hasher::new();
-    for file in &files {
-        let bytes = std::fs::read(file).unwrap_or_default();
-        digest.update(file.to_string_lossy().replace('\\', "/").as_bytes());
-        digest.update(&(bytes.len() as u64).to_le_bytes());
-        digest.update(&bytes);
+    for (name, text) in sources {
+        let text = if name.ends_with(".rs") { without_wording(text) } else { text.clone() };
+        digest.update(name.as_bytes());
+        digest.update(&(text.len() as u64).to_le_bytes());
+        digest.update(text.as_bytes());
     }
     digest.finalize().to_hex()[..16].to_string()
 }
 
-fn gather(place: &Path, files: &mut Vec<PathBuf>) {
-    if let Ok(entries) = std::fs::read_dir(place) {
-        for path in entries.flatten().map(|entry| entry.path()) {
-            if !ONLY_SHOWS.iter().any(|shown| path == Path::new(shown)) {
-                gather(&path, files);
+/// Rust without comments, sentences, blanks that part no words, and the module of tests that ends a file.
+pub fn without_wording(text: &str) -> String {
+    let text = text.split("\n#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+    let mut out = String::with_capacity(text.len());
+    let mut rest = text;
+    let mut blank = false;
+    while let Some(first) = rest.chars().next() {
+        let length = token(rest, out.chars().next_back());
+        let (token, after) = rest.split_at(length);
+        rest = after;
+        if first.is_whitespace() || token.starts_with("//") || token.starts_with("/*") {
+            blank = true;
+            continue;
+        }
+        let word = |c: char| c.is_alphanumeric() || c == '_';
+        if std::mem::take(&mut blank) && word(first) && out.ends_with(word) {
+            out.push(' ');
+        }
+        out.push_str(if token.len() > 1 && is_sentence(token) { "\"\"" } else { token });
+    }
+    out
+}
+
+/// Whether a literal is for people: three plain words and no digit. Names of random streams and default values are none.
+fn is_sentence(literal: &str) -> bool {
+    let plain = |word: &&str| word.len() > 1 && word.bytes().all(|byte| byte.is_ascii_lowercase());
+    let words = literal.split([' ', '"', ',', '.', ';', ':', '\n']).filter(plain).count();
+    words > 2 && !literal.bytes().any(|byte| byte.is_ascii_digit())
+}
+
+/// The length of the comment, literal or character (in bytes) that a text starts with, after this character.
+fn token(text: &str, before: Option<char>) -> usize {
+    let ended = |from: usize, end: &str| text[from..].find(end).map_or(text.len(), |at| from + at + end.len());
+    let one = text.chars().next().map_or(0, char::len_utf8);
+    if text.starts_with("//") {
+        return text.find('\n').unwrap_or(text.len());
+    }
+    if text.starts_with("/*") {
+        let (mut depth, mut at) = (0, 0);
+        while at < text.len() {
+            match text.as_bytes()[at..] {
+                [b'/', b'*', ..] => (depth, at) = (depth + 1, at + 2),
+                [b'*', b'/', ..] => (depth, at) = (depth - 1, at + 2),
+                _ => at += 1,
+            }
+            if depth == 0 {
+                break;
             }
         }
-    } else if place.extension().is_some_and(|end| end != "md")
-        && place.file_name().is_some_and(|name| name != "tests.rs")
-    {
-        files.push(place.to_path_buf());
+        return at;
+    }
+    if let Some(inner) = text.strip_prefix('\'') {
+        // A character, or a lifetime.
+        let mut inner = inner.char_indices();
+        return match (inner.next(), inner.next()) {
+            (Some((_, '\\')), Some((next, c))) => ended(1 + next + c.len_utf8(), "'"),
+            (_, Some((next, '\''))) => 1 + next + 1,
+            _ => 1,
+        };
+    }
+    if let Some(inner) = text.strip_prefix('"') {
+        let mut escaped = false;
+        let end = inner.find(|c| {
+            let ends = c == '"' && !escaped;
+            escaped = c == '\\' && !escaped;
+            ends
+        });
+        return end.map_or(text.len(), |at| at + 2);
+    }
+    let hashes = text.strip_prefix('r').map(|rest| &rest[..rest.len() - rest.trim_start_matches('#').len()]);
+    match hashes {
+        // Not the end of a word; `br` and `cr` begin raw literals as well.
+        Some(hashes)
+            if text[1 + hashes.len()..].starts_with('"')
+                && !before.is_some_and(|c| c.is_alphanumeric() && !matches!(c, 'b' | 'c') || c == '_') =>
+        {
+            ended(2 + hashes.len(), &format!("\"{hashes}"))
+        }
+        _ => one,
     }
 }

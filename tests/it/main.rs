@@ -16,6 +16,7 @@ mod allocation;
 mod behavior_agent_reference;
 mod caches;
 mod catalogue;
+mod code_digest;
 mod command_line;
 mod determinism;
 mod external;
