@@ -311,9 +311,9 @@ fn cells(campaign: &Campaign, finished: &Finished, gathered: &Gathered, format: 
     let metrics = Metrics::of_runs(gathered.runs.clone()).map_err(failed)?;
     if format == Output::Human {
         let cells = metrics.cells().map_err(failed)?;
-        front::say(report::table(&campaign.name, &cells).trim_end());
+        front::say(report::results_for_terminal(&campaign.name, &cells).trim_end());
         if !finished.searches.is_empty() {
-            front::say(report::search_table(&report::search_cells(&finished.searches)).trim_end());
+            front::say(report::searches_for_terminal(&report::search_cells(&finished.searches)).trim_end());
         }
     }
     Ok(metrics)

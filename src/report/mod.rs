@@ -11,7 +11,6 @@ mod waypoints;
 mod survival;
 mod searches;
 mod published;
-mod trainings;
 mod evidence;
 mod manifest;
 mod table_stream;
@@ -36,10 +35,10 @@ pub use learning_curve::learning_curve;
 pub use manifest::{Call, FileRecord, Manifest, TrainingRecord};
 pub use metrics::{Cell, Metrics, Spread, metrics};
 pub use parting::parting;
-pub use published::{Agreement, Beside, beside, published, published_summary};
+pub use published::{Agreement, Beside, beside, published};
 pub use render::{
-    Narrative, Starts, Suite, Tally, animation, junit, narrative, search_table, shown, spawn_map, strip, table,
-    town_map,
+    Narrative, Starts, Suite, Tally, animation, junit, narrative, results_for_terminal, searches_for_terminal, shown,
+    spawn_map, strip, town_map,
 };
 pub use searches::{Average, SearchCell, search_cell_table, search_cells, search_failures, searches};
 pub use stored::{Difference, ReadError, StoredFailure, StoredReport, differences, failure};

@@ -1,8 +1,5 @@
-use std::fmt::Write;
-
 use polars::prelude::{Column, DataFrame, NamedFrom, Series};
 
-use super::render::spread;
 use super::{Cell, Spread};
 use crate::compile::{Published, PublishedCell, PublishedFigure};
 use crate::statistics::student_quantile;
@@ -164,51 +161,6 @@ pub fn published(all: &[Beside<'_>]) -> DataFrame {
         text("agreement", &|row| row.agreement().name().to_string()),
     ];
     DataFrame::new(all.len(), columns).expect("all columns have a value for every row")
-}
-
-/// The section of the summary about published figures; empty without any.
-pub fn published_summary(all: &[Beside<'_>]) -> String {
-    let mut page = String::new();
-    let Some(first) = all.first() else { return page };
-    page.push_str("\n## Beside published figures\n");
-    for table in all.chunk_by(|a, b| a.source == b.source) {
-        let _ = writeln!(page, "\n{} ({} trainings):\n", table[0].source, table[0].published_runs);
-        page.push_str("| pedestrian | reward | town | policy | figure | published | here | difference, 95 % | |\n");
-        page.push_str("|---|---|---|---|---|---|---|---|---|\n");
-        for row in table {
-            let cell = row.cell;
-            let interval = row.interval.map_or(String::new(), |(low, high)| format!(" ({low:+.2} to {high:+.2})"));
-            let difference = row.difference.map_or("–".into(), |difference| format!("{difference:+.2}"));
-            let _ = writeln!(
-                page,
-                "| {} | {} | {} | {} | {} | {} | {} | {difference}{interval} | {} |",
-                cell.key.controller,
-                cell.key.reward,
-                cell.key.town,
-                cell.key.policy,
-                row.published.column,
-                spread(row.theirs()),
-                spread(row.ours),
-                row.agreement().name(),
-            );
-        }
-        if !table[0].docs.is_empty() {
-            let _ = writeln!(page, "\n{}", table[0].docs);
-        }
-    }
-    let within = all.iter().filter(|row| row.agreement() == Agreement::Within).count();
-    let indistinct = all.iter().filter(|row| row.agreement() == Agreement::Indistinct).count();
-    let _ = writeln!(
-        page,
-        "\n{within} of {} are within the published spread, {indistinct} more cannot be told apart from it. *Within its spread*: \
-         no farther from the published mean than its standard deviation. *Indistinct*: farther, but Welch's 95 % interval of \
-         the difference, from the spreads between {} trainings here and {} there, holds 0. So few trainings tell little \
-         apart.",
-        all.len(),
-        first.cell.runs,
-        first.published_runs,
-    );
-    page
 }
 
 #[cfg(test)]

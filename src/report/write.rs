@@ -3,12 +3,12 @@ use std::collections::BTreeMap;
 use super::failure_modes::{self, CellModes};
 use super::metrics::{CELLS, RUNS};
 use super::render::{
-    accumulation_figure, file_names, mode_panels, modes_summary, rule_bars, search_summary, summary, write_page,
+    Section, accumulation_figure, file_names, mode_panels, modes_section, published_section, rule_bars, search_section,
+    summary, trainings_section, write_page,
 };
-use super::trainings::trainings_summary;
 use super::{
     FailureModes, Gathered, Manifest, Metrics, ReportFolder, WriteError, beside, evidence, learning_curve, published,
-    published_summary, search_cell_table, search_cells, search_failures, searches, town_map,
+    search_cell_table, search_cells, search_failures, searches, town_map,
 };
 use crate::campaign::Finished;
 use crate::compile::{Campaign, TrainingKey};
@@ -43,7 +43,7 @@ pub fn write(
     folder.table("comparisons", &evidence::comparison_table(&evidence.comparisons))?;
     folder.table("transfer", &evidence::transfer_table(&evidence.transfers))?;
     let modes = modes.finish();
-    let modes_words = write_failure_modes(folder, &modes)?;
+    let modes_sections = write_failure_modes(folder, &modes)?;
     folder.table("learning_curve", &learning_curve(&finished.trainings))?;
     for town in &campaign.towns {
         let starts = gathered.starts.get(&town.name).cloned().unwrap_or_default();
@@ -72,32 +72,32 @@ pub fn write(
         folder.file(&pedestrian_file(key, "onnx"), &trained.actor_critic.to_onnx(&bounds, &metadata))?;
     }
     let cells = metrics.cells().map_err(failed(CELLS))?;
-    let mut sections = String::new();
+    let mut sections = Vec::new();
     if !campaign.published.is_empty() {
         let all = beside(&campaign.published, &cells);
         folder.table("published", &published(&all))?;
-        sections.push_str(&published_summary(&all));
+        sections.extend(published_section(&all));
     }
-    sections.push_str(&modes_words);
+    sections.extend(modes_sections);
     if !finished.searches.is_empty() {
         let searched = search_cells(&finished.searches);
         folder.table("searches", &searches(&finished.searches))?;
         folder.table("search_cells", &search_cell_table(&searched))?;
         folder.table("search_failures", &search_failures(&finished.searches))?;
-        sections.push_str(&search_summary(&searched));
+        sections.push(search_section(&searched));
     }
-    sections.push_str(&trainings_summary(&finished.trainings));
+    sections.extend(trainings_section(&finished.trainings));
     let page = summary(campaign, &cells, evidence, manifest, &sections);
     folder.file("summary.md", page.as_bytes())?;
     folder.file("manifest.toml", manifest.to_toml().as_bytes())?;
     write_page(folder, campaign, finished, gathered, manifest, &cells, &modes)
 }
 
-/// Adds the tables and pictures of failure modes to a report; gives what its summary says of them.
+/// Adds the tables and pictures of failure modes to a report; returns the section of its summary, none without any collision.
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write_failure_modes(folder: &ReportFolder, cells: &[CellModes<'_>]) -> Result<String, WriteError> {
+pub fn write_failure_modes(folder: &ReportFolder, cells: &[CellModes<'_>]) -> Result<Option<Section>, WriteError> {
     folder.table("failure_modes", &failure_modes::failure_modes(cells))?;
     folder.table("mode_counts", &failure_modes::mode_counts(cells))?;
     folder.table("mode_accumulation", &failure_modes::mode_accumulation(cells))?;
@@ -106,14 +106,14 @@ pub fn write_failure_modes(folder: &ReportFolder, cells: &[CellModes<'_>]) -> Re
     let names = file_names(cells);
     for (cell, name) in cells.iter().zip(&names) {
         if !cell.modes.is_empty() {
-            folder.file(&format!("modes/{name}.svg"), mode_panels(cell).as_bytes())?;
+            folder.file(&format!("modes/{name}.svg"), mode_panels(cell).to_svg().as_bytes())?;
         }
         if !cell.explanations.is_empty() {
-            folder.file(&format!("modes/{name}-why.svg"), rule_bars(cell).as_bytes())?;
+            folder.file(&format!("modes/{name}-why.svg"), rule_bars(cell).to_svg().as_bytes())?;
         }
     }
-    if let Some(svg) = accumulation_figure(cells) {
-        folder.file("mode_accumulation.svg", svg.as_bytes())?;
+    if let Some(figure) = accumulation_figure(cells) {
+        folder.file("mode_accumulation.svg", figure.to_svg().as_bytes())?;
     }
-    Ok(modes_summary(cells, &names))
+    Ok(modes_section(cells, &names))
 }

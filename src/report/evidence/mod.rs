@@ -12,7 +12,6 @@ mod transfer;
 mod gather;
 mod columns;
 mod tables;
-mod page;
 #[cfg(test)]
 mod tests;
 
@@ -20,6 +19,5 @@ pub use cell::{Between, CellEvidence, Quantiles};
 pub use comparison::{Comparison, Test};
 pub use figure::Figure;
 pub use gather::{Evidence, Gathering};
-pub use page::page;
 pub use tables::{cell_columns, comparison_table, transfer_table};
 pub use transfer::{Change, Transfer};

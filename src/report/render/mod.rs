@@ -1,18 +1,23 @@
 //! What people see of a report: tables as text, pictures, the summary, the page.
 //!
-//! Nothing here computes a result. Each file is a function from numbers to text.
+//! Nothing here computes a result. A [`table`] is made once and rendered for a terminal, as Markdown and as HTML; a [`section`](table::Section) is a
+//! heading with tables, for the summary and the page. Pictures are drawn with [`svg`].
 
-mod episode;
-mod junit;
-mod modes;
-mod page;
-mod summary;
+mod table;
 mod svg;
+mod sections;
+mod modes;
 mod town;
+mod episode;
+mod summary;
+mod page;
+mod junit;
 
 pub use episode::{Narrative, animation, narrative, strip};
 pub use junit::{Suite, junit, shown};
-pub use modes::{accumulation_figure, file_names, mode_panels, modes_summary, rule_bars};
+pub use modes::{accumulation_figure, file_names, mode_panels, modes_section, rule_bars};
 pub use page::{Tally, write_page};
-pub use summary::{place, search_summary, search_table, spread, summary, table, training};
+pub use sections::{published_section, results_for_terminal, search_section, searches_for_terminal, trainings_section};
+pub use summary::summary;
+pub use table::Section;
 pub use town::{Starts, spawn_map, town_map};

@@ -1,16 +1,17 @@
-use std::fmt::Write;
+use maud::{Markup, html};
 
+use super::EpisodeView;
 use super::narrative::BRAKING;
-use super::view::{EDGE, EpisodeView, opening};
+use super::sheet::{EDGE, HEAD, Sheet};
 use crate::env::{Moment, Recording, Scenario};
 use crate::judge::Verdict;
+use crate::report::render::svg::{Digits, fine, px};
 
 /// Width of the scene (px).
 const WIDE: f64 = 760.0;
-/// Height of the titles and of the speeds below (px).
-const HEAD: f64 = 62.0;
-const CHART: f64 = 90.0;
-/// How long the last moment is seen before it begins again (s).
+/// Height of the speeds (px).
+const SPEEDS: f64 = 90.0;
+/// How long the last moment is seen before the picture starts again (s).
 const PAUSE: f64 = 1.5;
 
 /// Draws an episode as a picture that moves, in the time in which it happened. It plays in a browser, without any script.
@@ -24,54 +25,28 @@ pub fn animation(
     subtitle: &str,
 ) -> String {
     let view = EpisodeView::new(scenario, recording, verdict);
-    let (first, last) = view.span();
-    let tall = WIDE * view.size().y / view.size().x;
-    let (width, chart) = (WIDE + 2.0 * EDGE, HEAD + tall + 40.0);
-    let height = chart + CHART + 40.0;
+    let ((first, last), tall) = (view.span(), view.height(WIDE));
+    let sheet = Sheet::new(&view, (WIDE, tall), SPEEDS);
     let clock = Clock::new(&view);
-    let mut page = opening(width, height, (title, subtitle));
-    let _ = writeln!(
-        page,
-        "<svg x=\"{EDGE}\" y=\"{HEAD}\" width=\"{WIDE}\" height=\"{tall:.1}\" viewBox=\"{}\">",
-        view.view_box()
-    );
-    view.ground(&mut page);
-    view.ways(&mut page, last, 0.35);
-    clock.sight(&mut page, &view);
-    clock.car(&mut page, &view);
-    clock.walker(&mut page, &view);
-    view.scale(&mut page);
-    let _ = writeln!(
-        page,
-        "</svg>\n<rect class=\"frame\" x=\"{EDGE}\" y=\"{HEAD}\" width=\"{WIDE}\" height=\"{tall:.1}\"/>\n\
-         <text class=\"small faint\" x=\"{EDGE}\" y=\"{:.1}\">speed (m/s)</text>",
-        chart - 12.0
-    );
-    EpisodeView::legend(&mut page, width - EDGE, chart - 12.0);
-    let (left, wide) = (EDGE + 26.0, WIDE - 26.0);
-    view.speeds(&mut page, left, chart, wide, CHART);
-    for part in 0..=4 {
-        let tick = first + (last - first) * part / 4;
-        let x = left + wide * (tick - first) as f64 / (last - first).max(1) as f64;
-        let _ = writeln!(
-            page,
-            "<text class=\"small faint\" x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{:.2} s</text>",
-            chart + CHART + 25.0,
-            view.time(tick)
-        );
-    }
-    let _ = writeln!(
-        page,
-        "<path class=\"mark\" d=\"M{left:.1} {chart:.1}v{CHART}\"><animateTransform attributeName=\"transform\" type=\"translate\" \
-         values=\"0 0;{wide:.1} 0;{wide:.1} 0\" keyTimes=\"0;{:.5};1\" {}/></path>\n</svg>",
-        clock.moving,
-        clock.rhythm()
-    );
-    page
+    let scenes = html! {
+        svg x=(EDGE) y=(HEAD) width=(WIDE) height=(px(tall)) viewBox=(view.view_box()) {
+            (view.draw_ground())
+            (view.draw_ways(last, 0.35))
+            (clock.sight())
+            (clock.car())
+            (clock.person())
+            (view.draw_scale())
+        }
+        rect.frame x=(EDGE) y=(HEAD) width=(WIDE) height=(px(tall)) {}
+    };
+    let times = [0, 1, 2, 3, 4].map(|part| first + (last - first) * part / 4);
+    let mark = sheet.mark(first, &clock.sweep(sheet.across(last) - sheet.across(first)));
+    sheet.draw((title, subtitle), &scenes, &times, &mark)
 }
 
-/// When what is shown: the episode, and a pause at its end.
-struct Clock {
+/// Which moment is shown at which time: the episode, and a pause at its end.
+struct Clock<'a> {
+    view: &'a EpisodeView<'a>,
     /// How long a round takes (s).
     round: f64,
     /// The share of it in which anything moves.
@@ -80,82 +55,91 @@ struct Clock {
     key_times: String,
 }
 
-impl Clock {
-    fn new(view: &EpisodeView<'_>) -> Self {
+impl<'a> Clock<'a> {
+    fn new(view: &'a EpisodeView<'a>) -> Self {
         let (first, last) = view.span();
         let length = view.time(last) - view.time(first);
         let round = length + PAUSE;
-        let times = (first..=last).map(|tick| format!("{:.5}", (view.time(tick) - view.time(first)) / round));
+        let times = (first..=last).map(|tick| Digits((view.time(tick) - view.time(first)) / round, 5).to_string());
         let key_times = times.chain(["1".to_string()]).collect::<Vec<_>>().join(";");
-        Self { round, moving: length / round, key_times }
+        Self { view, round, moving: length / round, key_times }
     }
 
-    fn rhythm(&self) -> String {
-        format!("dur=\"{:.2}s\" repeatCount=\"indefinite\"", self.round)
+    fn duration(&self) -> String {
+        format!("{}s", fine(self.round))
     }
 
-    /// An animation of an attribute: a value for every moment that is shown, the last one for the pause.
-    fn animate(
-        &self,
-        view: &EpisodeView<'_>,
-        element: &str,
-        attributes: &str,
-        value: &mut dyn FnMut(&Moment) -> String,
-    ) -> String {
-        let mut values: Vec<String> = view.shown().map(|(_, moment)| value(moment)).collect();
+    /// The values of an animation: one for every moment that is shown, the last one again for the pause.
+    fn values(&self, value: impl FnMut(&Moment) -> String) -> String {
+        let mut values: Vec<String> = self.view.shown().map(|(_, moment)| moment).map(value).collect();
         values.extend(values.last().cloned());
-        format!(
-            "<{element} {attributes} values=\"{}\" keyTimes=\"{}\" {}/>",
-            values.join(";"),
-            self.key_times,
-            self.rhythm()
-        )
+        values.join(";")
     }
 
-    fn car(&self, page: &mut String, view: &EpisodeView<'_>) {
-        let moved = "attributeName=\"transform\" type=\"translate\"";
-        let moved = self.animate(view, "animateTransform", moved, &mut |moment| {
-            format!("{:.2} {:.2}", moment.ego.pose.x, -moment.ego.pose.y)
-        });
+    /// Animates an attribute; `discrete` values jump, others glide.
+    fn attribute(&self, name: &str, discrete: bool, value: impl FnMut(&Moment) -> String) -> Markup {
+        let mode = if discrete { "discrete" } else { "linear" };
+        html! {
+            animate attributeName=(name) calcMode=(mode) values=(self.values(value)) keyTimes=(self.key_times)
+                dur=(self.duration()) repeatCount="indefinite" {}
+        }
+    }
+
+    /// Animates a transformation: `translate` or `rotate`.
+    fn transform(&self, kind: &str, value: impl FnMut(&Moment) -> String) -> Markup {
+        html! {
+            animateTransform attributeName="transform" type=(kind) values=(self.values(value)) keyTimes=(self.key_times)
+                dur=(self.duration()) repeatCount="indefinite" {}
+        }
+    }
+
+    /// Moves the mark over the speeds, as far as this (px).
+    fn sweep(&self, width: f64) -> Markup {
+        let width = px(width);
+        html! {
+            animateTransform attributeName="transform" type="translate" values={ "0 0;" (width) " 0;" (width) " 0" }
+                keyTimes={ "0;" (Digits(self.moving, 5)) ";1" } dur=(self.duration()) repeatCount="indefinite" {}
+        }
+    }
+
+    fn car(&self) -> Markup {
+        let moved = |moment: &Moment| format!("{} {}", fine(moment.ego.pose.x), fine(-moment.ego.pose.y));
         // An angle that jumps by a turn would spin the car.
         let mut last: Option<f64> = None;
-        let turned = "attributeName=\"transform\" type=\"rotate\"";
-        let turned = self.animate(view, "animateTransform", turned, &mut |moment| {
+        let turned = |moment: &Moment| {
             let yaw = -moment.ego.pose.yaw.to_degrees();
             let yaw = last.map_or(yaw, |last| last + (yaw - last + 540.0).rem_euclid(360.0) - 180.0);
             last = Some(yaw);
-            format!("{yaw:.1}")
-        });
-        let lit = "attributeName=\"opacity\" calcMode=\"discrete\"";
-        let lit = self.animate(view, "animate", lit, &mut |moment| {
-            if moment.control.brake > BRAKING { "1" } else { "0" }.to_string()
-        });
-        let car = view.car("").replacen("<g class=\"lamp\">", &format!("<g class=\"lamp\">{lit}"), 1);
-        let _ = writeln!(page, "<g>{moved}<g>{turned}{car}</g></g>");
+            px(yaw).to_string()
+        };
+        let lit = |moment: &Moment| if moment.control.brake > BRAKING { "1" } else { "0" }.to_string();
+        html! {
+            g {
+                (self.transform("translate", moved))
+                g {
+                    (self.transform("rotate", turned))
+                    (self.view.draw_car("1", &self.attribute("opacity", true, lit)))
+                }
+            }
+        }
     }
 
-    fn walker(&self, page: &mut String, view: &EpisodeView<'_>) {
-        let moved = "attributeName=\"transform\" type=\"translate\"";
-        let moved = self.animate(view, "animateTransform", moved, &mut |moment| {
+    fn person(&self) -> Markup {
+        let moved = |moment: &Moment| {
             let place = moment.pedestrian.pose.position();
-            format!("{:.2} {:.2}", place.x, -place.y)
-        });
-        let radius = view.walker_radius();
-        let edge = radius * 0.25;
-        let _ =
-            writeln!(page, "<circle class=\"walker\" r=\"{radius:.2}\" stroke-width=\"{edge:.2}\">{moved}</circle>");
+            format!("{} {}", fine(place.x), fine(-place.y))
+        };
+        html! { @let radius = self.view.person_radius();
+        circle.person r=(fine(radius)) stroke-width=(fine(radius * 0.25)) { (self.transform("translate", moved)) } }
     }
 
-    fn sight(&self, page: &mut String, view: &EpisodeView<'_>) {
-        let scenario = view.scenario();
-        let line = self.animate(view, "animate", "attributeName=\"d\"", &mut |moment| {
-            let (eye, walker) = (moment.eye(scenario), moment.pedestrian.pose.position());
-            format!("M{:.2} {:.2}L{:.2} {:.2}", eye.x, -eye.y, walker.x, -walker.y)
-        });
-        let seen = "attributeName=\"stroke-opacity\" calcMode=\"discrete\"";
-        let seen = self.animate(view, "animate", seen, &mut |moment| {
-            if moment.in_sight(scenario) { "1" } else { ".15" }.to_string()
-        });
-        let _ = writeln!(page, "<path class=\"sight\">{line}{seen}</path>");
+    fn sight(&self) -> Markup {
+        let seen = |moment: &Moment| if moment.in_sight(self.view.scenario()) { "1" } else { ".15" }.to_string();
+        html! {
+            path.sight {
+                (self.attribute("d", false, |moment| self.view.line_of_sight(moment)))
+                (self.attribute("stroke-opacity", true, seen))
+            }
+        }
     }
 }

@@ -2,9 +2,12 @@
 
 mod narrative;
 mod view;
+mod scene;
+mod sheet;
 mod strip;
 mod animation;
 
 pub use animation::animation;
 pub use narrative::{Narrative, narrative};
 pub use strip::strip;
+use view::EpisodeView;

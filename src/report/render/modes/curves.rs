@@ -1,29 +1,40 @@
-use kuva::prelude::*;
-
 use crate::report::failure_modes::{CellModes, accumulated};
-use crate::report::render::svg::COLOURS;
+use crate::report::render::svg::{Chart, Curve, Figure, SERIES, short, thousands};
 
-/// Draws how many kinds of collisions have been seen after so many episodes; none without any collision.
+/// Draws the expected number of kinds of collisions over the number of episodes; none without any collision.
 ///
 /// As many cells as there are colours, those with the most kinds.
-pub fn accumulation_figure(cells: &[CellModes<'_>]) -> Option<String> {
+pub fn accumulation_figure(cells: &[CellModes<'_>]) -> Option<Figure> {
     let mut shown: Vec<&CellModes<'_>> = cells.iter().filter(|cell| !cell.counts.is_empty()).collect();
     let all = shown.len();
     shown.sort_by_key(|cell| std::cmp::Reverse(cell.richness.seen));
-    shown.truncate(COLOURS.len());
-    if shown.is_empty() {
-        return None;
-    }
-    let line = |(cell, colour): (&&CellModes<'_>, &&str)| {
-        let points = accumulated(cell).into_iter().map(|(episodes, kinds)| (episodes as f64, kinds));
-        LinePlot::new().with_data(points).with_color(*colour).with_legend(cell.key.to_string()).into()
+    shown.truncate(SERIES);
+    let curve = |(colour, cell): (usize, &&CellModes<'_>)| {
+        let points = accumulated(cell).into_iter().map(|(episodes, kinds)| (episodes as f64, kinds)).collect();
+        Curve { colour, points, ..Curve::default() }
     };
-    let plots: Vec<Plot> = shown.iter().zip(&COLOURS).map(line).collect();
+    let curves: Vec<Curve> = shown.iter().enumerate().map(curve).collect();
+    let ends = || curves.iter().filter_map(|curve| curve.points.last());
+    let (right, most) = ends().fold((0.0, 0.0), |(x, y): (f64, f64), end| (x.max(end.0), y.max(end.1)));
+    let chart = Chart {
+        size: (600.0, 320.0),
+        x: (0.0, right),
+        y: (0.0, most * 1.04),
+        x_label: "episodes".into(),
+        y_text: short,
+        x_text: thousands,
+    };
+    let says: Vec<String> =
+        shown.iter().map(|cell| format!("{}: {} kinds", cell.key.to_string(), cell.richness.seen)).collect();
     let title = match all {
-        all if all > shown.len() => format!("FailureModes of collisions seen: {} of {all} cells", shown.len()),
-        _ => "FailureModes of collisions seen".into(),
+        all if all > shown.len() => format!("Kinds of collisions seen: {} of {all} cells", shown.len()),
+        _ => "Kinds of collisions seen".into(),
     };
-    let layout =
-        Layout::auto_from_plots(&plots).with_title(title).with_x_label("episodes").with_y_label("expected kinds");
-    Some(render_to_svg(plots, layout))
+    (!curves.is_empty()).then(|| Figure {
+        name: "mode_accumulation".into(),
+        title,
+        legend: shown.iter().enumerate().map(|(place, cell)| (format!("s{place}"), cell.key.to_string())).collect(),
+        panels: vec![chart.panel("Expected kinds".into(), says.join("; "), &curves)],
+        ..Figure::default()
+    })
 }

@@ -1,11 +1,13 @@
-//! Pictures and words on failure modes.
+//! Pictures and tables of failure modes.
 
-mod words;
+mod names;
+mod section;
 mod mode_panels;
 mod rule_bars;
 mod curves;
 
 pub use curves::accumulation_figure;
 pub use mode_panels::mode_panels;
+pub use names::file_names;
 pub use rule_bars::rule_bars;
-pub use words::{file_names, modes_summary};
+pub use section::modes_section;

@@ -3,20 +3,8 @@ use polars::prelude::DataFrame;
 use super::{ModeCard, Tally};
 use crate::campaign::TrainingResult;
 use crate::compile::Campaign;
-use crate::report::{Beside, Cell, Manifest, SearchCell};
-
-/// A table that the page shows as it is, in a section of its own.
-#[derive(Debug, Clone)]
-pub struct ComparisonSection {
-    /// Its section's `id`, and the stem of its files.
-    pub id: &'static str,
-    /// The heading.
-    pub title: &'static str,
-    /// What it says and how to read it.
-    pub lead: &'static str,
-    /// The table.
-    pub table: DataFrame,
-}
+use crate::report::render::table::Section;
+use crate::report::{Beside, Cell, Manifest};
 
 /// All that a page shows.
 #[derive(Debug, Clone)]
@@ -35,11 +23,11 @@ pub struct Contents<'a> {
     pub trainings: &'a [TrainingResult],
     /// The kinds of collisions.
     pub modes: &'a [ModeCard],
-    /// The falsifiers compared.
-    pub searches: &'a [SearchCell],
-    /// Further tables, each a section.
-    pub extras: &'a [ComparisonSection],
-    /// What others have published, beside ours.
+    /// Tables that the summary has, too, each a section.
+    pub sections: &'a [Section],
+    /// The published figures, as a table.
+    pub published_section: Option<Section>,
+    /// The published figures, for the diamonds in the results.
     pub published: &'a [Beside<'a>],
     /// The other files of the report that the page may link to.
     pub files: &'a [String],

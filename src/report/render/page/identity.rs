@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use polars::prelude::{DataFrame, PolarsResult};
 
-use super::super::summary::{place, training};
+use super::super::sections::{place, training};
 use crate::record::{CellKey, metric};
 use crate::report::Cell;
 

@@ -1,6 +1,5 @@
-use super::chart::{Curve, Frame, short, thousands};
-use super::figure::Figure;
 use crate::campaign::TrainingResult;
+use crate::report::render::svg::{Chart, Curve, Figure, short, thousands};
 use crate::rl::UpdateLog;
 
 /// The points of a training's curve.
@@ -52,7 +51,8 @@ fn figure(
         };
         let (x, y) = (span(|point| point.0), span(|point| point.1));
         let room = ((y.1 - y.0) * 0.06).max(1e-6);
-        let frame = Frame {
+        let chart = Chart {
+            size: Chart::SMALL,
             x: (0.0, x.1),
             y: (y.0.min(0.0) - if y.0 < 0.0 { room } else { 0.0 }, y.1 + room),
             x_label: "decisions".into(),
@@ -66,14 +66,13 @@ fn figure(
         let thin = |points: &Points| Curve { thin: true, points: points.clone(), ..Curve::default() };
         let mut drawn: Vec<Curve> = if curves.len() > 1 { curves.iter().map(thin).collect() } else { Vec::new() };
         drawn.push(mean);
-        frame.panel(group.clone(), says, &drawn)
+        chart.panel(group.clone(), says, &drawn)
     });
     Some(Figure {
         name: name.into(),
         title: format!("{title}. Thick: mean over trainings, band ± 1 sd; thin: each training."),
-        legend: Vec::new(),
-        defs: String::new(),
         panels: panels.collect(),
+        ..Figure::default()
     })
 }
 

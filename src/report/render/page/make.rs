@@ -1,21 +1,18 @@
-use std::fmt::Write;
-
+use maud::{DOCTYPE, Markup, PreEscaped, html};
 use polars::prelude::PolarsResult;
 
-use super::closing::{data, meaning, prose};
-use super::extras::extra;
+use super::Contents;
+use super::closing::{data, meaning};
 use super::identity::{Named, named, run_rates};
 use super::learning::learning;
-use super::markup::{count, escape, percent};
+use super::markup::{count, percent, prose};
 use super::modes::modes;
-use super::palette::{FIGURE_CSS, properties};
-use super::published::published;
 use super::results::results;
-use super::searches::searches;
 use super::severity::{near_misses, severity};
 use super::spawns::spawns;
 use super::verdicts::verdicts;
-use super::{ComparisonSection, Contents, Figure};
+use crate::report::render::summary::{INCOMPLETE, SMOKE};
+use crate::report::render::svg::{FIGURE_CSS, Figure, properties};
 
 /// A page with the figures on it, for those who want them as files.
 #[derive(Debug, Clone)]
@@ -26,6 +23,14 @@ pub struct Page {
     pub figures: Vec<Figure>,
 }
 
+/// A section of the page with its place in the list of contents.
+struct Part {
+    id: &'static str,
+    name: &'static str,
+    html: Markup,
+    figures: Vec<Figure>,
+}
+
 /// Makes the page of a report.
 ///
 /// # Errors
@@ -33,145 +38,108 @@ pub struct Page {
 pub fn page(contents: &Contents<'_>) -> PolarsResult<Page> {
     let cells = named(contents.cells);
     let rates = run_rates(contents.runs)?;
-    let mut body = String::new();
-    let mut figures = Vec::new();
+    let text = |id, name, html| Part { id, name, html, figures: Vec::new() };
+    let mut parts = Vec::new();
     if !cells.is_empty() {
-        body.push_str(&results(contents, &cells, &rates));
+        parts.push(text("results", "Results", results(contents, &cells, &rates)));
     }
-    body.push_str(&published(contents, &cells));
-    if let Some(figure) = verdicts(&cells) {
-        section(
-            &mut body,
-            "verdicts",
-            "Would a careful driver have avoided them?",
-            VERDICTS,
-            std::slice::from_ref(&figure),
-        );
-        figures.push(figure);
+    parts.extend(contents.published_section.as_ref().map(|each| text(each.id, each.name, each.to_html())));
+    parts.extend(figures(
+        "verdicts",
+        "Avoidable?",
+        "Would a careful driver have avoided them?",
+        VERDICTS,
+        verdicts(&cells),
+    ));
+    if !contents.modes.is_empty() {
+        parts.push(text("modes", "Kinds", modes(contents.modes)));
     }
-    body.push_str(&modes(contents.modes));
-    if let Some(figure) = severity(contents.tally, &cells) {
-        section(&mut body, "speed", "How fast the car was", SPEED, std::slice::from_ref(&figure));
-        figures.push(figure);
+    parts.extend(figures("speed", "Speed", "How fast the car was", SPEED, severity(contents.tally, &cells)));
+    parts.extend(figures("near", "Near misses", "Near misses", NEAR, near_misses(contents.tally, &cells)));
+    let starts = spawns(contents.tally, &cells, &contents.campaign.towns);
+    parts.extend(figures("places", "Starts", "Where episodes start", "", starts));
+    parts.extend(figures("learning", "Learning", "How the controllers learnt", "", learning(contents.trainings)));
+    for section in contents.sections {
+        parts.push(text(section.id, section.name, section.to_html()));
     }
-    let near = near_misses(contents.tally, &cells);
-    if !near.is_empty() {
-        section(&mut body, "near", "Near misses", NEAR, &near);
-        figures.extend(near);
-    }
-    let places = spawns(contents.tally, &cells, &contents.campaign.towns);
-    if !places.is_empty() {
-        section(&mut body, "places", "Where it begins", "", &places);
-        figures.extend(places);
-    }
-    let curves = learning(contents.trainings);
-    if !curves.is_empty() {
-        section(&mut body, "learning", "How they learnt", "", &curves);
-        figures.extend(curves);
-    }
-    body.push_str(&searches(contents.searches));
-    for each in contents.extras {
-        body.push_str(&extra(each)?);
-    }
-    body.push_str(&meaning(contents.campaign));
-    body.push_str(&data(contents.manifest, contents.files));
-    let html = format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'\">\n\
-         <meta name=\"generator\" content=\"falsify {}\">\n<title>{name}</title>\n<style>\n{}{FIGURE_CSS}{}</style>\n</head>\n<body>\n\
-         <a class=\"skip\" href=\"#main\">Skip to the results</a>\n{}{}<main id=\"main\">{}{body}</main>\n<script>\n{}{}</script>\n</body>\n</html>\n",
-        escape(&contents.manifest.version),
-        properties(),
-        include_str!("page.css"),
-        head(contents),
-        contents_list(&body, contents.extras),
-        key_numbers(contents, &cells),
-        include_str!("page.js"),
-        include_str!("player.js"),
-        name = escape(&contents.campaign.name),
-    );
-    Ok(Page { html, figures })
+    parts.push(text("meaning", "Names", meaning(contents.campaign)));
+    parts.push(text("data", "Data", data(contents.manifest, contents.files)));
+    let name = &contents.campaign.name;
+    let html = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
+                meta name="generator" content={ "falsify " (contents.manifest.version) };
+                title { (name) }
+                style { (PreEscaped(properties())) (PreEscaped(FIGURE_CSS)) (PreEscaped(include_str!("page.css"))) }
+            }
+            body {
+                a.skip href="#main" { "Skip to the results" }
+                (head(contents))
+                nav aria-label="Sections" { @for part in &parts { a href={ "#" (part.id) } { (part.name) } } }
+                main #main { (key_numbers(contents, &cells)) @for part in &parts { (part.html) } }
+                script { (PreEscaped(include_str!("page.js"))) (PreEscaped(include_str!("player.js"))) }
+            }
+        }
+    };
+    Ok(Page { html: html.into_string() + "\n", figures: parts.into_iter().flat_map(|part| part.figures).collect() })
 }
 
-const VERDICTS: &str = "Each collision was run again with other drivers at the brake, from where the danger began: the same path, the same \
-pedestrian at the same places and times, and nobody steers. A careful human is that of UN R157, in both readings; R157 is not written for \
-roads with pedestrians, so read the labels as a comparison.";
-const NEAR: &str = "Episodes that end without a collision. Least time to collision: both keeping their velocities, the shortest time to a touch at any \
-tick while the car moves. Post-encroachment time: between one leaving a place and the other taking it.";
+const VERDICTS: &str = "Each collision was run again with reference drivers at the brake, from the instant at which the danger starts. The path is the \
+same, the pedestrian is at the same places at the same times, and no driver steers. The careful human is that of UN R157, in both readings. R157 is not written \
+for roads with pedestrians, so read the labels as a comparison.";
+const NEAR: &str = "Episodes that end without a collision. Least time to collision: the shortest time to a touch at any tick while the car moves, \
+if both kept their velocities. Post-encroachment time: between the instant at which one leaves a place and the instant at which the other enters it.";
 const SPEED: &str =
-    "Height on the left is how often a moving car is hit at all; what reaches far to the right is severe.";
+    "The height at the left is how often a moving car is hit. Curves that reach far to the right are severe.";
 
-fn section(body: &mut String, id: &str, title: &str, lead: &str, figures: &[Figure]) {
-    let _ = write!(body, "<section id=\"{id}\"><h2>{title}</h2>");
-    if !lead.is_empty() {
-        let _ = write!(body, "<p class=\"lead\">{lead}</p>");
-    }
-    figures.iter().for_each(|figure| body.push_str(&figure.to_html()));
-    body.push_str("</section>");
+/// A section of figures; none without any.
+fn figures(
+    id: &'static str,
+    name: &'static str,
+    title: &str,
+    lead: &str,
+    figures: impl IntoIterator<Item = Figure>,
+) -> Option<Part> {
+    let figures: Vec<Figure> = figures.into_iter().collect();
+    let html = html! {
+        section id=(id) {
+            h2 { (title) }
+            @if !lead.is_empty() { p.lead { (lead) } }
+            @for figure in &figures { (figure.to_html()) }
+        }
+    };
+    (!figures.is_empty()).then_some(Part { id, name, html, figures })
 }
 
 /// Name, documentation and how it was run.
-fn head(contents: &Contents<'_>) -> String {
+fn head(contents: &Contents<'_>) -> Markup {
     let (campaign, manifest) = (contents.campaign, contents.manifest);
-    let mut html =
-        format!("<header class=\"top\"><p class=\"kind\">falsify · campaign</p><h1>{}</h1>", escape(&campaign.name));
-    if !campaign.docs.is_empty() {
-        let _ = write!(html, "<p class=\"lead\">{}</p>", prose(&campaign.docs.join("\n")));
-    }
-    if manifest.smoke {
-        html.push_str(
-            "<p class=\"warn\">A smoke run: it shows that everything works, and its numbers mean nothing.</p>",
-        );
-    }
-    if !manifest.complete {
-        html.push_str(
-            "<p class=\"warn\">Incomplete: it was stopped, a training failed, or a reward was no number. The manifest says which.</p>",
-        );
-    }
-    let _ = write!(html, "<p class=\"meta\">seed {} · falsify {}", manifest.seed, escape(&manifest.version));
-    for setting in &manifest.settings {
-        let _ = write!(html, " · <code>{}</code>", escape(setting));
-    }
-    html.push_str("</p><button type=\"button\" id=\"theme\" hidden>Dark</button></header>");
-    html
-}
-
-/// Links to the sections that there are.
-fn contents_list(body: &str, extras: &[ComparisonSection]) -> String {
-    let mut html = String::from("<nav aria-label=\"Sections\">");
-    let mut link = |id: &str, text: &str| {
-        if body.contains(&format!("<section id=\"{id}\"")) {
-            let _ = write!(html, "<a href=\"#{id}\">{}</a>", escape(text));
+    html! {
+        header.top {
+            p.kind { "falsify · campaign" }
+            h1 { (campaign.name) }
+            @if !campaign.docs.is_empty() { p.lead { (prose(&campaign.docs.join("\n"))) } }
+            @if manifest.smoke { p.warn { (SMOKE) } }
+            @if !manifest.complete { p.warn { (INCOMPLETE) } }
+            p.meta {
+                "seed " (manifest.seed) " · falsify " (manifest.version)
+                @for setting in &manifest.settings { " · " code { (setting) } }
+            }
+            button #theme type="button" hidden { "Dark" }
         }
-    };
-    for (id, text) in [
-        ("results", "Results"),
-        ("published", "Published"),
-        ("verdicts", "Avoidable?"),
-        ("modes", "Kinds"),
-        ("speed", "Speed"),
-        ("near", "Near misses"),
-        ("places", "Where"),
-        ("learning", "Learning"),
-        ("searches", "Falsifiers"),
-        ("meaning", "What is what"),
-        ("data", "Data"),
-    ] {
-        if id == "meaning" {
-            extras.iter().for_each(|extra| link(extra.id, extra.title));
-        }
-        link(id, text);
     }
-    html + "</nav>"
 }
 
 /// A few numbers that say what there is.
-fn key_numbers(contents: &Contents<'_>, cells: &[Named<'_>]) -> String {
+fn key_numbers(contents: &Contents<'_>, cells: &[Named<'_>]) -> Markup {
     let mut tiles: Vec<(String, String)> = Vec::new();
     let episodes: u64 = contents.cells.iter().map(|cell| u64::from(cell.episodes)).sum();
     if episodes > 0 {
-        tiles.push((count(episodes), "episodes tried".into()));
+        tiles.push((count(episodes), "episodes evaluated".into()));
     }
     let trained: Vec<&Named<'_>> = cells.iter().filter(|named| named.cell.key.controller == "trained").collect();
     let most = |rate: fn(&Named<'_>) -> Option<f64>| {
@@ -199,11 +167,8 @@ fn key_numbers(contents: &Contents<'_>, cells: &[Named<'_>]) -> String {
     if contents.manifest.errors > 0 {
         tiles.push((
             count(contents.manifest.errors),
-            "episodes in which a driver failed as a program; they count nowhere".into(),
+            "episodes in which a driver failed as a program; no number includes them".into(),
         ));
     }
-    let list = tiles.iter().fold(String::new(), |text, (number, what)| {
-        text + &format!("<div><dt>{}</dt><dd>{}</dd></div>", escape(number), escape(what))
-    });
-    format!("<dl class=\"key\">{list}</dl>")
+    html! { dl.key { @for (number, what) in tiles { div { dt { (number) } dd { (what) } } } } }
 }

@@ -1,27 +1,44 @@
+use maud::{Markup, html};
 use serde::Serialize;
 
-/// Text between tags or within a quoted attribute of HTML or SVG: whatever a name holds, it stays text.
-pub fn escape(text: &str) -> String {
-    let mut safe = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => safe.push_str("&amp;"),
-            '<' => safe.push_str("&lt;"),
-            '>' => safe.push_str("&gt;"),
-            '"' => safe.push_str("&quot;"),
-            '\'' => safe.push_str("&#39;"),
-            // No document may hold these, not even by their numbers.
-            c if c.is_control() && !matches!(c, '\n' | '\t') => safe.push('\u{fffd}'),
-            c => safe.push(c),
-        }
-    }
-    safe
-}
-
-/// JSON that may stand within `<script type="application/json">`: no text of it ends the element or begins a comment.
+/// JSON that may stand within `<script type="application/json">`: no text of it ends the element or starts a comment.
 pub fn json(value: &impl Serialize) -> String {
     let text = serde_json::to_string(value).expect("structs of strings and numbers have a form in JSON");
     text.replace('<', "\\u003c").replace('>', "\\u003e").replace('&', "\\u0026")
+}
+
+/// A paragraph or a list of Markdown as the program writes it, with code, stress and emphasis.
+pub fn paragraph(text: &str) -> Markup {
+    html! {
+        @if text.starts_with("- ") {
+            ul { @for line in text.lines() { li { (prose(line.trim_start_matches("- "))) } } }
+        } @else {
+            p { (prose(text)) }
+        }
+    }
+}
+
+/// A text with the marks of Markdown within a line: `` `code` ``, `**stress**`, `*emphasis*`. What is not closed stays as it is.
+pub fn prose(text: &str) -> Markup {
+    let marked = [("`", 0), ("**", 1), ("*", 2)].into_iter().filter_map(|(mark, kind)| {
+        let from = text.find(mark)?;
+        let inner = from + mark.len();
+        let length = text[inner..].find(mark).filter(|length| *length > 0)?;
+        let spaced = text[inner..].starts_with(' ') && mark != "`";
+        (!spaced).then_some((from, mark.len(), inner, inner + length, kind))
+    });
+    let Some((from, mark, inner, end, kind)) = marked.min_by_key(|found| (found.0, found.4)) else {
+        return html! { (text) };
+    };
+    html! {
+        (text[..from])
+        @match kind {
+            0 => code { (text[inner..end]) },
+            1 => strong { (prose(&text[inner..end])) },
+            _ => em { (prose(&text[inner..end])) },
+        }
+        (prose(&text[end + mark..]))
+    }
 }
 
 /// A name that can be a part of an `id` or a file's name: letters and digits stay, all else is a dash and a number.
@@ -56,13 +73,23 @@ mod tests {
     #[test]
     fn nothing_breaks_out_of_its_place() {
         let evil = "</script><img src=x onerror='alert(1)'>\"&\u{8}";
-        let safe = escape(evil);
-        assert!(!safe.contains(['<', '>', '"', '\'', '\u{8}']), "{safe}");
+        let safe = prose(evil).into_string();
+        assert!(!safe.contains(['<', '>', '"']), "{safe}");
+        let safe = html! { p title=(evil) {} }.into_string();
+        assert_eq!(safe.matches(['<', '>']).count(), 4, "{safe}");
         let safe = json(&[evil]);
         assert!(!safe.contains(['<', '>', '&']), "{safe}");
         let back: Vec<String> = serde_json::from_str(&safe).unwrap();
         assert_eq!(back, [evil]);
         assert_eq!(slug("a b/ü"), "a-20b-2f-fc");
+    }
+
+    #[test]
+    fn marks_within_a_line_become_elements() {
+        let html = |text: &str| prose(text).into_string();
+        assert_eq!(html("**a `b*`** *c*"), "<strong>a <code>b*</code></strong> <em>c</em>");
+        assert_eq!(html("2 * 3 and 4 ** 5, `open"), "2 * 3 and 4 ** 5, `open");
+        assert_eq!(paragraph("- a\n- *b*").into_string(), "<ul><li>a</li><li><em>b</em></li></ul>");
     }
 
     #[test]

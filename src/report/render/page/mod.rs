@@ -2,16 +2,12 @@
 //!
 //! [`page`] is a function of what [`Contents`] holds: small tables, a [`Tally`] that is gathered run by run, and the examples
 //! of failures as [`Replay`]s. Every figure is made once: the page colours it as the reader's system is set, its file in
-//! fixed colours. Names of a scenario may hold anything; they pass through [`markup`] on their way into HTML, SVG or JSON.
+//! fixed colours. Names of a scenario may hold anything; maud escapes them in HTML and SVG, [`json`](markup::json) in JSON.
 
 mod markup;
-mod palette;
-mod figure;
-mod chart;
 mod identity;
 mod tally;
 mod results;
-mod published;
 mod verdicts;
 mod severity;
 mod spawns;
@@ -20,16 +16,14 @@ mod replay;
 mod frames;
 mod modes;
 mod examples;
-mod searches;
-mod extras;
 mod closing;
 mod contents;
 mod make;
 mod write;
 
-pub use contents::{ComparisonSection, Contents};
-pub use figure::Figure;
+pub use contents::Contents;
 pub use make::page;
+pub use markup::{count, paragraph, percent};
 pub use modes::ModeCard;
 pub use replay::Replay;
 pub use tally::Tally;

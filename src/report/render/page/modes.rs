@@ -1,8 +1,9 @@
-use std::fmt::Write;
+use maud::{Markup, PreEscaped, html};
 
 use super::frames::frames;
-use super::markup::{escape, json, percent};
+use super::markup::{json, percent};
 use super::replay::{Replay, verdict_named};
+use crate::report::render::table::{Column, Table, Value};
 
 /// A kind of collision, with an example that can be played.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -33,95 +34,86 @@ pub struct ModeCard {
     pub replay: Option<Replay>,
 }
 
-/// So many cards are seen at once; the others are folded away.
+/// Cards that are seen at once; the others are folded away.
 const SHOWN: usize = 6;
 
 /// The kinds of collisions: a card with a player for those that were repeated, a table of all.
-pub fn modes(cards: &[ModeCard]) -> String {
-    if cards.is_empty() {
-        return String::new();
+pub fn modes(cards: &[ModeCard]) -> Markup {
+    let players: Vec<_> =
+        cards.iter().enumerate().filter_map(|(number, card)| Some((number, card, card.replay.as_ref()?))).collect();
+    let (shown, more) = players.split_at(players.len().min(SHOWN));
+    html! {
+        section #modes {
+            h2 { "Kinds of collisions" }
+            p.lead {
+                "A kind is where the car was hit, whether it moved, which reference drivers would have avoided it, and what its driver was doing. Within a kind, \
+                 collisions are grouped by the last seconds before the touch. The most typical example of each group is shown. "
+                span.keys { "Space plays, arrows step by a tick, with shift by a second." }
+            }
+            div.cards { @for (number, each, replay) in shown { (card(*number, each, replay)) } }
+            @if !more.is_empty() {
+                details.more {
+                    summary { "More kinds to play" }
+                    div.cards { @for (number, each, replay) in more { (card(*number, each, replay)) } }
+                }
+            }
+            details.all { summary { "All kinds" } (table(cards).to_html()) }
+        }
     }
-    let mut html = String::from(
-        "<section id=\"modes\"><h2>Kinds of collisions</h2><p class=\"lead\">By where the car was hit, whether it moved, \
-         who would have avoided it and what its driver was doing; within these by the last seconds before the touch. Each is played by \
-         its most typical example. <span class=\"keys\">Space plays, arrows step by a tick, with shift by a second.</span></p>\
-         <div class=\"cards\">",
-    );
-    let mut players = cards.iter().enumerate().filter_map(|(number, card)| Some((number, card, card.replay.as_ref()?)));
-    for (number, card, replay) in players.by_ref().take(SHOWN) {
-        self::card(&mut html, number, card, replay);
-    }
-    html.push_str("</div>");
-    let mut players = players.peekable();
-    if players.peek().is_some() {
-        html.push_str("<details class=\"more\"><summary>More kinds to play</summary><div class=\"cards\">");
-        players.for_each(|(number, card, replay)| self::card(&mut html, number, card, replay));
-        html.push_str("</div></details>");
-    }
-    html.push_str(
-        "<details class=\"all\"><summary>All kinds</summary><div class=\"wide\"><table><thead><tr><th>place</th><th>pedestrian</th><th>kind</th><th>verdict</th>\
-         <th class=\"number\">collisions</th><th class=\"number\">share</th><th class=\"number\">impact m/s</th>\
-         <th class=\"number\">after s</th><th>example</th></tr></thead><tbody>",
-    );
-    for card in cards {
-        let _ = write!(
-            html,
-            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td><td class=\"number\">{:.1}</td>\
-             <td class=\"number\">{:.1}</td><td><code>{}</code></td></tr>",
-            escape(&card.place),
-            escape(&card.who),
-            escape(&card.title),
-            verdict_named(card.verdict),
-            card.failures,
-            percent(card.share),
-            card.impact_speed,
-            card.length,
-            escape(&card.example),
-        );
-    }
-    html.push_str("</tbody></table></div></details></section>");
-    html
 }
 
-fn card(html: &mut String, number: usize, card: &ModeCard, replay: &Replay) {
-    let verdict = card.verdict;
-    let _ = write!(
-        html,
-        "<article class=\"card\" id=\"mode-{number}\" aria-labelledby=\"mode-{number}-title\"><header><h3 id=\"mode-{number}-title\">{}</h3>\
-         <span class=\"verdict {verdict}\">{}</span></header><p class=\"where\">{} · {}</p><p>{} of its collisions there, {}. {}</p>",
-        escape(&card.title),
-        verdict_named(verdict),
-        escape(&card.who),
-        escape(&card.place),
-        card.failures,
-        percent(card.share),
-        escape(&card.about),
-    );
-    let _ = write!(
-        html,
-        "<div class=\"player\" data-replay=\"replay-{number}\"></div>{}{}<p class=\"replay\"><code>falsify replay {}</code></p>\
-         <script type=\"application/json\" id=\"replay-{number}\">{}</script></article>",
-        frames(replay, &format!("ground-{number}")),
-        reference_drivers(replay),
-        escape(&card.example),
-        json(replay),
-    );
+fn table(cards: &[ModeCard]) -> Table {
+    let mut head: Vec<Column> = ["place", "controller", "kind", "verdict"].map(Column::text).into();
+    head.extend(["collisions", "share", "impact (m/s)", "after (s)"].map(Column::number));
+    head.push(Column::text("example"));
+    let row = |card: &ModeCard| {
+        vec![
+            Value::from(&card.place),
+            Value::from(&card.who),
+            Value::from(&card.title),
+            verdict_named(card.verdict).into(),
+            Value::Count(card.failures as u64),
+            Value::Percent(card.share),
+            Value::Number(Some(card.impact_speed), 1),
+            Value::Number(Some(card.length), 1),
+            Value::Code(card.example.clone()),
+        ]
+    };
+    Table { head, rows: cards.iter().map(row).collect(), ..Table::default() }
 }
 
-/// Who would have avoided it, in a line.
-fn reference_drivers(replay: &Replay) -> String {
-    if replay.drivers.is_empty() {
-        return String::new();
+fn card(number: usize, card: &ModeCard, replay: &Replay) -> Markup {
+    html! {
+        article.card id={ "mode-" (number) } aria-labelledby={ "mode-" (number) "-title" } {
+            header {
+                h3 id={ "mode-" (number) "-title" } { (card.title) }
+                span class={ "verdict " (card.verdict) } { (verdict_named(card.verdict)) }
+            }
+            p.where { (card.who) " · " (card.place) }
+            p { (card.failures) " of its collisions there, " (percent(card.share)) ". " (card.about) }
+            div.player data-replay={ "replay-" (number) } {}
+            (frames(replay, &format!("ground-{number}")))
+            (reference_drivers(replay))
+            p.replay { code { "falsify replay " (card.example) } }
+            script type="application/json" id={ "replay-" (number) } { (PreEscaped(json(replay))) }
+        }
     }
-    let mut html = String::from("<ul class=\"drivers\" aria-label=\"Reference drivers\">");
-    for (name, hit) in &replay.drivers {
-        let (text, class) = match hit {
-            None => ("avoids it".to_string(), "avoids"),
-            Some(speed) => (format!("hits at {speed:.1} m/s"), "hits"),
-        };
-        let _ = write!(html, "<li class=\"{class}\"><b>{}</b> {text}</li>", driver(name));
+}
+
+/// Which reference drivers would have avoided it, in a line.
+fn reference_drivers(replay: &Replay) -> Markup {
+    html! {
+        @if !replay.drivers.is_empty() {
+            ul.drivers aria-label="Reference drivers" {
+                @for (name, hit) in &replay.drivers {
+                    @match hit {
+                        None => li.avoids { b { (driver(name)) } " avoids it" },
+                        Some(speed) => li.hits { b { (driver(name)) } (format!(" hits at {speed:.1} m/s")) },
+                    }
+                }
+            }
+        }
     }
-    html + "</ul>"
 }
 
 /// A reference driver, for people.

@@ -1,11 +1,13 @@
 use std::collections::BTreeMap;
-use std::fmt::Write;
 
-use super::super::summary::spread;
+use maud::{Markup, html};
+
 use super::Contents;
 use super::identity::{Named, RATES, RunRates, places};
-use super::markup::{escape, percent};
+use super::markup::{count, percent};
 use crate::record::CellKey;
+use crate::report::render::svg::px;
+use crate::report::render::table::Value;
 use crate::report::{Beside, Spread};
 use crate::statistics::wilson;
 
@@ -14,74 +16,78 @@ const SIZE: (f64, f64) = (136.0, 26.0);
 /// Its margin at both ends.
 const END: f64 = 6.0;
 
-/// The table of cells: for each the rates with their intervals, and every run.
-pub fn results(contents: &Contents<'_>, cells: &[Named<'_>], rates: &BTreeMap<CellKey, RunRates>) -> String {
-    let mut html = String::from(
-        "<section id=\"results\"><h2>How often cars are hit</h2><div class=\"wide\"><table class=\"results\"><thead><tr>\
-         <th scope=\"col\">pedestrian</th><th scope=\"col\" class=\"number\">runs × episodes</th>\
-         <th scope=\"col\">any collision</th><th scope=\"col\">with a moving car</th><th scope=\"col\">preventable</th>\
-         <th scope=\"col\" class=\"number\">impact speed</th><th scope=\"col\" class=\"number\">length</th></tr>",
-    );
-    html.push_str("<tr class=\"scale\"><td colspan=\"2\"></td>");
-    for _ in RATES {
-        let _ = write!(html, "<td>{}</td>", scale());
-    }
-    html.push_str("<td class=\"number\">m/s</td><td class=\"number\">s</td></tr></thead>");
-    for (place, members) in places(cells) {
-        let _ = write!(html, "<tbody><tr><th colspan=\"7\" scope=\"rowgroup\">{}</th></tr>", escape(place));
-        for named in members {
-            row(&mut html, contents, named, rates.get(&named.cell.key));
+/// The cells as a figure in the form of a table: for each the rates with their intervals, and every run.
+pub fn results(contents: &Contents<'_>, cells: &[Named<'_>], rates: &BTreeMap<CellKey, RunRates>) -> Markup {
+    let empty = RunRates::default();
+    html! {
+        section #results {
+            h2 { "How often cars are hit" }
+            div.wide {
+                table.results {
+                    thead {
+                        tr {
+                            th scope="col" { "controller" }
+                            th.number scope="col" { "runs × episodes" }
+                            @for name in ["any collision", "with a moving car", "preventable"] { th scope="col" { (name) } }
+                            @for name in ["impact speed", "length"] { th.number scope="col" { (name) } }
+                        }
+                        tr.scale {
+                            td colspan="2" {}
+                            @for _ in RATES { td { (scale()) } }
+                            @for unit in ["m/s", "s"] { td.number { (unit) } }
+                        }
+                    }
+                    @for (place, members) in places(cells) {
+                        tbody {
+                            tr { th colspan="7" scope="rowgroup" { (place) } }
+                            @for named in members { (row(contents, named, rates.get(&named.cell.key).unwrap_or(&empty))) }
+                        }
+                    }
+                }
+            }
+            details {
+                summary { "How to read this" }
+                p {
+                    "Rates are shares of all episodes. The large dot is the mean over runs, each a training of its own. Small dots are the runs. \
+                     The bar is Wilson's 95 % interval over the episodes of all runs. It shows what more episodes of these trainings would show, \
+                     not what more trainings would show. “±” is the standard deviation over runs. "
+                    em { "Preventable" }
+                    ": both careful human drivers would have avoided it. Controllers of a place meet the same starts. \
+                     Untrained controllers do the same for every reward, so they are here once."
+                    @if !contents.published.is_empty() { " A hollow diamond is a published figure." }
+                }
+            }
         }
-        html.push_str("</tbody>");
     }
-    html.push_str("</table></div>");
-    html.push_str(
-        "<details><summary>How to read this</summary><p>Rates are shares of all episodes. The large dot is the mean over runs, each a \
-         training of its own; small dots are the runs. The bar is Wilson's 95 % interval over the episodes of all runs: what \
-         more episodes of these trainings would show, not what more trainings would. “±” is the standard deviation over runs. \
-         <em>Preventable</em>: both careful human drivers would have avoided it. Pedestrians of a place meet the same beginnings. \
-         Untrained pedestrians do the same for every reward and stand here once.",
-    );
-    if !contents.published.is_empty() {
-        html.push_str(" A hollow diamond is what others have published.");
-    }
-    html.push_str("</p></details></section>");
-    html
 }
 
-fn row(html: &mut String, contents: &Contents<'_>, named: &Named<'_>, rates: Option<&RunRates>) {
+fn row(contents: &Contents<'_>, named: &Named<'_>, rates: &RunRates) -> Markup {
     let cell = named.cell;
-    let errors =
-        if cell.errors > 0 { format!(" <em class=\"warn\">{} in error</em>", cell.errors) } else { String::new() };
-    let _ = write!(
-        html,
-        "<tr><th scope=\"row\"><i class=\"dot f{}\"></i>{}</th><td class=\"number\">{} × {}{errors}</td>",
-        named.colour,
-        escape(&named.who),
-        cell.runs,
-        cell.episodes / cell.runs.max(1),
-    );
-    let empty = RunRates::default();
-    let rates = rates.unwrap_or(&empty);
-    for (number, spread_over_runs) in [cell.collision, cell.moving, cell.preventable].into_iter().enumerate() {
-        let same =
-            |beside: &&Beside<'_>| beside.published.column == RATES[number].name && std::ptr::eq(beside.cell, cell);
-        let published = contents.published.iter().find(same);
-        let interval = wilson(rates.failures[number], rates.episodes);
-        let colour = if number == 2 { "v0".into() } else { format!("f{}", named.colour) };
-        let _ = write!(
-            html,
-            "<td><div class=\"rate\">{}",
-            picture(&colour, spread_over_runs, interval, &rates.rates[number], published)
-        );
-        let _ = write!(html, "<span>{}</span></div></td>", spread(spread_over_runs));
+    let published = |column: &str| {
+        let same = |beside: &&Beside<'_>| beside.published.column == column && std::ptr::eq(beside.cell, cell);
+        contents.published.iter().find(same)
+    };
+    html! {
+        tr {
+            th scope="row" { i class={ "dot f" (named.colour) } {} (named.who) }
+            td.number {
+                (cell.runs) " × " (count((cell.episodes / cell.runs.max(1)).into()))
+                @if cell.errors > 0 { " " em.warn { (cell.errors) " in error" } }
+            }
+            @for (number, rate) in [cell.collision, cell.moving, cell.preventable].into_iter().enumerate() {
+                td {
+                    div.rate {
+                        @let colour = if number == 2 { "v0".to_string() } else { format!("f{}", named.colour) };
+                        @let interval = wilson(rates.failures[number], rates.episodes);
+                        (picture(&colour, rate, interval, &rates.rates[number], published(RATES[number].name)))
+                        span { (Value::Spread(rate).to_string()) }
+                    }
+                }
+            }
+            td.number { (tenths(cell.impact_speed)) }
+            td.number { (tenths(cell.length)) }
+        }
     }
-    let _ = write!(
-        html,
-        "<td class=\"number\">{}</td><td class=\"number\">{}</td></tr>",
-        tenths(cell.impact_speed),
-        tenths(cell.length)
-    );
 }
 
 fn tenths(value: Spread) -> String {
@@ -97,20 +103,14 @@ fn at(rate: f64) -> f64 {
 }
 
 /// The axis above a column of rates.
-fn scale() -> String {
-    let mut svg = svg("aria-hidden=\"true\"");
-    for (rate, text) in [(0.0, "0"), (0.5, "½"), (1.0, "1")] {
-        let _ = write!(svg, "<text class=\"muted middle\" x=\"{:.1}\" y=\"16\">{text}</text>", at(rate));
+fn scale() -> Markup {
+    html! {
+        svg.panel width=(SIZE.0) height=(SIZE.1) viewBox={ "0 0 " (SIZE.0) " " (SIZE.1) } aria-hidden="true" {
+            @for (rate, text) in [(0.0, "0"), (0.5, "½"), (1.0, "1")] {
+                text.muted.middle x=(px(at(rate))) y="16" { (text) }
+            }
+        }
     }
-    svg + "</svg>"
-}
-
-fn svg(attributes: &str) -> String {
-    format!(
-        "<svg class=\"panel\" width=\"{w:.0}\" height=\"{h:.0}\" viewBox=\"0 0 {w:.0} {h:.0}\" {attributes}>",
-        w = SIZE.0,
-        h = SIZE.1
-    )
 }
 
 /// A rate with its interval and the rates of its runs.
@@ -120,43 +120,26 @@ fn picture(
     (low, high): (f64, f64),
     runs: &[f64],
     published: Option<&Beside<'_>>,
-) -> String {
-    let Some(mean) = mean.mean else { return svg("aria-hidden=\"true\"") + "</svg>" };
-    let says = format!("{}, interval {} to {}", percent(mean), percent(low), percent(high));
-    let mut text = svg(&format!("role=\"img\" aria-label=\"{says}\""));
+) -> Markup {
+    let says = mean.mean.map(|mean| format!("{}, interval {} to {}", percent(mean), percent(low), percent(high)));
     let middle = SIZE.1 / 2.0;
-    let _ = write!(text, "<title>{says}</title>");
-    for rate in [0.0, 0.5, 1.0] {
-        let _ = write!(text, "<path class=\"grid\" d=\"M{:.1} 0V{:.0}\"/>", at(rate), SIZE.1);
-    }
-    let _ = write!(
-        text,
-        "<rect class=\"{colour}\" opacity=\".32\" x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"9\" rx=\"2\"/>",
-        at(low),
-        middle - 4.5,
-        at(high) - at(low)
-    );
-    if runs.len() > 1 {
-        for rate in runs {
-            let _ = write!(
-                text,
-                "<circle class=\"{colour}\" cx=\"{:.1}\" cy=\"{:.1}\" r=\"1.6\" opacity=\".75\"/>",
-                at(*rate),
-                middle + 9.0
-            );
+    html! {
+        svg.panel width=(SIZE.0) height=(SIZE.1) viewBox={ "0 0 " (SIZE.0) " " (SIZE.1) } role="img"
+            aria-label=(says.as_deref().unwrap_or("no value")) {
+            @if let (Some(mean), Some(says)) = (mean.mean, &says) {
+                title { (says) }
+                @for rate in [0.0, 0.5, 1.0] { path.grid d={ "M" (px(at(rate))) " 0V" (SIZE.1) } {} }
+                rect class=(colour) opacity=".32" x=(px(at(low))) y=(px(middle - 4.5)) width=(px(at(high) - at(low))) height="9" rx="2" {}
+                @if runs.len() > 1 {
+                    @for rate in runs { circle class=(colour) cx=(px(at(*rate))) cy=(px(middle + 9.0)) r="1.6" opacity=".75" {} }
+                }
+                circle class={ (colour) " knob" } cx=(px(at(mean))) cy=(px(middle)) r="3.4" {}
+                @if let Some(beside) = published {
+                    path class="axis theirs" d={ "M" (px(at(beside.published.mean))) " " (px(middle - 4.5)) "l4.5 4.5l-4.5 4.5l-4.5 -4.5z" } {
+                        title { (beside.source) ": " (Value::Spread(beside.theirs()).to_string()) }
+                    }
+                }
+            }
         }
     }
-    let _ = write!(text, "<circle class=\"{colour} knob\" cx=\"{:.1}\" cy=\"{middle:.1}\" r=\"3.4\"/>", at(mean));
-    if let Some(beside) = published {
-        let theirs = beside.published;
-        let _ = write!(
-            text,
-            "<path class=\"axis theirs\" d=\"M{:.1} {:.1}l4.5 4.5l-4.5 4.5l-4.5 -4.5z\"><title>{}: {}</title></path>",
-            at(theirs.mean),
-            middle - 4.5,
-            escape(beside.source),
-            spread(Spread { mean: Some(theirs.mean), sd: theirs.sd })
-        );
-    }
-    text + "</svg>"
 }

@@ -1,8 +1,7 @@
-use super::chart::{Curve, Frame, short};
-use super::figure::Figure;
 use super::identity::{Named, places};
 use super::markup::percent;
 use super::tally::{CellTally, Tally};
+use crate::report::render::svg::{Chart, Curve, Figure, short};
 
 /// Times of near misses are shown up to this (s).
 const HORIZON: f64 = 5.0;
@@ -62,7 +61,8 @@ impl Distribution {
         if right == 0.0 || most == 0.0 {
             return None;
         }
-        let frame = Frame {
+        let chart = Chart {
+            size: Chart::SMALL,
             x: (0.0, right),
             y: (0.0, (most * 1.04).min(1.0)),
             x_label: self.x_label.into(),
@@ -90,7 +90,7 @@ impl Distribution {
             }
             // The first of the table is on top.
             drawn.reverse();
-            frame.panel(
+            chart.panel(
                 place.to_string(),
                 format!("Share of episodes that {}: {}.", self.example.1, shares.join(", ")),
                 &drawn,
@@ -100,8 +100,8 @@ impl Distribution {
             name: self.name.into(),
             title: self.title.into(),
             legend,
-            defs: String::new(),
             panels: panels.collect(),
+            ..Figure::default()
         })
     }
 }

@@ -1,23 +1,25 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use super::super::town::Scenery;
-use super::figure::{Figure, Panel};
+use maud::{Markup, html};
+
 use super::identity::Named;
-use super::markup::{escape, slug};
+use super::markup::slug;
 use super::tally::{Bin, Bins, FAR, NEAR, Tally};
 use crate::compile::NamedTown;
 use crate::geometry::Point;
+use crate::report::render::svg::{Digits, Figure, Panel, outline, px};
+use crate::report::render::town::{Scenery, Surface};
 
 /// Width of a panel.
 const WIDTH: f64 = 286.0;
-/// As many panels at most; the rest is in the towns' own pictures.
+/// Most panels; the rest is in the towns' own pictures.
 const PANELS: usize = 12;
-/// Ground shown around the outermost beginning (m).
+/// Ground shown around the outermost start (m).
 const MARGIN: f64 = 8.0;
-/// So many squares are across a town at most.
+/// Most squares across a town.
 const ACROSS: f64 = 56.0;
-/// A bin with so many episodes is drawn at its full size.
+/// Least number of episodes of a bin that is drawn at its full size.
 const FULL: u32 = 5;
 
 /// Trained pedestrians that share a map.
@@ -28,7 +30,7 @@ struct Group<'a> {
     around: Bins,
 }
 
-/// Where trained pedestrians began and how often they hit a moving car from there: over the towns, and about the car.
+/// Where trained pedestrians started and how often they hit a moving car from there: over the towns, and about the car.
 pub fn spawns(tally: &Tally, cells: &[Named<'_>], towns: &[NamedTown]) -> Vec<Figure> {
     let mut groups: Vec<Group<'_>> = Vec::new();
     for named in cells.iter().filter(|named| named.cell.key.controller == "trained") {
@@ -59,19 +61,20 @@ pub fn spawns(tally: &Tally, cells: &[Named<'_>], towns: &[NamedTown]) -> Vec<Fi
     let around = Figure {
         name: "figure-spawns-around".into(),
         title: format!(
-            "Where pedestrians began as the car sees it (it drives upwards), and how often they hit it while it moved.{cut}"
+            "Where pedestrians started as the car sees it (it drives upwards), and how often they hit it while it moved.{cut}"
         ),
         legend: legend.clone(),
-        defs: String::new(),
         panels: groups.iter().map(|group| around(&group.title, &group.around, reach)).collect(),
+        ..Figure::default()
     };
     let (defs, panels) = over_towns(&groups);
     let over = Figure {
         name: "figure-spawns-town".into(),
         title: format!("The same over the towns. Small squares: fewer than {FULL} episodes.{cut}"),
         legend,
-        defs,
+        defs: Some(defs),
         panels,
+        ..Figure::default()
     };
     vec![around, over]
 }
@@ -86,20 +89,19 @@ fn level(bin: Bin) -> usize {
 }
 
 /// Squares of an edge: the fewer episodes, the smaller; those with the highest rates on top.
-fn squares(bins: &Bins, edge: f64, place: impl Fn(f64, f64) -> (f64, f64)) -> String {
+fn squares(bins: &Bins, edge: f64, place: impl Fn(f64, f64) -> (f64, f64)) -> Markup {
     let mut by_level: BTreeMap<usize, String> = BTreeMap::new();
     for ((column, row), bin) in bins {
         let (x, y) = place((f64::from(*column) + 0.5) * edge, (f64::from(*row) + 0.5) * edge);
         let side = edge * (0.45 + 0.55 * f64::from(bin.episodes.min(FULL)) / f64::from(FULL)) * 0.96;
         let path = by_level.entry(level(*bin)).or_default();
-        let _ = write!(path, "M{:.1} {:.1}h{side:.1}v{side:.1}h-{side:.1}z", x - side / 2.0, y - side / 2.0);
+        let side = px(side);
+        let _ = write!(path, "M{} {}h{side}v{side}h-{side}z", px(x - side.0 / 2.0), px(y - side.0 / 2.0));
     }
-    by_level
-        .iter()
-        .fold(String::new(), |text, (level, path)| text + &format!("<path class=\"h{level}\" d=\"{path}\"/>"))
+    html! { @for (level, path) in &by_level { path class={ "h" (level) } d=(path) {} } }
 }
 
-/// What a map says to somebody who does not see it.
+/// What a map shows, for readers who do not see it.
 fn says(bins: &Bins) -> String {
     let mut all = Bin::default();
     bins.values().for_each(|bin| all.merge(*bin));
@@ -132,29 +134,23 @@ fn around(title: &str, bins: &Bins, reach: Reach) -> Panel {
     let scale = WIDTH / (2.0 * reach.side);
     let height = (reach.front + reach.back) * scale;
     let (middle, bumper) = (WIDTH / 2.0, reach.front * scale);
-    let mut body = format!(
-        "<rect class=\"ground\" width=\"{WIDTH:.0}\" height=\"{height:.0}\"/>\
-         <g transform=\"translate({middle:.1} {bumper:.1}) scale({scale:.3})\">"
-    );
-    let mut rings = String::new();
-    let mut ring = 10.0;
-    while ring < reach.front.max(reach.side) {
-        let radius = ring * scale;
-        let _ = write!(body, "<circle class=\"ring\" stroke-width=\"{:.3}\" r=\"{ring:.0}\"/>", 1.0 / scale);
-        // Nobody begins beside the car, so the labels stand there.
-        if ring + 4.0 < reach.side {
-            let (x, y) = (middle + radius, bumper + 12.0);
-            let _ = write!(rings, "<text class=\"muted middle\" x=\"{x:.1}\" y=\"{y:.1}\">{ring:.0} m</text>");
+    // No pedestrian starts beside the car, so the labels of the rings are there.
+    let rings = || (1..).map(|ring| f64::from(ring) * 10.0).take_while(|ring| *ring < reach.front.max(reach.side));
+    let body = html! {
+        rect.ground width=(WIDTH) height=(px(height)) {}
+        g transform={ "translate(" (px(middle)) " " (px(bumper)) ") scale(" (Digits(scale, 3)) ")" } {
+            @for ring in rings() { circle.ring stroke-width=(Digits(1.0 / scale, 3)) r=(ring) {} }
+            (squares(bins, NEAR, |x, y| (-y, -x)))
+            rect.car x="-.95" y="-2.3" width="1.9" height="4.6" rx=".6" {}
         }
-        ring += 10.0;
-    }
-    body.push_str(&squares(bins, NEAR, |x, y| (-y, -x)));
-    body.push_str("<rect class=\"car\" x=\"-.95\" y=\"-2.3\" width=\"1.9\" height=\"4.6\" rx=\".6\"/></g>");
-    body.push_str(&rings);
+        @for ring in rings().filter(|ring| ring + 4.0 < reach.side) {
+            text.muted.middle x=(px(middle + ring * scale)) y=(px(bumper + 12.0)) { (ring) " m" }
+        }
+    };
     Panel { title: title.into(), says: says(bins), size: (WIDTH, height), body }
 }
 
-/// The same bins, so many on an edge made one.
+/// The same bins, with larger squares: `times` on an edge become one.
 fn coarser(bins: &Bins, times: i32) -> Bins {
     let mut all = Bins::new();
     bins.iter()
@@ -162,57 +158,51 @@ fn coarser(bins: &Bins, times: i32) -> Bins {
     all
 }
 
-/// The towns with the beginnings on them. Every town is drawn once.
-fn over_towns(groups: &[Group<'_>]) -> (String, Vec<Panel>) {
-    let mut defs = String::new();
-    let mut frames: BTreeMap<&str, (Point, Point)> = BTreeMap::new();
+/// The towns with the starts on them. Every town is drawn once.
+fn over_towns(groups: &[Group<'_>]) -> (Markup, Vec<Panel>) {
+    let mut views: BTreeMap<&str, (Point, Point)> = BTreeMap::new();
     for group in groups {
-        let places = group.starts.keys().map(|(x, y)| Point::new(f64::from(*x) * FAR, f64::from(*y) * FAR));
-        let (mut low, mut high) = places
-            .fold((Point::new(f64::MAX, f64::MAX), Point::new(f64::MIN, f64::MIN)), |(low, high), place| {
-                (low.inf(&place), high.sup(&place))
-            });
-        if let Some(known) = frames.get(group.town.name.as_str()) {
-            (low, high) = (low.inf(&known.0), high.sup(&known.1));
+        for (x, y) in group.starts.keys() {
+            let place = Point::new(f64::from(*x) * FAR, f64::from(*y) * FAR);
+            let view = views.entry(&group.town.name).or_insert((place, place));
+            *view = (view.0.inf(&place), view.1.sup(&place));
         }
-        frames.insert(&group.town.name, (low, high));
     }
     let margin = crate::geometry::Vector::new(MARGIN, MARGIN);
-    for (name, (low, high)) in &mut frames {
-        (*low, *high) = (*low - margin, *high + margin);
-        let Some(group) = groups.iter().find(|group| group.town.name == *name) else { continue };
-        let _ = write!(defs, "<g id=\"town-{}\">", slug(name));
-        let mut last = "";
-        for (surface, corners) in &Scenery::new(&group.town.town).within(*low, *high).polygons {
-            if last != surface.class() {
-                defs.push_str(if last.is_empty() { "" } else { "\"/>" });
-                let _ = write!(defs, "<path class=\"{}\" d=\"", surface.class());
-                last = surface.class();
+    views.values_mut().for_each(|(low, high)| (*low, *high) = (*low - margin, *high + margin));
+    let town = |name: &str| groups.iter().find(|group| group.town.name == name).map(|group| &group.town.town);
+    let defs = html! {
+        @for (name, (low, high)) in &views {
+            @if let Some(town) = town(name) {
+                g id={ "town-" (slug(name)) } {
+                    @let scenery = Scenery::new(town).within(*low, *high);
+                    @for same in scenery.polygons.chunk_by(|one, next| one.0 == next.0) {
+                        path class=(same[0].0.class()) d=(surface(same)) {}
+                    }
+                }
             }
-            for (place, corner) in corners.iter().enumerate() {
-                let _ = write!(defs, "{}{:.1} {:.1}", if place == 0 { 'M' } else { 'L' }, corner.x, -corner.y);
-            }
-            defs.push('Z');
         }
-        defs.push_str(if last.is_empty() { "</g>" } else { "\"/></g>" });
-    }
-    let panels = groups.iter().map(|group| {
-        let (low, high) = frames[group.town.name.as_str()];
+    };
+    let panel = |group: &Group<'_>| {
+        let (low, high) = views.get(group.town.name.as_str())?;
         let scale = WIDTH / (high.x - low.x);
         let height = (high.y - low.y) * scale;
         let times = ((high.x - low.x) / FAR / ACROSS).ceil().max(1.0);
-        let body = format!(
-            "<rect class=\"ground\" width=\"{WIDTH:.0}\" height=\"{height:.0}\"/>\
-             <g transform=\"scale({scale:.4}) translate({:.1} {:.1})\"><use href=\"#town-{}\" opacity=\".55\"/>{}</g>",
-            -low.x,
-            high.y,
-            escape(&slug(&group.town.name)),
-            squares(&coarser(&group.starts, times as i32), times * FAR, |x, y| (x, -y)),
-        );
-        Panel { title: group.title.clone(), says: says(&group.starts), size: (WIDTH, height), body }
-    });
-    let panels = panels.collect();
-    (defs, panels)
+        let body = html! {
+            rect.ground width=(WIDTH) height=(px(height)) {}
+            g transform={ "scale(" (Digits(scale, 4)) ") translate(" (px(-low.x)) " " (px(high.y)) ")" } {
+                use href={ "#town-" (slug(&group.town.name)) } opacity=".55" {}
+                (squares(&coarser(&group.starts, times as i32), times * FAR, |x, y| (x, -y)))
+            }
+        };
+        Some(Panel { title: group.title.clone(), says: says(&group.starts), size: (WIDTH, height), body })
+    };
+    (defs, groups.iter().filter_map(panel).collect())
+}
+
+/// Polygons of one surface as one path, y down.
+fn surface(polygons: &[(Surface, Vec<Point>)]) -> String {
+    polygons.iter().map(|(_, corners)| outline(corners.iter().map(|corner| (corner.x, -corner.y)), 1)).collect()
 }
 
 #[cfg(test)]

@@ -1,14 +1,12 @@
-use polars::prelude::PolarsResult;
-
 use super::examples::repeat_examples;
 use super::identity::{Named, named};
-use super::{ComparisonSection, Contents, ModeCard, page};
+use super::{Contents, ModeCard, page};
 use crate::analysis::Impact;
 use crate::campaign::Finished;
 use crate::compile::Campaign;
 use crate::record::CellKey;
-use crate::report::evidence::{self, Evidence};
 use crate::report::failure_modes::{CellModes, Mode};
+use crate::report::render::sections::{comparisons, published_section, search_section, transfer};
 use crate::report::{Cell, Gathered, Manifest, ReportFolder, WriteError, beside, search_cells};
 use crate::seed::Seed;
 
@@ -30,6 +28,11 @@ pub fn write_page(
     let mut cards: Vec<ModeCard> =
         modes.iter().flat_map(|cell| cell.modes.iter().filter_map(|mode| card(&cell.key, mode, &names))).collect();
     repeat_examples(&mut cards, campaign, &finished.trainings, &Seed::root(manifest.seed));
+    let published = beside(&campaign.published, cells);
+    let searched = search_cells(&finished.searches);
+    let searches = (!searched.is_empty()).then(|| search_section(&searched));
+    let sections: Vec<_> =
+        [searches, comparisons(&gathered.evidence), transfer(&gathered.evidence)].into_iter().flatten().collect();
     let page = page(&Contents {
         campaign,
         manifest,
@@ -38,9 +41,9 @@ pub fn write_page(
         tally: &gathered.tally,
         trainings: &finished.trainings,
         modes: &cards,
-        searches: &search_cells(&finished.searches),
-        published: &beside(&campaign.published, cells),
-        extras: &extras(&gathered.evidence).map_err(failed)?,
+        published: &published,
+        published_section: published_section(&published),
+        sections: &sections,
         files: &folder.names()?,
     })
     .map_err(failed)?;
@@ -50,59 +53,7 @@ pub fn write_page(
     folder.file("report.html", page.html.as_bytes())
 }
 
-/// Tables of what is compared.
-fn extras(found: &Evidence) -> PolarsResult<Vec<ComparisonSection>> {
-    let comparisons = evidence::comparison_table(&found.comparisons).select([
-        "reward",
-        "train_town",
-        "train_policy",
-        "pedestrian",
-        "other_pedestrian",
-        "other_reward",
-        "town",
-        "policy",
-        "figure",
-        "value",
-        "other_value",
-        "difference",
-        "difference_student_low",
-        "difference_student_high",
-        "p_holm",
-    ])?;
-    let transfers = evidence::transfer_table(&found.transfers).select([
-        "reward",
-        "pedestrian",
-        "changed",
-        "home_town",
-        "home_policy",
-        "away_town",
-        "away_policy",
-        "figure",
-        "home_value",
-        "away_value",
-        "gap",
-        "gap_student_low",
-        "gap_student_high",
-    ])?;
-    Ok(vec![
-        ComparisonSection {
-            id: "comparisons",
-            title: "Compared on the same beginnings",
-            lead: "Each trained pedestrian against one that is not trained, or was trained for another reward, on the same beginnings. \
-                   The interval is Student’s 95 % over trainings; p is corrected for all comparisons of the campaign (Holm).",
-            table: comparisons,
-        },
-        ComparisonSection {
-            id: "transfer",
-            title: "Elsewhere",
-            lead: "What a trained pedestrian does where it was trained, less what it does in another town or against another driver, with \
-                   Student’s 95 % interval over trainings.",
-            table: transfers,
-        },
-    ])
-}
-
-/// What the page says of a mode; none for cells that stand in no row of it.
+/// The card of a mode; none for cells that have no row on the page.
 fn card(key: &CellKey, mode: &Mode, names: &[Named<'_>]) -> Option<ModeCard> {
     let named = names.iter().find(|named| named.cell.key == *key)?;
     let example = mode.example_name();

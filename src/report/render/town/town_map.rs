@@ -1,86 +1,100 @@
-//! A town from above, with where episodes began and how they ended.
+//! A town from above, with where episodes started and how they ended.
 
 use std::collections::BTreeMap;
-use std::fmt::Write;
 
-use super::super::svg::escape;
-use super::scenery::Scenery;
+use maud::{Markup, html};
+
+use super::Scenery;
 use crate::env::{Ending, Outcome, Spawn};
-use crate::geometry::{Point, Pose};
+use crate::geometry::{Point, Pose, Vector};
+use crate::report::render::svg::{Document, outline, px};
 use crate::road::Town;
 
 /// Ground shown around the town (m).
 const MARGIN: f64 = 12.0;
-/// Most beginnings that are drawn of a policy and a block.
+/// Most starts that are drawn of a policy and a block.
 const MOST_STARTS: u32 = 1000;
 /// Height of the strip for the legend (m).
 const LEGEND: f64 = 14.0;
+/// Rules of the map: its unit is a metre.
+const STYLE: &str = ".panel text{font-size:4.5px;fill:var(--ink)}.start{stroke-width:.6}.ego,.pedestrian{fill:none;stroke-width:.7;\
+stroke-linecap:round}.ego{stroke:var(--car)}.pedestrian{stroke:var(--person)}.paper{fill:var(--ground)}";
 
-/// Draws a town, and a dot for every place where pedestrians began: the redder, the more of them hit a moving car, the
-/// bluer its ring, the more hit a standing one.
+/// Draws a town, and a dot for every place where pedestrians started: the redder, the more of them hit a moving car; the
+/// bluer its ring, the more of them hit a standing one.
 pub fn town_map(town: &Town, starts: &Starts) -> String {
-    drawn(town, &|page, x, y| {
-        for start in &starts.places {
-            dot(page, start.place.x, -start.place.y, start.share(start.moving), start.share(start.standing));
-        }
-        if !starts.places.is_empty() {
-            dots_legend(page, x, y);
+    let legend = [
+        (75.0, 0.0, 0.0, "start: no car hit"),
+        (130.0, 1.0, 0.0, "all hit, car moving"),
+        (182.0, 0.0, 1.0, "all hit, car standing"),
+    ];
+    drawn(town, |x, y| {
+        html! {
+            @for start in &starts.places {
+                (dot(start.place.x, -start.place.y, start.share(start.moving), start.share(start.standing)))
+            }
+            @if !starts.places.is_empty() {
+                @for (at, moving, standing, text) in legend { (dot(x + at, y, moving, standing)) (label(x + at + 3.0, y, text)) }
+            }
         }
     })
 }
 
-/// Draws a town with beginnings of episodes: the egos in blue, the pedestrians in red, both with where they look.
+/// Draws a town with starts of episodes: the egos in blue, the pedestrians in red, both with where they look.
 pub fn spawn_map(town: &Town, spawns: &[Spawn]) -> String {
-    drawn(town, &|page, x, y| {
-        for spawn in spawns {
-            arrow(page, &spawn.ego, "ego", 3.0);
-        }
-        for spawn in spawns {
-            arrow(page, &spawn.pedestrian, "pedestrian", 1.6);
-        }
-        for (at, class, text) in [(75.0, "ego", "the ego begins here"), (130.0, "pedestrian", "the pedestrian")] {
-            arrow(page, &Pose::new(x + at, -y, 0.0), class, 3.0);
-            label(page, x + at + 5.0, y, text);
+    drawn(town, |x, y| {
+        html! {
+            @for spawn in spawns { (arrow(&spawn.ego, "ego", 3.0)) }
+            @for spawn in spawns { (arrow(&spawn.pedestrian, "pedestrian", 1.6)) }
+            @for (at, class, text) in [(75.0, "ego", "start of the ego"), (130.0, "pedestrian", "start of the pedestrian")] {
+                (arrow(&Pose::new(x + at, -y, 0.0), class, 3.0))
+                (label(x + at + 5.0, y, text))
+            }
         }
     })
 }
 
-/// Draws a town with something on it; the place of the legend goes along.
-fn drawn(town: &Town, content: &dyn Fn(&mut String, f64, f64)) -> String {
+/// Draws a town with something on it, which also gets the place of the legend.
+fn drawn(town: &Town, content: impl Fn(f64, f64) -> Markup) -> String {
     let (low, high) = town.bounds();
     let (width, height) = (high.x - low.x + 2.0 * MARGIN, high.y - low.y + 2.0 * MARGIN + LEGEND);
     let (left, top) = (low.x - MARGIN, -high.y - MARGIN);
-    let mut page = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{left:.1} {top:.1} {width:.1} {height:.1}\" width=\"1000\" \
-         font-family=\"sans-serif\">\n<title>{}</title>\n\
-         <style>.ground{{fill:#e8ebe4}}.walk{{fill:#cfd1d4}}.lane{{fill:#8b9096}}.zebra{{fill:#f2f2ee;fill-opacity:.8}}\
-         .house{{fill:#b9a68c;stroke:#8f7c63;stroke-width:.3}}.start{{stroke-width:.6}}\
-         .ego,.pedestrian{{fill:none;stroke-width:.7;stroke-linecap:round}}.ego{{stroke:#1f5fc4}}\
-         .pedestrian{{stroke:#b2182b}}</style>\n\
-         <rect class=\"ground\" x=\"{left:.1}\" y=\"{top:.1}\" width=\"{width:.1}\" height=\"{height:.1}\"/>\n",
-        escape(&town.name),
-    );
-    for (surface, corners) in &Scenery::new(town).polygons {
-        polygon(&mut page, surface.class(), corners);
-    }
     let (x, y) = (left + MARGIN, top + height - LEGEND / 2.0);
-    scale_bar(&mut page, x, y);
-    content(&mut page, x, y);
-    page.push_str("</svg>\n");
-    page
+    let body = html! {
+        (Scenery::new(town).drawn())
+        rect.ink x=(px(x)) y=(px(y - 0.5)) width="50" height="1" {}
+        (label(x + 52.0, y, "50 m"))
+        (content(x, y))
+    };
+    Document { title: &town.name, view: [left, top, width, height], width: 1000.0, style: STYLE }.with(&body)
 }
 
 /// A stroke from a pose to where it looks, with a round foot.
-fn arrow(page: &mut String, pose: &Pose, class: &str, length: f64) {
-    let tip = pose.to_world(crate::geometry::Vector::new(length, 0.0));
-    let _ = writeln!(
-        page,
-        "<path class=\"{class}\" d=\"M{:.1} {:.1}m-.4 0a.4 .4 0 1 0 .8 0a.4 .4 0 1 0 -.8 0M{:.1} {:.1}L{:.1} {:.1}\"/>",
-        pose.x, -pose.y, pose.x, -pose.y, tip.x, -tip.y
-    );
+fn arrow(pose: &Pose, class: &str, length: f64) -> Markup {
+    let tip = pose.to_world(Vector::new(length, 0.0));
+    let (x, y) = (px(pose.x), px(-pose.y));
+    html! {
+        path class=(class) d={ "M" (x) " " (y) "m-.4 0a.4 .4 0 1 0 .8 0a.4 .4 0 1 0 -.8 0M" (x) " " (y) "L" (px(tip.x)) " " (px(-tip.y)) } {}
+    }
 }
 
-/// Places where pedestrians began: the same in all runs of a policy and a block.
+fn label(x: f64, y: f64, text: &str) -> Markup {
+    html! { text x=(px(x)) y=(px(y + 1.6)) { (text) } }
+}
+
+fn dot(x: f64, y: f64, moving: f64, standing: f64) -> Markup {
+    let mix = |from: f64, to: f64, share: f64| (from + (to - from) * share).round();
+    let colour = |from: [f64; 3], to: [f64; 3], share: f64| {
+        let [r, g, b] = std::array::from_fn(|part| mix(from[part], to[part], share));
+        format!("rgb({r},{g},{b})")
+    };
+    html! {
+        circle.start cx=(px(x)) cy=(px(y)) r="1.2" fill=(colour([255.0; 3], [178.0, 24.0, 43.0], moving))
+            stroke=(colour([120.0; 3], [33.0, 102.0, 220.0], standing)) {}
+    }
+}
+
+/// Places where pedestrians started: the same in all runs of a policy and a block.
 #[derive(Debug, Clone, Default)]
 pub struct Starts {
     places: Vec<Start>,
@@ -107,7 +121,7 @@ impl Starts {
     }
 }
 
-/// How the episodes that began at a place ended.
+/// How the episodes that started at a place ended.
 #[derive(Debug, Clone)]
 struct Start {
     place: Pose,
@@ -122,43 +136,10 @@ impl Start {
     }
 }
 
-fn dot(page: &mut String, x: f64, y: f64, moving: f64, standing: f64) {
-    let mix = |from: f64, to: f64, share: f64| (from + (to - from) * share).round();
-    let (r, g, b) = (mix(255.0, 178.0, moving), mix(255.0, 24.0, moving), mix(255.0, 43.0, moving));
-    let (sr, sg, sb) = (mix(120.0, 33.0, standing), mix(120.0, 102.0, standing), mix(120.0, 220.0, standing));
-    let _ = writeln!(
-        page,
-        "<circle class=\"start\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"1.2\" fill=\"rgb({r},{g},{b})\" stroke=\"rgb({sr},{sg},{sb})\"/>"
-    );
-}
-
-fn label(page: &mut String, x: f64, y: f64, text: &str) {
-    let _ = writeln!(page, "<text x=\"{x:.1}\" y=\"{:.1}\" font-size=\"4.5\">{text}</text>", y + 1.6);
-}
-
-/// A bar of fifty metres.
-fn scale_bar(page: &mut String, x: f64, y: f64) {
-    let _ = writeln!(page, "<rect x=\"{x:.1}\" y=\"{:.1}\" width=\"50\" height=\"1\" fill=\"#333\"/>", y - 0.5);
-    label(page, x + 52.0, y, "50 m");
-}
-
-/// What the dots mean.
-fn dots_legend(page: &mut String, x: f64, y: f64) {
-    for (at, moving, standing, text) in [
-        (75.0, 0.0, 0.0, "began here: none hit"),
-        (130.0, 1.0, 0.0, "all hit, car moving"),
-        (182.0, 0.0, 1.0, "all hit, car standing"),
-    ] {
-        dot(page, x + at, y, moving, standing);
-        label(page, x + at + 3.0, y, text);
+impl Scenery {
+    /// Its polygons, y down.
+    pub fn drawn(&self) -> Markup {
+        let corners = |corners: &[Point]| outline(corners.iter().map(|corner| (corner.x, -corner.y)), 2);
+        html! { @for (surface, each) in &self.polygons { path class=(surface.class()) d=(corners(each)) {} } }
     }
-}
-
-/// Draws a polygon, y down.
-pub fn polygon(page: &mut String, class: &str, corners: &[Point]) {
-    let _ = write!(page, "<polygon class=\"{class}\" points=\"");
-    for corner in corners {
-        let _ = write!(page, "{:.2},{:.2} ", corner.x, -corner.y);
-    }
-    page.push_str("\"/>\n");
 }

@@ -3,6 +3,9 @@ use std::fmt::Write;
 /// The rules by which figures are coloured, in names of [`PALETTE`].
 pub const FIGURE_CSS: &str = include_str!("figure.css");
 
+/// How many colours tell series apart: `c0` and on.
+pub const SERIES: usize = 7;
+
 /// Every colour of page and figures: name, in the light, in the dark.
 ///
 /// The series `c…` stay apart for colour-blind readers; `v…` are the verdicts, from what the driver has to answer for to what
@@ -67,9 +70,9 @@ pub fn properties() -> String {
     )
 }
 
-/// The rules of figures with the light colours in place of their names, for files that stand alone.
-pub fn fixed() -> String {
-    PALETTE.iter().fold(FIGURE_CSS.to_string(), |css, (name, light, _)| css.replace(&format!("var(--{name})"), light))
+/// Rules with the light colours in place of their names, for files that stand alone.
+pub fn fixed(css: &str) -> String {
+    PALETTE.iter().fold(css.to_string(), |css, (name, light, _)| css.replace(&format!("var(--{name})"), light))
 }
 
 #[cfg(test)]
@@ -78,6 +81,7 @@ mod tests {
 
     #[test]
     fn no_figure_names_a_colour_that_there_is_not() {
-        assert!(!fixed().contains("var("), "{}", fixed());
+        let css = fixed(FIGURE_CSS);
+        assert!(!css.contains("var("), "{css}");
     }
 }

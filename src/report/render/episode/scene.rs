@@ -1,0 +1,94 @@
+use maud::{Markup, html};
+
+use super::EpisodeView;
+use super::narrative::BRAKING;
+use crate::env::Moment;
+use crate::geometry::Point;
+use crate::report::render::svg::{fine, line, px};
+use crate::report::render::town::Scenery;
+
+/// The scene of an episode from above, in metres, y down.
+impl EpisodeView<'_> {
+    /// The `viewBox` of what is seen.
+    pub fn view_box(&self) -> String {
+        let (low, size) = self.ground();
+        format!("{} {} {} {}", fine(low.x), fine(-low.y - size.y), fine(size.x), fine(size.y))
+    }
+
+    /// What of the town is in view.
+    pub fn draw_ground(&self) -> Markup {
+        let ((low, size), town) = (self.ground(), &self.scenario().town);
+        html! {
+            rect.ground x=(fine(low.x)) y=(fine(-low.y - size.y)) width=(fine(size.x)) height=(fine(size.y)) {}
+            (Scenery::new(town).within(low, low + size).drawn())
+        }
+    }
+
+    /// A bar of five metres in the corner.
+    pub fn draw_scale(&self) -> Markup {
+        let (low, size) = self.ground();
+        let part = size.x * 0.01;
+        let (x, y) = (low.x + 2.0 * part, -low.y - 2.0 * part);
+        html! {
+            path d={ "M" (fine(x)) " " (fine(y)) "h5" } class="bar" stroke-width=(fine(part * 0.5)) {}
+            text.ink x=(fine(x + 5.0 + part)) y=(fine(y + part)) style={ "font-size:" (fine(part * 3.4)) "px" } { "5 m" }
+        }
+    }
+
+    /// How large the pedestrian is drawn (m): as large as it is, but large enough to be seen.
+    pub fn person_radius(&self) -> f64 {
+        self.scenario().adversary.body.radius.max(self.ground().1.x * 0.012)
+    }
+
+    /// The ways of both from the first shown tick to this one.
+    pub fn draw_ways(&self, end: usize, opacity: f64) -> Markup {
+        let way = |place: fn(&Moment) -> Point| {
+            let shown = self.shown().take_while(|(tick, _)| *tick <= end);
+            line(shown.map(|(_, moment)| place(moment)).map(|place| (place.x, -place.y)), 2)
+        };
+        let width = fine(self.ground().1.x * 0.006);
+        html! {
+            path.way stroke-width=(width) stroke-opacity=(opacity) d=(way(|moment| moment.ego.pose.position())) {}
+            path.trail stroke-width=(width) stroke-opacity=(opacity) d=(way(|moment| moment.pedestrian.pose.position())) {}
+        }
+    }
+
+    /// The line of sight as the `d` of a path.
+    pub fn line_of_sight(&self, moment: &Moment) -> String {
+        let (eye, person) = (moment.eye(self.scenario()), moment.pedestrian.pose.position());
+        line([(eye.x, -eye.y), (person.x, -person.y)], 2)
+    }
+
+    /// The line of sight: dashed, and pale where something blocks it.
+    pub fn draw_sight(&self, moment: &Moment) -> Markup {
+        let class = if moment.in_sight(self.scenario()) { "sight" } else { "hidden" };
+        html! { path class=(class) d=(self.line_of_sight(moment)) {} }
+    }
+
+    /// Both where they are.
+    pub fn draw_actors(&self, moment: &Moment) -> Markup {
+        let (pose, place) = (&moment.ego.pose, moment.pedestrian.pose.position());
+        let lamps = if moment.control.brake > BRAKING { "1" } else { "0" };
+        let turned = px(-pose.yaw.to_degrees());
+        html! {
+            g transform={ "translate(" (fine(pose.x)) " " (fine(-pose.y)) ") rotate(" (turned) ")" } {
+                (self.draw_car(lamps, &html! {}))
+            }
+            circle.person cx=(fine(place.x)) cy=(fine(-place.y)) r=(fine(self.person_radius())) stroke-width=(fine(self.person_radius() * 0.25)) {}
+        }
+    }
+
+    /// The car at the origin, looking along x, with the opacity of its brake lamps or what animates it.
+    pub fn draw_car(&self, lamps: &str, animation: &Markup) -> Markup {
+        let vehicle = &self.scenario().vehicle;
+        let (length, width) = (vehicle.half_length, vehicle.half_width);
+        html! {
+            rect.car x=(fine(-length)) y=(fine(-width)) width=(fine(2.0 * length)) height=(fine(2.0 * width)) rx=".45" {}
+            rect.glass x=(fine(length * 0.25)) y=(fine(-width * 0.8)) width=".7" height=(fine(width * 1.6)) rx=".2" {}
+            g.lamp opacity=(lamps) {
+                (animation)
+                @for side in [-width + 0.12, width - 0.62] { rect x=(fine(-length)) y=(fine(side)) width=".35" height=".5" {} }
+            }
+        }
+    }
+}

@@ -1,0 +1,67 @@
+use crate::report::render::table::{Column, Section, Table, Value};
+use crate::report::{Average, MedianTime, SearchCell};
+
+/// The falsifiers, compared.
+pub fn search_section(cells: &[SearchCell]) -> Section {
+    let mut head: Vec<Column> = ["falsifier", "town", "policy"].map(Column::text).into();
+    head.extend([
+        Column::number("runs × ticks"),
+        Column::number("found in"),
+        Column::number("ticks to first failure"),
+        Column::number("failures of episodes").detail(),
+        Column::number("failed starts"),
+        Column::number("kinds of failures"),
+        Column::number("evaluated afterwards"),
+    ]);
+    let row = |cell: &SearchCell| {
+        vec![
+            who(cell).into(),
+            Value::from(&cell.key.town),
+            Value::from(&cell.key.policy),
+            Value::Times(cell.runs as u64, cell.budget),
+            Value::Of((cell.runs - cell.censored) as u64, cell.runs as u64),
+            median(cell.first_failure).into(),
+            average(cell.failure_rate, 3),
+            average(cell.failed_beginnings, 1),
+            average(cell.distinct, 1),
+            average(cell.tried_rate, 2),
+        ]
+    };
+    Section {
+        id: "searches",
+        name: "Falsifiers",
+        title: "Falsifiers compared",
+        tables: vec![Table { head, rows: cells.iter().map(row).collect(), ..Table::default() }],
+        notes: vec![
+            "Every falsifier has the same budget of simulator ticks and meets the same starts in the same order. A command that the \
+             rest of the budget cannot hold is not started."
+                .into(),
+            "*Ticks to first failure* is the median of Kaplan and Meier. Runs without a failure count as censored. The interval is \
+             Brookmeyer and Crowley's; an empty end is one that the runs do not show. The other intervals are Student's 95 % over runs."
+                .into(),
+            "A falsifier that leaves a start when it has failed spends few episodes on failures. So compare *failed starts* between \
+             methods, not failures of episodes. A kind of failure is the side of the impact, whether the car moved, and what its driver was doing. \
+             *Evaluated afterwards* is the collision rate of the controller with which the falsifier ends, in fresh episodes; `–` if there is none."
+                .into(),
+        ],
+    }
+}
+
+/// The falsifier; with the number of its block when that is not the first.
+fn who(cell: &SearchCell) -> String {
+    let key = &cell.key;
+    if key.block == 0 { key.falsifier.clone() } else { format!("{} #{}", key.falsifier, key.block) }
+}
+
+fn median(time: MedianTime) -> String {
+    let end = |end: Option<f64>| end.map_or(String::new(), |ticks| format!("{ticks}"));
+    match (time.median, time.low) {
+        (None, None) => "–".into(),
+        (None, Some(low)) => format!("above {low}"),
+        (Some(median), low) => format!("{median} ({}..{})", end(low), end(time.high)),
+    }
+}
+
+fn average((mean, interval): Average, digits: usize) -> Value {
+    Value::Estimate(mean, interval, digits)
+}

@@ -1,0 +1,18 @@
+//! Drawing: numbers, lines, charts, figures, colours. Every picture of a report is made of these.
+//!
+//! Pictures are written with maud, which escapes names. A [`Figure`] is made once: the page colours it as the reader's system is set, its
+//! file has fixed colours.
+
+mod number;
+mod line;
+mod palette;
+mod document;
+mod figure;
+mod chart;
+
+pub use chart::{Chart, Curve, short, thousands};
+pub use document::Document;
+pub use figure::{Figure, Panel};
+pub use line::{line, outline};
+pub use number::{Digits, fine, px};
+pub use palette::{FIGURE_CSS, SERIES, properties};

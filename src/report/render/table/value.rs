@@ -1,0 +1,103 @@
+use std::fmt;
+
+use crate::report::Spread;
+
+/// A value of a table. `Display` gives its text; Markdown and HTML add what they have for code, links and lines.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Value {
+    /// Words.
+    Text(String),
+    /// Words that a reader may copy: a name, a command.
+    Code(String),
+    /// Words with a link: text, and the file in the folder of the report.
+    Link(String, String),
+    /// How many.
+    Count(u64),
+    /// How many of how many.
+    Of(u64, u64),
+    /// Runs, and how much each of them has.
+    Times(u64, u64),
+    /// A number with so many digits after the point.
+    Number(Option<f64>, usize),
+    /// A mean with its standard deviation.
+    Spread(Spread),
+    /// An interval.
+    Interval(Option<(f64, f64)>),
+    /// A number with its interval, with so many digits after the point.
+    Estimate(Option<f64>, Option<(f64, f64)>, usize),
+    /// The same of a difference, with its sign.
+    Difference(Option<f64>, Option<(f64, f64)>),
+    /// A share of a whole.
+    Percent(f64),
+    /// A warning.
+    Warning(String),
+    /// Several values below each other.
+    Lines(Vec<Value>),
+}
+
+/// What stands for a value that is not there.
+const NONE: &str = "–";
+
+/// A number to two digits, a large one in powers of ten.
+fn short(number: f64) -> String {
+    if number.abs() < 1e5 { format!("{number:.2}") } else { format!("{number:.2e}") }
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Text(text) | Self::Code(text) | Self::Link(text, _) | Self::Warning(text) => f.write_str(text),
+            Self::Count(count) => write!(f, "{count}"),
+            Self::Of(part, whole) => write!(f, "{part} of {whole}"),
+            Self::Times(runs, each) => write!(f, "{runs} × {each}"),
+            Self::Number(Some(number), digits) => write!(f, "{number:.digits$}"),
+            Self::Spread(Spread { mean: Some(mean), sd: None }) => f.write_str(&short(*mean)),
+            Self::Spread(Spread { mean: Some(mean), sd: Some(sd) }) => write!(f, "{} ± {}", short(*mean), short(*sd)),
+            Self::Interval(Some((low, high))) => write!(f, "{low:.2}..{high:.2}"),
+            Self::Estimate(Some(number), None, digits) => write!(f, "{number:.digits$}"),
+            // Runs that are all alike, as those of controllers that draw nothing, show no spread.
+            Self::Estimate(Some(number), Some((low, high)), digits) if low == high => {
+                write!(f, "{number:.digits$} (all alike)")
+            }
+            Self::Estimate(Some(number), Some((low, high)), digits) => {
+                write!(f, "{number:.digits$} ({low:.digits$}..{high:.digits$})")
+            }
+            Self::Difference(Some(number), None) => write!(f, "{number:+.2}"),
+            Self::Difference(Some(number), Some((low, high))) => write!(f, "{number:+.2} ({low:+.2}..{high:+.2})"),
+            Self::Percent(share) => write!(f, "{:.0} %", 100.0 * share),
+            Self::Lines(lines) => {
+                let texts: Vec<String> = lines.iter().map(Self::to_string).collect();
+                f.write_str(&texts.join("; "))
+            }
+            Self::Number(None, _)
+            | Self::Spread(Spread { mean: None, .. })
+            | Self::Interval(None)
+            | Self::Estimate(None, ..)
+            | Self::Difference(None, _) => f.write_str(NONE),
+        }
+    }
+}
+
+impl From<&str> for Value {
+    fn from(text: &str) -> Self {
+        Self::Text(text.into())
+    }
+}
+
+impl From<&String> for Value {
+    fn from(text: &String) -> Self {
+        Self::Text(text.clone())
+    }
+}
+
+impl From<String> for Value {
+    fn from(text: String) -> Self {
+        Self::Text(text)
+    }
+}
+
+impl From<Spread> for Value {
+    fn from(spread: Spread) -> Self {
+        Self::Spread(spread)
+    }
+}
