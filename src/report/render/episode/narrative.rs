@@ -2,23 +2,23 @@ use crate::av::DrivingMode;
 use crate::env::{Ending, Moment, Outcome, Recording, Scenario};
 use crate::judge::{Label, Reference, Verdict};
 
-/// What the driver does is told when it lasts for so many ticks, or to the end.
+/// An action of the driver is an event if it lasts for this number of ticks, or to the end.
 const LASTING: usize = 3;
 /// Harder than this is braking.
 pub(super) const BRAKING: f64 = 0.05;
-/// Most events that are told.
+/// Most events of a narrative.
 const MOST: usize = 40;
 
-/// An episode told in words.
+/// An episode in words.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Narrative {
     /// What happened, in order: when (s), and what.
     pub events: Vec<(f64, String)>,
-    /// How reference drivers would have fared, one a line; empty without a collision.
+    /// The verdict and the result of each reference driver, one a line; empty without a collision.
     pub verdict: Vec<String>,
 }
 
-/// Tells an episode: how it began, who saw whom, what the driver did, how it ended, and whether it was avoidable.
+/// Describes an episode: its start, when the pedestrian is in sight, what the driver does, how it ends, and whether it was avoidable.
 pub fn narrative(
     scenario: &Scenario,
     outcome: &Outcome,
@@ -27,20 +27,20 @@ pub fn narrative(
 ) -> Narrative {
     let (moments, dt) = (recording.moments(), scenario.episode.tick);
     let time = |tick: usize| tick as f64 * dt;
-    let mut events = vec![(0.0, beginning(&moments[0], scenario))];
+    let mut events = vec![(0.0, start(&moments[0], scenario))];
     let in_sight: Vec<bool> = moments.iter().map(|moment| moment.in_sight(scenario)).collect();
     for (tick, pair) in in_sight.windows(2).enumerate() {
         if pair[0] != pair[1] {
-            let what = if pair[1] { "the pedestrian comes into sight" } else { "the pedestrian is out of sight" };
+            let what = if pair[1] { "the pedestrian comes into sight" } else { "the pedestrian goes out of sight" };
             let moment = &moments[tick + 1];
             events.push((time(tick + 1), format!("{what}, {:.1} m from the car", moment.gap(scenario))));
         }
     }
-    // What leads to a moment was chosen a tick before.
-    events.extend(doings(moments).into_iter().map(|(tick, doing)| (time(tick - 1), doing)));
+    // The control that leads to a moment was chosen a tick before.
+    events.extend(actions(moments).into_iter().map(|(tick, action)| (time(tick - 1), action)));
     if let Some(verdict) = verdict {
         let begun = (outcome.duration - verdict.warning).max(0.0);
-        events.push((begun, format!("the danger begins, {:.2} s before the touch", verdict.warning)));
+        events.push((begun, format!("the danger starts, {:.2} s before the contact", verdict.warning)));
     }
     events.sort_by(|one, other| one.0.total_cmp(&other.0));
     if events.len() > MOST {
@@ -53,7 +53,7 @@ pub fn narrative(
     Narrative { events, verdict: verdict.map(judged).unwrap_or_default() }
 }
 
-fn beginning(first: &Moment, scenario: &Scenario) -> String {
+fn start(first: &Moment, scenario: &Scenario) -> String {
     let (ego, pedestrian) = (&first.ego, first.pedestrian.pose.position());
     let away = (pedestrian - ego.pose.position()).norm();
     let sight = if first.in_sight(scenario) { "in sight" } else { "hidden" };
@@ -79,17 +79,17 @@ fn bearing(bearing: f64) -> String {
     }
 }
 
-/// What a driver does, as far as it is told.
-fn doing(moment: &Moment) -> (DrivingMode, bool, bool) {
+/// What a driver does: its mode, whether it brakes, whether the car stands.
+fn action(moment: &Moment) -> (DrivingMode, bool, bool) {
     (moment.mode, moment.control.brake > BRAKING, moment.ego.speed <= 0.05)
 }
 
-/// What the driver began to do, and at which tick.
-fn doings(moments: &[Moment]) -> Vec<(usize, String)> {
-    let mut told = Vec::new();
+/// The actions of the driver, each with its first tick.
+fn actions(moments: &[Moment]) -> Vec<(usize, String)> {
+    let mut actions = Vec::new();
     let (mut last, mut tick) = (None, 1);
-    for same in moments[1..].chunk_by(|one, next| doing(one) == doing(next)) {
-        let (begun, (mode, brakes, stands)) = (tick, doing(&same[0]));
+    for same in moments[1..].chunk_by(|one, next| action(one) == action(next)) {
+        let (begun, (mode, brakes, stands)) = (tick, action(&same[0]));
         tick += same.len();
         if (same.len() < LASTING && tick < moments.len()) || last == Some((mode, brakes, stands)) {
             continue;
@@ -97,14 +97,14 @@ fn doings(moments: &[Moment]) -> Vec<(usize, String)> {
         last = Some((mode, brakes, stands));
         let braking = same.iter().map(|moment| moment.control.brake).fold(0.0, f64::max);
         let pedal = match (brakes, stands) {
-            (true, true) => "stands on the brake".to_string(),
+            (true, true) => "stands, with the brake pressed".to_string(),
             (false, true) => "stands".to_string(),
             (true, false) => format!("brakes, up to {braking:.2} of the pedal"),
             (false, false) => "does not brake".to_string(),
         };
-        told.push((begun, format!("driver: {}, {pedal}, {}", mode.name(), speed(same[0].ego.speed))));
+        actions.push((begun, format!("driver: {}, {pedal}, {}", mode.name(), speed(same[0].ego.speed))));
     }
-    told
+    actions
 }
 
 fn ending(outcome: &Outcome, moments: &[Moment]) -> String {
@@ -113,10 +113,10 @@ fn ending(outcome: &Outcome, moments: &[Moment]) -> String {
             let side = if front { "the front sector" } else { "a side or the rear" };
             let car = if moving { speed(impact_speed) } else { "at rest".to_string() };
             let walking = moments.last().map_or(0.0, |last| last.pedestrian.speed());
-            format!("they touch in {side}, {}; the car is {car}, the pedestrian walks at {walking:.1} m/s", bearing(at))
+            format!("contact in {side}, {}; the car is {car}, the pedestrian walks at {walking:.1} m/s", bearing(at))
         }
-        Ending::Lost => "the episode is given up, as its scenario says".to_string(),
-        Ending::Timeout => format!("the time is up; the least gap was {:.2} m", outcome.least_gap),
+        Ending::Lost => "the episode ends early, as the scenario says".to_string(),
+        Ending::Timeout => format!("the time limit is reached; the least gap was {:.2} m", outcome.least_gap),
         Ending::Error(fault) => format!("the driver {fault}"),
     }
 }
@@ -128,7 +128,7 @@ fn judged(verdict: &Verdict) -> Vec<String> {
         Label::Contested => "the reference drivers disagree",
         Label::MachinePreventable => "only a machine would have avoided it",
         Label::Unpreventable => "no brake avoids it",
-        Label::WalkedIntoSide => "the pedestrian walked into the flank or the rear",
+        Label::WalkedIntoSide => "the pedestrian walked into the side or the rear",
         Label::Standing => "the car stood",
     };
     let foreseeable = if verdict.foreseeable { "; the pedestrian was foreseeable" } else { "" };
@@ -136,7 +136,7 @@ fn judged(verdict: &Verdict) -> Vec<String> {
     lines.extend(Reference::ALL.into_iter().map(|reference| {
         let trial = verdict.trial(reference);
         let fared = match trial.impact_speed {
-            None => format!("avoids it, {:.2} m are left", trial.least_gap),
+            None => format!("avoids it with {:.2} m to spare", trial.least_gap),
             Some(speed) => match verdict.reduction(reference) {
                 less if less >= 0.05 => format!("hits at {speed:.1} m/s, {less:.1} m/s slower"),
                 less if less <= -0.05 => format!("hits at {speed:.1} m/s, {:.1} m/s faster", -less),

@@ -71,7 +71,7 @@ fn card(key: &CellKey, mode: &Mode, names: &[Named<'_>]) -> Option<ModeCard> {
     } else {
         "The car stood".into()
     };
-    let late = if kind.occluded { " It came into sight too late for a careful human." } else { "" };
+    let late = if kind.occluded { " The pedestrian came into sight too late for a careful human." } else { "" };
     Some(ModeCard {
         place: named.place.clone(),
         who: named.who.clone(),
@@ -81,7 +81,7 @@ fn card(key: &CellKey, mode: &Mode, names: &[Named<'_>]) -> Option<ModeCard> {
             format!("At {side} of the standing car")
         },
         about: format!(
-            "{speed}; after {:.1} s. At the last decision the driver’s mode was {}.{late}",
+            "{speed}; contact after {:.1} s. At the last decision the driver’s mode was {}.{late}",
             mode.length,
             kind.mode.name().replace('_', " ")
         ),

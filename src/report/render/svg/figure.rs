@@ -90,7 +90,7 @@ impl Figure {
         let mut x = GAP;
         for (class, text) in &self.legend {
             let takes = 34.0 + LETTER * text.chars().count() as f64;
-            // What does not fit begins a new line.
+            // An entry that does not fit starts a new line.
             if entries.is_empty() || x + takes > width {
                 (x, top) = (GAP, top + LINE + 2.0);
             }
