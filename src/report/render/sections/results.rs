@@ -12,14 +12,15 @@ pub fn results(cells: &[Cell]) -> Table {
     if has_errors {
         columns.push(Column::number("errors"));
     }
+    // Means with a spread are on the left, so that the means are below each other.
     columns.extend([
-        Column::number("collision rate"),
-        Column::number("95 % of episodes").detail(),
-        Column::number("front of collisions"),
-        Column::number("moving"),
-        Column::number("mean reward"),
-        Column::number("length (s)").detail(),
-        Column::number("impact speed (m/s)").detail(),
+        Column::text("collision rate"),
+        Column::text("95 % of episodes").detail(),
+        Column::text("front"),
+        Column::text("moving"),
+        Column::text("mean reward"),
+        Column::text("length (s)").detail(),
+        Column::text("impact speed (m/s)").detail(),
     ]);
     let row = |cell: &Cell| {
         let mut row = names(cell, cells);
