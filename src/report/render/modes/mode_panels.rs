@@ -72,7 +72,7 @@ fn panel(index: usize, mode: &Mode, car: Vector, scale: f64) -> Panel {
         clusters => format!(", cluster {} of {clusters}", mode.mode.cluster + 1),
     };
     let speeds = if kind.moving { format!("{median:.1} m/s ({slow:.1} to {fast:.1}), ") } else { String::new() };
-    let words = [kind.to_string(), format!("{speeds}{}", mode.example_name())];
+    let words = [format!("{kind}{cluster}"), format!("{speeds}{}", mode.example_name())];
     // Long names shrink rather than run into the next panel.
     let size = |text: &str| Digits((PICTURE.0 / (text.chars().count() as f64 * 0.52)).min(11.0), 1);
     let middle = (PICTURE.0 / 2.0, PICTURE.1 - BEHIND * scale);
@@ -103,7 +103,7 @@ fn panel(index: usize, mode: &Mode, car: Vector, scale: f64) -> Panel {
         }
     };
     Panel {
-        title: format!("{}. {} of the collisions{cluster}", index + 1, percent(mode.mode.share)),
+        title: format!("{}. {} of the collisions", index + 1, percent(mode.mode.share)),
         says: words.join(", "),
         size: (PICTURE.0, WORDS + PICTURE.1),
         body,
