@@ -86,10 +86,9 @@ impl<'a> CellModes<'a> {
     pub fn new(mut runs: Vec<RunSample<'a>>, trained: &[Option<&ActorCritic>], seed: &Seed) -> Self {
         let evaluation = runs[0].evaluation;
         let scenario = &evaluation.scenario;
-        let beginnings: Vec<Case> = runs.iter().flat_map(|run| run.cases.iter().copied()).collect();
+        let starts: Vec<Case> = runs.iter().flat_map(|run| run.cases.iter().copied()).collect();
         let explain = || {
-            let explained =
-                |target: Target| Some((target, Explanation::new(&cases(scenario, &beginnings, target.hit()))?));
+            let explained = |target: Target| Some((target, Explanation::new(&cases(scenario, &starts, target.hit()))?));
             Target::ALL.into_iter().filter_map(explained).collect()
         };
         let look = || {

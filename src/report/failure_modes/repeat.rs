@@ -12,7 +12,7 @@ use crate::seed::Seed;
 /// Most collisions of a kind that are repeated.
 pub const MOST: usize = 60;
 
-/// Repeats collisions to see how they came about, and notes it beside them: the first of each kind, evenly over the runs. One
+/// Repeats collisions and stores how the pedestrian came to the car: the first of each kind, evenly over the runs. One
 /// that does not go as before, since its driver is not deterministic, stays without.
 pub fn repeat(runs: &mut [RunSample<'_>], trained: &[Option<&ActorCritic>], seed: &Seed) {
     let wanted = wanted(runs);

@@ -4,7 +4,7 @@ use crate::env::{Ground, Scenario, Spawn};
 use crate::geometry::{Vector, wrap_angle};
 use crate::road::LaneFilter;
 
-/// By what beginnings are told apart, in the order of [`row`].
+/// The features of a start, in the order of [`row`].
 const FEATURES: [Feature; 8] = [
     Feature { name: "distance", scale: Scale::Number("m") },
     Feature { name: "bearing", scale: Scale::Number("deg") },
@@ -18,7 +18,7 @@ const FEATURES: [Feature; 8] = [
 /// How far ahead of the car junctions are looked for (m).
 const AHEAD: [f64; 3] = [10.0, 20.0, 30.0];
 
-/// The beginnings of some episodes as numbers, and which of them ended in what is to be explained.
+/// The starts of some episodes as numbers, and which of them ended in the outcome that is to be explained.
 pub fn cases(scenario: &Scenario, cases: &[Case], hit: fn(&Case) -> bool) -> Cases {
     Cases {
         features: FEATURES.to_vec(),

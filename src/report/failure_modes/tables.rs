@@ -101,7 +101,7 @@ pub fn mode_counts(cells: &[CellModes<'_>]) -> DataFrame {
     table.finish()
 }
 
-/// How many kinds are to be expected in so many episodes, from none to all that were looked at.
+/// The expected number of kinds over the number of episodes, from none to all that were analysed.
 pub fn accumulated(cell: &CellModes<'_>) -> Vec<(u64, f64)> {
     let all = cell.sampled.0;
     let mut points: Vec<u64> = (0..=POINTS).map(|point| all * point / POINTS).collect();

@@ -14,7 +14,7 @@ const AXIS: f64 = 26.0;
 /// Space between the scenes and the speeds, and below the speeds (px).
 const ABOVE: f64 = 40.0;
 const BELOW: f64 = 44.0;
-/// Rules beside those of figures.
+/// Rules in addition to those of figures.
 const STYLE: &str = ".panel text{font-size:12px}.panel text.title{font-size:17px;font-weight:600}\
 .paper{fill:var(--paper)}.lamp{fill:var(--brake)}.way,.trail{stroke-linecap:round;stroke-linejoin:round}\
 .sight{stroke:var(--ink);stroke-dasharray:.7 .7;stroke-width:.12}.hidden{stroke:var(--paper);stroke-opacity:.7;stroke-dasharray:.7 .7;stroke-width:.12}\

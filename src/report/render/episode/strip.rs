@@ -6,7 +6,7 @@ use crate::env::{Recording, Scenario};
 use crate::judge::Verdict;
 use crate::report::render::svg::px;
 
-/// Frames beside and below each other, and the width of one (px).
+/// Frames in a row, frames in all, and the width of one (px).
 const COLUMNS: usize = 3;
 const FRAMES: usize = 6;
 const WIDE: f64 = 300.0;

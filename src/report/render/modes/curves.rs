@@ -24,8 +24,7 @@ pub fn accumulation_figure(cells: &[CellModes<'_>]) -> Option<Figure> {
         y_text: short,
         x_text: thousands,
     };
-    let says: Vec<String> =
-        shown.iter().map(|cell| format!("{}: {} kinds", cell.key.to_string(), cell.richness.seen)).collect();
+    let says: Vec<String> = shown.iter().map(|cell| format!("{}: {} kinds", cell.key, cell.richness.seen)).collect();
     let title = match all {
         all if all > shown.len() => format!("Kinds of collisions seen: {} of {all} cells", shown.len()),
         _ => "Kinds of collisions seen".into(),

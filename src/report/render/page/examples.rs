@@ -9,7 +9,7 @@ use crate::judge::judge;
 use crate::rl::ActorCritic;
 use crate::seed::Seed;
 
-/// So many kinds get a player at most.
+/// Most kinds with a player.
 const PLAYERS: usize = 12;
 
 /// Puts the cards in the order of the page and repeats the examples of as many as it plays: trained pedestrians first,

@@ -11,17 +11,17 @@ use crate::report::Cell;
 pub struct Named<'a> {
     /// The cell.
     pub cell: &'a Cell,
-    /// Who tries, with what tells it from the others.
+    /// The controller, with what tells it from the others.
     pub who: String,
     /// Where and against whom.
     pub place: String,
-    /// Number of the colour of who tries: the same in all figures.
+    /// Number of the colour of the controller: the same in all figures.
     pub colour: usize,
 }
 
-/// Names the cells of a page and gives those who try their colours.
+/// Names the cells of a page and gives controllers their colours.
 ///
-/// An untrained pedestrian does the same for every reward, so only its first row is kept: the others differ in what it is paid.
+/// An untrained controller does the same for every reward, so only its first row is kept: the others differ in the reward only.
 pub fn named(cells: &[Cell]) -> Vec<Named<'_>> {
     let trainings = cells.iter().filter(|cell| cell.key.is_trained());
     let several = trainings.clone().any(|cell| trainings.clone().any(|other| training(other) != training(cell)));

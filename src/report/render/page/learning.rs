@@ -5,7 +5,7 @@ use crate::rl::UpdateLog;
 /// The points of a training's curve.
 type Points = Vec<(f64, f64)>;
 
-/// A curve has about so many points at most.
+/// Most points of a curve, about.
 const POINTS: usize = 160;
 
 /// The learning curves: mean reward and mean length of episodes over the decisions of a training.

@@ -1,7 +1,7 @@
 use maud::{Markup, html};
 use serde::Serialize;
 
-/// JSON that may stand within `<script type="application/json">`: no text of it ends the element or starts a comment.
+/// JSON for the inside of `<script type="application/json">`: no text of it ends the element or starts a comment.
 pub fn json(value: &impl Serialize) -> String {
     let text = serde_json::to_string(value).expect("structs of strings and numbers have a form in JSON");
     text.replace('<', "\\u003c").replace('>', "\\u003e").replace('&', "\\u0026")

@@ -10,13 +10,13 @@ use crate::report::render::table::{Column, Table, Value};
 pub struct ModeCard {
     /// Where and against whom.
     pub place: String,
-    /// Who walked.
+    /// The controller.
     pub who: String,
     /// What kind it is, as a title.
     pub title: String,
     /// More about it, in a sentence or two.
     pub about: String,
-    /// Whether the pedestrian was trained: these come first.
+    /// Whether the controller was trained: these come first.
     pub trained: bool,
     /// Name of the verdict.
     pub verdict: &'static str,

@@ -46,7 +46,7 @@ class Player {
     };
     this.host.append(
       this.scene, this.says, this.trace, this.bar,
-      make("div", { className: "bar" }, this.button, step(-1, "‹", "One tick back"), step(1, "›", "One tick on"), this.speed,
+      make("div", { className: "bar" }, this.button, step(-1, "‹", "One tick back"), step(1, "›", "One tick forward"), this.speed,
         make("span", { className: "gap" }), this.camera, zoom(1 / 1.4, "−", "Zoom out"), zoom(1.4, "+", "Zoom in")));
     this.button.addEventListener("click", () => this.toggle());
     this.bar.addEventListener("input", () => { this.pause(); this.seek(Number(this.bar.value)); });

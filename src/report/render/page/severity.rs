@@ -33,7 +33,7 @@ pub fn near_misses(tally: &Tally, cells: &[Named<'_>]) -> Vec<Figure> {
         name: "figure-near-pet",
         title: "Share of all episodes that end without a collision, but with a post-encroachment time below this.",
         x_label: "post-encroachment time, s",
-        example: (1.0, "were in one place within 1 s"),
+        example: (1.0, "had a post-encroachment time below 1 s"),
         horizon: HORIZON,
         curve: |cell| cell.lags.below(cell.episodes),
     };
@@ -45,7 +45,7 @@ struct Distribution {
     name: &'static str,
     title: &'static str,
     x_label: &'static str,
-    /// A value of the quantity, and what those that reach it do.
+    /// A value of the quantity, and the predicate of the episodes that reach it.
     example: (f64, &'static str),
     /// Values above are not shown.
     horizon: f64,

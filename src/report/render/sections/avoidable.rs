@@ -2,7 +2,7 @@ use super::names::{head, names};
 use crate::report::Cell;
 use crate::report::render::table::{Column, Section, Table, Value};
 
-/// How the table is to be read.
+/// How to read the table.
 const READING: [&str; 4] = [
     "Each collision was run again with reference drivers at the brake, from the instant at which the danger starts. The car stays on its path, \
      the pedestrian is at the same places at the same times, no driver steers, and the pedestrian does not react. *Of all episodes* is the rate \

@@ -79,7 +79,7 @@ impl Chart {
     }
 }
 
-/// Round numbers within a range, about so many.
+/// Round numbers within a range, about `about` of them.
 pub fn ticks((low, high): (f64, f64), about: u32) -> Vec<f64> {
     let rough = (high - low) / f64::from(about);
     if !rough.is_finite() || rough <= 0.0 {

@@ -11,7 +11,7 @@ pub struct Document<'a> {
     pub view: [f64; 4],
     /// Width at which it is shown (px).
     pub width: f64,
-    /// Rules beside those of figures. Colours are names of the palette.
+    /// Rules in addition to those of figures. Colours are names of the palette.
     pub style: &'a str,
 }
 

@@ -13,7 +13,7 @@ pub struct Figure {
     pub notes: Vec<String>,
     /// Class of a swatch and what it means.
     pub legend: Vec<(String, String)>,
-    /// What several panels use.
+    /// Shapes that several panels use.
     pub defs: Option<Markup>,
     /// Panels in a row of the file; 0 for the usual three.
     pub columns: usize,
@@ -24,7 +24,7 @@ pub struct Figure {
 /// A panel of a figure.
 #[derive(Debug, Clone)]
 pub struct Panel {
-    /// What stands above it.
+    /// Its heading.
     pub title: String,
     /// What it shows, for readers who do not see it.
     pub says: String,
@@ -79,7 +79,7 @@ impl Figure {
         }
     }
 
-    /// The figure as a file that stands alone.
+    /// The figure as a file of its own.
     pub fn to_svg(&self) -> String {
         let columns = self.panels.len().clamp(1, if self.columns == 0 { 3 } else { self.columns });
         let wide = self.panels.iter().fold(0.0, |most: f64, panel| most.max(panel.size.0));

@@ -70,7 +70,7 @@ pub fn properties() -> String {
     )
 }
 
-/// Rules with the light colours in place of their names, for files that stand alone.
+/// Rules with the light colours in place of their names, for files.
 pub fn fixed(css: &str) -> String {
     PALETTE.iter().fold(css.to_string(), |css, (name, light, _)| css.replace(&format!("var(--{name})"), light))
 }

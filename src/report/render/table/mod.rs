@@ -47,7 +47,7 @@ impl Column {
 /// A table for people.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
-    /// What stands above it; empty where the text around it says what it is.
+    /// Its heading; empty where the text around it says what it is.
     pub title: String,
     /// Its columns.
     pub head: Vec<Column>,
@@ -57,7 +57,7 @@ pub struct Table {
     pub notes: Vec<String>,
 }
 
-/// A part of a report: a heading, tables, and how to read them. The summary and the page show the same.
+/// A part of a report: a heading, tables, and how to read them. The summary has all sections, the page has those that it does not draw.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Section {
     /// Its `id` on the page.

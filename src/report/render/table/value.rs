@@ -17,13 +17,13 @@ pub enum Value {
     Of(u64, u64),
     /// Runs, and how much each of them has.
     Times(u64, u64),
-    /// A number with so many digits after the point.
+    /// A number, and its digits after the point.
     Number(Option<f64>, usize),
     /// A mean with its standard deviation.
     Spread(Spread),
     /// An interval.
     Interval(Option<(f64, f64)>),
-    /// A number with its interval, with so many digits after the point.
+    /// A number with its interval, and their digits after the point.
     Estimate(Option<f64>, Option<(f64, f64)>, usize),
     /// The same of a difference, with its sign.
     Difference(Option<f64>, Option<(f64, f64)>),
@@ -35,7 +35,7 @@ pub enum Value {
     Lines(Vec<Value>),
 }
 
-/// What stands for a value that is not there.
+/// Shown in place of a missing value.
 const NONE: &str = "–";
 
 /// A number to two digits, a large one in powers of ten.

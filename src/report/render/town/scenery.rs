@@ -3,7 +3,7 @@ use crate::road::{LaneKind, Road, Town};
 
 /// Spacing of the points from which a lane's outline is made (m).
 const STEP: f64 = 1.0;
-/// An outline may leave the lane's edge by so much (m).
+/// Largest distance between an outline and the lane's edge (m).
 const TOLERANCE: f64 = 0.04;
 
 /// What of a town can be seen from above.
@@ -15,7 +15,7 @@ pub enum Surface {
     Lane,
     /// A crosswalk.
     Zebra,
-    /// Whatever blocks walkers and sight.
+    /// What blocks pedestrians and sight.
     House,
 }
 
