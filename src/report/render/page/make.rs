@@ -1,4 +1,4 @@
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, PreEscaped, html};
 use polars::prelude::PolarsResult;
 
 use super::Contents;
@@ -66,7 +66,7 @@ pub fn page(contents: &Contents<'_>) -> PolarsResult<Page> {
     parts.push(text("data", "Data", data(contents.manifest, contents.files)));
     let name = &contents.campaign.name;
     let html = html! {
-        (DOCTYPE)
+        (PreEscaped("<!doctype html>"))
         html lang="en" {
             head {
                 meta charset="utf-8";
