@@ -1,4 +1,4 @@
-use crate::env::{Moment, Recording};
+use crate::env::{Frame, Pair};
 
 /// Where the pedestrian was from the car at a time, and how fast the car was.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -12,9 +12,9 @@ pub struct Station {
 }
 
 impl Station {
-    fn new(moment: &Moment) -> Self {
-        let place = moment.ego.pose.to_local(moment.pedestrian.pose.position());
-        Self { ahead: place.x, left: place.y, speed: moment.ego.speed }
+    fn new(frame: &Frame) -> Self {
+        let place = frame.ego.pose.to_local(frame.pedestrian.pose.position());
+        Self { ahead: place.x, left: place.y, speed: frame.ego.speed }
     }
 
     fn mix(self, other: Self, share: f64) -> Self {
@@ -42,16 +42,15 @@ impl Approach {
     pub const STEP: f64 = Self::WINDOW / (Self::STATIONS - 1) as f64;
     const STATIONS: usize = 7;
 
-    /// The end of an episode with ticks of this length (s); none when nobody was touched.
-    pub fn new(recording: &Recording, dt: f64) -> Option<Self> {
-        let contact = recording.contact()?;
-        let moments = recording.moments();
-        let touch = (moments.len().checked_sub(2)?) as f64 + contact.fraction;
+    /// The end of an episode; none when the two did not touch.
+    pub fn new(pair: &Pair<'_>) -> Option<Self> {
+        let contact = pair.contact()?;
+        let touch = (pair.len().checked_sub(2)?) as f64 + contact.fraction;
         let stations = std::array::from_fn(|i| {
-            let back = (Self::STATIONS - 1 - i) as f64 * Self::STEP / dt;
+            let back = (Self::STATIONS - 1 - i) as f64 * Self::STEP / pair.dt();
             let tick = (touch - back).max(0.0);
-            let first = (tick.floor() as usize).min(moments.len() - 2);
-            Station::new(&moments[first]).mix(Station::new(&moments[first + 1]), tick - first as f64)
+            let first = (tick.floor() as usize).min(pair.len() - 2);
+            Station::new(&pair.frame(first)).mix(Station::new(&pair.frame(first + 1)), tick - first as f64)
         });
         Some(Self { stations })
     }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use super::watch::{flow, watch_numbered};
 use super::{Cell, CellError, Keeper, Observer, Progress};
 use crate::compile::Campaign;
-use crate::env::{Outcome, Recording};
+use crate::env::{Outcome, Trace};
 use crate::judge::{NearMiss, judge};
 use crate::record::{EpisodeRow, RunKey};
 use crate::rl::ActorCritic;
@@ -53,9 +53,9 @@ pub(super) fn try_chunk(
     let rows = std::cell::RefCell::new(Rows { settled: Vec::new(), others: BTreeMap::new(), next: first, ticks: 0 });
     let key = Arc::new(RunKey::of(evaluation));
     let mut limit = None;
-    let mut note = |episode: u32, outcome: &Outcome, recording: &Recording| {
-        let scenario = &evaluation.scenario;
-        let (verdict, near_miss) = (judge(scenario, recording), NearMiss::new(scenario, recording));
+    let mut note = |episode: u32, outcome: &Outcome, trace: &Trace| {
+        let pair = trace.main_pair(&evaluation.scenario);
+        let (verdict, near_miss) = (judge(&pair), NearMiss::new(&pair));
         rows.borrow_mut().add(EpisodeRow { key: key.clone(), episode, outcome: *outcome, verdict, near_miss });
     };
     let stop = || observer.stop() || keeper.stop();

@@ -1,8 +1,8 @@
 use std::ops::{ControlFlow, Range};
 
 use crate::compile::{Evaluation, Pedestrian};
-use crate::env::{Outcome, Recording};
-use crate::falsifier::{Choosing, Homing, Intercept, Random, TrainedWalker, Walker, watch_walker};
+use crate::env::{Outcome, Trace};
+use crate::falsifier::{ActionMode, Homing, Intercept, Random, TrainedWalker, WalkPolicy, watch_walker};
 use crate::rl::ActorCritic;
 use crate::seed::Seed;
 
@@ -21,10 +21,10 @@ pub fn watch<T>(
     trained: Option<&ActorCritic>,
     episodes: Range<u32>,
     seed: &Seed,
-    note: &mut dyn FnMut(&Outcome, &Recording) -> T,
+    note: &mut dyn FnMut(&Outcome, &Trace) -> T,
     observer: &mut dyn FnMut(u32) -> ControlFlow<()>,
 ) -> Vec<T> {
-    let note = &mut |_: u32, outcome: &Outcome, recording: &Recording| note(outcome, recording);
+    let note = &mut |_: u32, outcome: &Outcome, trace: &Trace| note(outcome, trace);
     watch_numbered(evaluation, trained, episodes, seed, note, observer)
 }
 
@@ -34,19 +34,19 @@ pub(super) fn watch_numbered<T>(
     trained: Option<&ActorCritic>,
     episodes: Range<u32>,
     seed: &Seed,
-    note: &mut dyn FnMut(u32, &Outcome, &Recording) -> T,
+    note: &mut dyn FnMut(u32, &Outcome, &Trace) -> T,
     observer: &mut dyn FnMut(u32) -> ControlFlow<()>,
 ) -> Vec<T> {
-    let learnt = |choosing| -> Box<dyn Walker> {
+    let learnt = |mode| -> Box<dyn WalkPolicy> {
         let trained = trained.expect("a trained pedestrian comes with its networks");
-        Box::new(TrainedWalker::new(trained.clone(), choosing))
+        Box::new(TrainedWalker::new(trained.clone(), evaluation.scenario.cast.obs_dim(), mode))
     };
-    let mut walker: Box<dyn Walker> = match evaluation.pedestrian {
+    let mut walker: Box<dyn WalkPolicy> = match evaluation.pedestrian {
         Pedestrian::Random => Box::new(Random::default()),
         Pedestrian::Homing => Box::new(Homing),
         Pedestrian::Intercept => Box::new(Intercept),
-        Pedestrian::Trained(_) => learnt(Choosing::Mean),
-        Pedestrian::Sampled(_) => learnt(Choosing::Sampling),
+        Pedestrian::Trained(_) => learnt(ActionMode::Deterministic),
+        Pedestrian::Sampled(_) => learnt(ActionMode::Stochastic),
     };
     let place = |branch: &str| seed.child(branch).child(&evaluation.town).child(&evaluation.policy);
     let own = place("walker").child(evaluation.pedestrian.name()).index(evaluation.trained.run.into());

@@ -14,7 +14,7 @@ use crate::av::Fault;
 use crate::av::external::{External, Link, Opener, PROTOCOL, Program, Settings};
 use crate::compile::{Catalog, compile};
 use crate::diagnostic::Sources;
-use crate::env::{Outcome, Recording, Scenario};
+use crate::env::{Outcome, Scenario, Trace};
 use crate::falsifier::{Random, watch_walker};
 use crate::process::ProcessOpener;
 use crate::seed::Seed;
@@ -69,12 +69,14 @@ pub fn check(options: &AvCheckOptions) -> ExitCode {
         let maker = move || {
             Box::new(External::new(program.clone(), settings, opener.clone())) as Box<dyn crate::av::DrivingPolicy>
         };
-        let scenario = Arc::new(Scenario { policy: Arc::new(maker), ..ground.clone() });
+        let mut scenario = ground.clone();
+        scenario.cast.ego.policy = Arc::new(maker);
+        let scenario = Arc::new(scenario);
         let (seed, began) = (Seed::root(1), Instant::now());
         let mut walker = Random::default();
         // One failure is enough to tell; the others would say the same.
         let fell = Cell::new(false);
-        let note = &mut |_: u32, outcome: &Outcome, _: &Recording| {
+        let note = &mut |_: u32, outcome: &Outcome, _: &Trace| {
             fell.set(fell.get() || outcome.fault().is_some());
             *outcome
         };

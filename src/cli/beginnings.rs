@@ -62,7 +62,7 @@ fn survey<'a>(campaign: &'a Campaign, count: u32, options: &CheckOptions) -> Res
     for (town, scenario) in campaign.beginnings().into_iter().filter(begins) {
         let rule = &scenario.spawn;
         let mut stream = Seed::root(options.seed).child("sample").child(town).child(&rule.name).stream();
-        let first = scenario.adversary.first_heading;
+        let first = scenario.cast.pedestrian.first_heading;
         let survey = rule.survey(&scenario.town, &scenario.obstacles, first, count, &mut stream);
         let picture = options.out.join(format!("spawn-{}-{}-{town}.svg", campaign.name, rule.name));
         let shown = &survey.spawns[..survey.spawns.len().min(DRAWN)];

@@ -99,8 +99,8 @@ fn show_plan(plan: &Plan) -> String {
 
 fn show_scenario(scenario: &Scenario) -> String {
     let parts = [
-        outline(&scenario.vehicle),
-        outline(&scenario.adversary),
+        outline(&scenario.cast.ego.blueprint),
+        outline(&scenario.cast.pedestrian),
         outline(&scenario.spawn),
         outline(&scenario.reward),
         outline(&scenario.episode),

@@ -15,9 +15,9 @@ pub fn render(options: &RenderOptions) -> ExitCode {
         Ok(repeated) => repeated,
         Err(code) => return code,
     };
-    let Repeated { scenario, recording, verdict, title, .. } = &repeated;
+    let Repeated { scenario, trace, verdict, title, .. } = &repeated;
     let draw = if options.animate { report::animation } else { report::strip };
-    let page = draw(scenario, recording, verdict.as_ref(), &headline(&repeated), title);
+    let page = draw(scenario, trace, verdict.as_ref(), &headline(&repeated), title);
     let path = options.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}-{}.svg", name.run, name.number)));
     if let Err(error) = report::write_file(&path, page.as_bytes()) {
         front::fail(&error.to_string());

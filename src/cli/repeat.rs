@@ -9,7 +9,7 @@ use super::repeat_args::{Name, NameOptions, RepeatOptions};
 use super::{ExitCode, front};
 use crate::campaign::{self, SearchResult, watch};
 use crate::compile::{Campaign, Evaluation, Pedestrian, Search};
-use crate::env::{Outcome, Recording, Scenario};
+use crate::env::{Outcome, Scenario, Trace};
 use crate::falsifier::{Failure, Spent, follow};
 use crate::judge::{NearMiss, Verdict, judge};
 use crate::record::{self, EpisodeRow, RunKey};
@@ -39,7 +39,7 @@ pub struct Repeated {
     /// What became of it now.
     pub outcome: Outcome,
     /// What happened in it now.
-    pub recording: Recording,
+    pub trace: Trace,
     /// What reference drivers make of it.
     pub verdict: Option<Verdict>,
     /// The cells of its row that came out differently.
@@ -205,12 +205,12 @@ impl Source {
         let stored = self.report.episode(name.run, name.number, guess).map_err(|error| unreadable(&error))?;
         let Some(stored) = stored else { return Err(self.missing(name, "episode")) };
         let trained = self.trained(evaluation).map_err(|error| unreadable(&error))?;
-        let note = &mut |outcome: &Outcome, recording: &Recording| (*outcome, recording.clone());
+        let note = &mut |outcome: &Outcome, trace: &Trace| (*outcome, trace.clone());
         let (episodes, go_on) = (name.number..name.number + 1, &mut |_| ControlFlow::Continue(()));
         let seen = watch(evaluation, trained.as_ref(), episodes, &self.seed, note, go_on);
-        let (outcome, recording) = seen.into_iter().next().expect("an episode that is tried comes to an end");
-        let verdict = judge(&evaluation.scenario, &recording);
-        let near_miss = NearMiss::new(&evaluation.scenario, &recording);
+        let (outcome, trace) = seen.into_iter().next().expect("an episode that is tried comes to an end");
+        let pair = trace.main_pair(&evaluation.scenario);
+        let (verdict, near_miss) = (judge(&pair), NearMiss::new(&pair));
         let again = record::episodes(&[EpisodeRow {
             key: RunKey::of(evaluation).into(),
             episode: name.number,
@@ -219,7 +219,7 @@ impl Source {
             near_miss,
         }]);
         let scenario = &evaluation.scenario;
-        self.compared(name, who(evaluation), scenario, (outcome, recording, verdict), &stored, &again)
+        self.compared(name, who(evaluation), scenario, (outcome, trace, verdict), &stored, &again)
     }
 
     fn repeat_failure(&self, name: Name, search: &Search) -> Result<Repeated, ExitCode> {
@@ -227,10 +227,10 @@ impl Source {
         let Some(stored) = stored else { return Err(self.missing(name, "failure")) };
         let followed = report::failure(&stored).and_then(|failure| {
             let seed = search.beginnings(&self.seed);
-            let (outcome, recording) = follow(&search.scenario, seed, failure.beginning, &failure.commands)?;
-            Some((failure, outcome, recording))
+            let (outcome, trace) = follow(&search.scenario, seed, failure.beginning, &failure.commands)?;
+            Some((failure, outcome, trace))
         });
-        let Some((failure, outcome, recording)) = followed else {
+        let Some((failure, outcome, trace)) = followed else {
             front::fail(&format!("the commands of {name} do not lead to the end of an episode any more"));
             return Err(ExitCode::Differs);
         };
@@ -240,8 +240,8 @@ impl Source {
         let again = if outcome.is_collision() { search_row(search, failure) } else { Default::default() };
         let key = &search.key;
         let title = format!("found by {} in {} against {}, run {}", key.falsifier, key.town, key.policy, key.run);
-        let verdict = judge(&search.scenario, &recording);
-        self.compared(name, title, &search.scenario, (outcome, recording, verdict), &stored, &again)
+        let verdict = judge(&trace.main_pair(&search.scenario));
+        self.compared(name, title, &search.scenario, (outcome, trace, verdict), &stored, &again)
     }
 
     fn missing(&self, name: Name, what: &str) -> ExitCode {
@@ -254,7 +254,7 @@ impl Source {
         name: Name,
         title: String,
         scenario: &Arc<Scenario>,
-        (outcome, recording, verdict): (Outcome, Recording, Option<Verdict>),
+        (outcome, trace, verdict): (Outcome, Trace, Option<Verdict>),
         stored: &report::Row,
         again: &report::Row,
     ) -> Result<Repeated, ExitCode> {
@@ -276,11 +276,11 @@ impl Source {
             None
         } else {
             let ticks = self.report.ticks(name.run, name.number).map_err(|error| unreadable(&error))?;
-            let now = report::ticks(name.run, name.number, scenario, &recording);
+            let now = report::ticks(name.run, name.number, scenario, &trace);
             report::parting(stored, &outcome, scenario, ticks.as_ref().map(|then| (then, &now)))
         };
         let scenario = scenario.clone();
-        Ok(Repeated { name, title, scenario, outcome, recording, verdict, differences, parting })
+        Ok(Repeated { name, title, scenario, outcome, trace, verdict, differences, parting })
     }
 }
 

@@ -14,15 +14,15 @@ pub fn replay(options: &ReplayOptions) -> ExitCode {
         Ok(repeated) => repeated,
         Err(code) => return code,
     };
-    let Repeated { name, scenario, outcome, recording, verdict, .. } = &repeated;
+    let Repeated { name, scenario, outcome, trace, verdict, .. } = &repeated;
     if let Some(path) = &options.ticks {
-        let table = report::ticks(name.run, name.number, scenario, recording);
+        let table = report::ticks(name.run, name.number, scenario, trace);
         if let Err(error) = report::write_table(path, &table) {
             front::fail(&error.to_string());
             return ExitCode::WriteFailed;
         }
     }
-    let narrative = report::narrative(scenario, outcome, recording, verdict.as_ref());
+    let narrative = report::narrative(scenario, outcome, trace, verdict.as_ref());
     if options.json {
         front::say(&as_json(&source, &repeated, &narrative).to_string());
     } else {
@@ -67,7 +67,7 @@ fn as_json(source: &Source, repeated: &Repeated, narrative: &Narrative) -> serde
     let differences = repeated.differences.iter().map(
         |difference| json!({ "column": difference.column, "stored": difference.stored, "again": difference.again }),
     );
-    let commands = repeated.recording.commands().iter();
+    let commands = repeated.trace.decisions(0).iter();
     let commands = commands.map(|command| json!({ "heading_rad": command.heading, "speed_mps": command.speed }));
     json!({
         "name": repeated.name.to_string(),

@@ -1,4 +1,6 @@
-use crate::env::{Adversary, FirstHeading, Frame, ObservedSpeed, Scaling};
+use crate::env::{
+    ActionSpec, Controller, FirstHeading, ObservationSpec, ObservedSpeed, PedestrianRole, ReferenceFrame, Scaling,
+};
 use crate::signature::{Arguments, Form, Param, Signature, Type};
 use crate::sim::PedestrianBody;
 use crate::units::Dimension;
@@ -77,7 +79,7 @@ pub fn form() -> Form {
 }
 
 /// The pedestrian.
-pub fn lower(arguments: &Arguments) -> Adversary {
+pub fn lower(arguments: &Arguments) -> PedestrianRole {
     let size = match arguments.choice("body") {
         "child" => PedestrianBody::child(),
         _ => PedestrianBody::adult(),
@@ -85,17 +87,22 @@ pub fn lower(arguments: &Arguments) -> Adversary {
     let ramp = arguments.number("ramp");
     // Who starts at once stops at once.
     let stopping = if ramp == 0.0 { f64::INFINITY } else { size.stopping };
-    Adversary {
+    PedestrianRole {
         body: PedestrianBody { ramp, turning: arguments.number("turning"), stopping, ..size },
-        speed: arguments.range("speed"),
-        observation_frame: frame(arguments.choice("observation_frame")),
-        action_frame: frame(arguments.choice("action_frame")),
-        observation_scaling: scaling(arguments.choice("observation_scaling")),
-        action_scaling: scaling(arguments.choice("action_scaling")),
-        observed_speed: match arguments.choice("observed_speed") {
-            "relative" => ObservedSpeed::Relative,
-            _ => ObservedSpeed::Ego,
+        observation: ObservationSpec {
+            frame: frame(arguments.choice("observation_frame")),
+            scaling: scaling(arguments.choice("observation_scaling")),
+            speed: match arguments.choice("observed_speed") {
+                "relative" => ObservedSpeed::Relative,
+                _ => ObservedSpeed::Ego,
+            },
         },
+        action: ActionSpec {
+            speed: arguments.range("speed"),
+            frame: frame(arguments.choice("action_frame")),
+            scaling: scaling(arguments.choice("action_scaling")),
+        },
+        controller: Controller::External,
         first_heading: match arguments.choice("first_heading") {
             "towards_ego" => FirstHeading::TowardsEgo,
             _ => FirstHeading::Random,
@@ -103,12 +110,12 @@ pub fn lower(arguments: &Arguments) -> Adversary {
     }
 }
 
-fn frame(word: &str) -> Frame {
+fn frame(word: &str) -> ReferenceFrame {
     match word {
-        "initial" => Frame::Initial,
-        "line_of_sight" => Frame::LineOfSight,
-        "world" => Frame::World,
-        _ => Frame::Heading,
+        "initial" => ReferenceFrame::Initial,
+        "line_of_sight" => ReferenceFrame::LineOfSight,
+        "world" => ReferenceFrame::World,
+        _ => ReferenceFrame::Heading,
     }
 }
 

@@ -8,7 +8,9 @@ use super::plan::{
     Campaign, Driver, Evaluation, NamedTown, Pedestrian, Published, Search, SearchKey, Training, TrainingKey,
 };
 use super::{RunId, adversary, episode, falsifier, policy, published, reward, training, vehicle};
-use crate::env::{Adversary, EpisodeRule, FirstHeading, PolicyMaker, RewardRule, Scenario, SpawnRule};
+use crate::env::{
+    Cast, EpisodeRule, FirstHeading, PedestrianRole, PolicyMaker, RewardRule, Scenario, SpawnRule, VehicleRole,
+};
 use crate::falsifier::Falsifier;
 use crate::lang::codes;
 use crate::lang::hir::{Block, Declaration};
@@ -50,7 +52,7 @@ struct Rival {
 /// What all blocks of a campaign have in common unless they say otherwise.
 struct Usual {
     car: Axis<VehicleBlueprint>,
-    walker: Axis<Adversary>,
+    walker: Axis<PedestrianRole>,
     rule: Axis<EpisodeRule>,
     training: Option<Axis<(PpoConfig, usize)>>,
 }
@@ -82,16 +84,14 @@ impl Place<'_> {
     fn scenario(
         &self,
         car: &VehicleBlueprint,
-        walker: &Adversary,
+        walker: &PedestrianRole,
         rule: &EpisodeRule,
         reward: &RewardRule,
     ) -> Arc<Scenario> {
         Arc::new(Scenario {
             town: self.town.value.town.clone(),
             obstacles: self.town.value.obstacles.clone(),
-            vehicle: car.clone(),
-            policy: self.policy.value.clone(),
-            adversary: walker.clone(),
+            cast: Cast::pair(VehicleRole { blueprint: car.clone(), policy: self.policy.value.clone() }, walker.clone()),
             spawn: self.spawn.value.clone(),
             reward: reward.clone(),
             episode: rule.clone(),
@@ -102,7 +102,7 @@ impl Place<'_> {
     fn declarations(
         &self,
         car: &Axis<VehicleBlueprint>,
-        walker: &Axis<Adversary>,
+        walker: &Axis<PedestrianRole>,
         rule: &Axis<EpisodeRule>,
     ) -> [DeclarationId; 6] {
         [self.town.id, self.policy.id, self.spawn.id, car.id, walker.id, rule.id]
@@ -293,7 +293,7 @@ impl Lowering<'_> {
         &mut self,
         campaign: &Block,
         block: &Block,
-        bodies: &[(&Axis<VehicleBlueprint>, &Axis<Adversary>)],
+        bodies: &[(&Axis<VehicleBlueprint>, &Axis<PedestrianRole>)],
     ) -> Option<Ground> {
         let spawn = self.spawn(campaign, block)?;
         let ground = Ground { towns: self.towns(block), policies: self.policies(block), spawn };
@@ -362,7 +362,7 @@ impl Lowering<'_> {
         Axis { id, name: declaration.name.as_str().into(), value }
     }
 
-    fn adversary(&self, id: DeclarationId) -> Axis<Adversary> {
+    fn adversary(&self, id: DeclarationId) -> Axis<PedestrianRole> {
         let declaration = self.program.get(id);
         Axis { id, name: declaration.name.as_str().into(), value: adversary::lower(&declaration.block.arguments) }
     }
@@ -455,7 +455,7 @@ impl Lowering<'_> {
         block: &Block,
         towns: &[Axis<BuiltTown>],
         spawn: &SpawnRule,
-        bodies: &[(&Axis<VehicleBlueprint>, &Axis<Adversary>)],
+        bodies: &[(&Axis<VehicleBlueprint>, &Axis<PedestrianRole>)],
     ) {
         let place = if block.arguments.has("spawn") { block.place("spawn") } else { campaign.place("spawn") };
         for (Axis { name, value: car, .. }, Axis { value: walker, .. }) in bodies {

@@ -1,9 +1,13 @@
-//! The Markov decision process: what an episode is, how it begins, what the pedestrian sees, does and earns.
+//! The Markov decision process: what an episode is, how it starts, what a pedestrian sees and does, and its reward.
+//!
+//! A [`Scenario`] has a [`Cast`]: the ego and other vehicles with their drivers, and pedestrians. A pedestrian is four things: a
+//! body, an [`ObservationSpec`], an [`ActionSpec`] and a [`Controller`]. A [`PedestrianEnv`] draws episodes of it; a [`Trace`] keeps
+//! what happened in one, and a [`Pair`] shows it for one car and one pedestrian.
 //!
 //! | paper | here |
 //! |---|---|
 //! | state s = \[α, d, β, v\] | [`Observation`]: `bearing`, `distance`, `relative_heading`, `speed` |
-//! | action (heading, speed), held for 20 ticks | [`Adversary::command`] → [`WalkCommand`](crate::sim::WalkCommand) |
+//! | action (heading, speed), kept for 20 ticks | [`ActionSpec::command`] → [`WalkCommand`](crate::sim::WalkCommand) |
 //! | spawn sector −60°..60°, 7..30 m | [`SpawnRule`] |
 //! | R1, R2 | [`RewardRule`], written as formulas in the scenario |
 //! | 600 ticks, ends at a collision | [`EpisodeRule`] |
@@ -12,22 +16,29 @@
 //! Yang et al., *Suicidal Pedestrian*, ITSC 2023, section III.
 
 mod scenario;
-mod spawn;
+mod cast;
+mod reference_frame;
 mod observation;
 mod action;
+mod spawn;
 mod reward;
-mod trail;
+mod state_hashes;
 mod outcome;
-mod recording;
 mod running;
 mod pedestrian_env;
+mod pursuit;
+mod trace;
+mod pair;
 
-pub use action::{Adversary, FirstHeading, Frame, Scaling};
-pub use observation::{Observation, ObservedSpeed};
+pub use action::ActionSpec;
+pub use cast::{Cast, Controller, FirstHeading, PedestrianRole, Placed, PolicyMaker, VehicleRole};
+pub use observation::{Observation, ObservationSpec, ObservedSpeed};
 pub use outcome::{Ending, Outcome};
+pub use pair::{Frame, Pair};
 pub use pedestrian_env::PedestrianEnv;
-pub use recording::{Moment, Recording};
+pub use reference_frame::{ReferenceFrame, Scaling};
 pub use reward::{RewardRule, Situation, vocabulary};
-pub use scenario::{EpisodeRule, PolicyMaker, Scenario};
+pub use scenario::{EpisodeRule, Scenario};
 pub use spawn::{Constraint, EgoStart, Ground, LanePiece, Measure, RoadShape, Spawn, SpawnError, SpawnRule, Survey};
-pub use trail::Trail;
+pub use state_hashes::StateHashes;
+pub use trace::{Driven, Trace, VehicleFrame};

@@ -1,4 +1,7 @@
-use crate::geometry::{Pose, Vector, wrap_angle};
+use std::f64::consts::PI;
+
+use super::{ReferenceFrame, Scaling};
+use crate::geometry::{Point, Pose, Vector, wrap_angle};
 
 /// What the paper's "relative scalar speed" is taken to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,7 +33,7 @@ pub struct Observation {
 }
 
 impl Observation {
-    /// Looks at an ego from a pedestrian that faces along its pose and walks so fast (m/s).
+    /// What a pedestrian at this pose that walks at this speed (m/s) sees of an ego.
     pub fn new(pedestrian: &Pose, walking: f64, ego: &Pose, ego_speed: f64, observed: ObservedSpeed) -> Self {
         let offset: Vector = ego.position() - pedestrian.position();
         let speed = match observed {
@@ -42,6 +45,37 @@ impl Observation {
             distance: offset.norm(),
             relative_heading: wrap_angle(ego.yaw - pedestrian.yaw),
             speed,
+        }
+    }
+}
+
+/// How an [`Observation`] becomes the numbers of a state: bearing, distance, relative heading, speed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ObservationSpec {
+    /// Where the angles are measured from.
+    pub frame: ReferenceFrame,
+    /// The units of the state.
+    pub scaling: Scaling,
+    /// What the speed is.
+    pub speed: ObservedSpeed,
+}
+
+impl ObservationSpec {
+    /// The numbers of a state.
+    pub const DIM: usize = 4;
+
+    /// The state for an observation in the frame of the pedestrian's heading.
+    pub fn encode(&self, seen: &Observation, pedestrian: &Pose, initial_heading: f64, ego: Point) -> [f64; Self::DIM] {
+        let turn = wrap_angle(pedestrian.yaw - self.frame.origin(pedestrian, initial_heading, ego));
+        // On the line of sight the bearing is always 0; the pedestrian's own heading takes its place.
+        let first = match self.frame {
+            ReferenceFrame::LineOfSight => turn,
+            _ => wrap_angle(seen.bearing + turn),
+        };
+        let state = [first, seen.distance, wrap_angle(seen.relative_heading + turn), seen.speed];
+        match self.scaling {
+            Scaling::Natural => state,
+            Scaling::Unit => [state[0] / PI, state[1] / 30.0, state[2] / PI, state[3] / 8.0],
         }
     }
 }
@@ -60,5 +94,21 @@ mod tests {
         assert_eq!((seen.distance, seen.speed), (10.0, 8.0));
         let relative = Observation::new(&pedestrian, 6.0, &Pose::new(-10.0, 0.0, 0.0), 8.0, ObservedSpeed::Relative);
         assert!((relative.speed - 10.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn walking_at_the_bearing_of_the_state_leads_to_the_ego() {
+        use crate::env::ActionSpec;
+        let (pose, ego) = (Pose::new(3.0, 4.0, 2.5), Pose::new(-5.0, 1.0, 0.2));
+        for frame in [ReferenceFrame::Heading, ReferenceFrame::Initial, ReferenceFrame::World] {
+            let scaling = Scaling::Natural;
+            let observation = ObservationSpec { frame, scaling, speed: ObservedSpeed::Ego };
+            let action = ActionSpec { frame, scaling, speed: (0.0, 3.5) };
+            let seen = Observation::new(&pose, 0.0, &ego, 5.0, ObservedSpeed::Ego);
+            let state = observation.encode(&seen, &pose, 0.3, ego.position());
+            let command = action.command([state[0], 1.0], &pose, 0.3, ego.position());
+            let towards = libm::atan2(ego.y - pose.y, ego.x - pose.x);
+            assert!(wrap_angle(command.heading - towards).abs() < 1e-12, "{frame:?}");
+        }
     }
 }

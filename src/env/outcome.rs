@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use super::{Spawn, Trail};
+use super::{Spawn, StateHashes};
 use crate::av::{DrivingMode, Fault};
 
 /// Why an episode ended.
@@ -17,20 +17,22 @@ pub enum Ending {
         /// Bearing of the pedestrian from the ego's centre, positive to the left (rad).
         bearing: f64,
     },
-    /// The `end_when` condition held.
+    /// Two actors touched that are not the ego and a pedestrian: traffic was involved.
+    OtherContact,
+    /// The `end_when` condition was true.
     Lost,
     /// The time was up.
     Timeout,
-    /// The driver failed as a program: nothing is known about how it would have driven. It may not do so again, so it is not
-    /// written down.
+    /// The driver failed as a program, so nothing is known about how it would have driven. It may not fail again, so this is not
+    /// stored.
     #[serde(skip)]
     Error(Fault),
 }
 
-/// What became of an episode.
+/// The outcome of an episode.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
-    /// How it began.
+    /// Its start.
     pub spawn: Spawn,
     /// Why it ended.
     pub ending: Ending,
@@ -46,8 +48,9 @@ pub struct Outcome {
     pub last_mode: DrivingMode,
     /// A digest of every state of the episode: equal digests mean equal episodes.
     pub digest: u64,
-    /// Marks of the digest on the way, which tell where two episodes part.
-    pub trail: Trail,
+    /// Hashes of the states on the way, which show from where on two episodes differ.
+    #[serde(rename = "trail")]
+    pub state_hashes: StateHashes,
 }
 
 impl Outcome {

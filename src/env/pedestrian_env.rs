@@ -1,9 +1,12 @@
 use std::sync::Arc;
 
 use super::running::RunningEpisode;
-use super::{Ending, Observation, Outcome, RewardRule, Scenario, Situation, Spawn, SpawnRule, Trail};
+use super::{
+    Controller, Driven, Ending, Observation, ObservationSpec, Outcome, RewardRule, Scenario, Situation, Spawn,
+    SpawnRule, StateHashes,
+};
 use crate::av::{DrivingMode, DrivingPolicy, Fault, Sensors};
-use crate::geometry::{Pose, wrap_angle};
+use crate::geometry::{Point, Pose, wrap_angle};
 use crate::rl::{Env, Step};
 use crate::seed::Seed;
 use crate::sim::{ActorStart, Contact, Control, LightCycle, Start, WalkCommand, World};
@@ -11,72 +14,87 @@ use rand::RngExt;
 
 /// A logical scenario made runnable: it draws concrete episodes from it, one after another.
 ///
-/// Episode *k* depends on the seed and on *k* alone, so two pedestrians that are tried with one seed meet the same
-/// beginnings and the same drivers.
+/// Episode *k* depends on the seed and on *k* alone, so two controllers that are evaluated with one seed meet the same starts and the
+/// same drivers.
+///
+/// A decision is one command for each pedestrian of the cast, in the order of their numbers. As an [`Env`] it is a joint action: the
+/// numbers of all controlled pedestrians, one after another, and so is the state.
 pub struct PedestrianEnv {
     scenario: Arc<Scenario>,
     world: World,
-    policy: Box<dyn DrivingPolicy>,
+    /// The drivers of the vehicles, in the order of their numbers.
+    policies: Vec<Box<dyn DrivingPolicy>>,
     sensors: Sensors,
     seed: Seed,
     next_episode: u64,
     episode: Episode,
+    /// Where each vehicle and each pedestrian of the running episode started.
+    starts: (Vec<ActorStart>, Vec<ActorStart>),
+    /// What each vehicle's driver did in the last tick.
+    controls: Vec<Control>,
+    /// What each pedestrian carries out.
+    walks: Walks,
+    /// Bounds of a joint action.
+    bounds: Vec<(f64, f64)>,
     faults_in_a_row: u32,
     last_fault: Option<Fault>,
-    /// The commands of the running episode so far. With the episode's number and width they are all that its state hangs on.
+    /// The commands of the running episode. With the episode's number and width they are all that its state depends on.
     decisions: Vec<WalkCommand>,
-    /// How much of the spawn's distances the coming episodes are drawn from; 1 for all.
+    /// The part of the spawn's distances that the coming episodes are drawn from; 1 for all.
     width: f64,
-    /// The spawn rule with as much of the distances, where that is not all.
+    /// The spawn rule with that part of the distances, where that is not all.
     near: Option<SpawnRule>,
 }
 
 /// Episodes in a row in which a driver may fail before it is given up.
 const MOST_FAULTS: u32 = 10;
-/// Commands of an episode for which there is room from the start; longer episodes make more room once.
+/// Commands of an episode for which memory is reserved; longer episodes reserve more once.
 const MOST_ROOM: u32 = 4096;
+
+/// What the pedestrians carry out, in the order of their numbers.
+#[derive(Debug, Clone)]
+struct Walks {
+    commands: Vec<WalkCommand>,
+    /// How far each command turned away from the one before (rad).
+    turns: Vec<f64>,
+    /// Memory for the commands of an action.
+    scratch: Vec<WalkCommand>,
+}
 
 /// The running episode's record.
 #[derive(Debug, Clone, Copy)]
 struct Episode {
     spawn: Spawn,
-    /// The environment's width when it began.
+    /// The environment's width when it started.
     width: f64,
-    command: WalkCommand,
-    /// Ticks for which the command has been held.
+    /// Ticks for which the commands have been kept.
     held: u32,
     contact: Option<Contact>,
-    /// How far the command turned away from the one before (rad).
-    turn: f64,
     reward: f64,
     least_gap: f64,
     mode: DrivingMode,
-    /// What the driver did in the last tick.
-    control: Control,
     digest: u64,
-    trail: Trail,
+    state_hashes: StateHashes,
     outcome: Option<Outcome>,
 }
 
 impl PedestrianEnv {
-    /// The number of components of a state.
-    pub const STATE_DIM: usize = 4;
-
     /// Makes an environment whose first episode is number 0 under the seed. The scenario's spawn rule must have been probed.
     pub fn new(scenario: Arc<Scenario>, seed: Seed) -> Self {
-        let policy = (scenario.policy)();
-        Self::with_policy(scenario, seed, policy)
+        let policies = scenario.cast.vehicles().map(|role| (role.policy)()).collect();
+        Self::with_policies(scenario, seed, policies)
     }
 
-    fn with_policy(scenario: Arc<Scenario>, seed: Seed, policy: Box<dyn DrivingPolicy>) -> Self {
+    fn with_policies(scenario: Arc<Scenario>, seed: Seed, policies: Vec<Box<dyn DrivingPolicy>>) -> Self {
+        let cast = &scenario.cast;
         let lights = scenario.episode.traffic_lights.then(LightCycle::default);
         // No tick is to wait for it.
         scenario.town.prepare();
         let world = World::new(
             scenario.town.clone(),
             scenario.obstacles.clone(),
-            vec![scenario.vehicle.clone()],
-            vec![scenario.adversary.body],
+            cast.vehicles().map(|role| role.blueprint.clone()).collect(),
+            cast.pedestrians().map(|role| role.body).collect(),
             lights,
             scenario.episode.tick,
         );
@@ -84,31 +102,40 @@ impl PedestrianEnv {
         let episode = Episode {
             spawn: nowhere,
             width: 1.0,
-            command: WalkCommand::default(),
             held: 0,
             contact: None,
-            turn: 0.0,
             reward: 0.0,
             least_gap: f64::INFINITY,
             mode: DrivingMode::Cruise,
-            control: Control::default(),
             digest: 0,
-            trail: Trail::default(),
+            state_hashes: StateHashes::default(),
             outcome: None,
         };
+        let spawned = || std::iter::once(ActorStart::default());
+        let starts = (
+            spawned().chain(cast.traffic.iter().map(|placed| placed.start)).collect(),
+            spawned().chain(cast.others.iter().map(|placed| placed.start)).collect(),
+        );
+        let (vehicles, pedestrians) = (1 + cast.traffic.len(), cast.pedestrian_count());
+        let none = vec![WalkCommand::default(); pedestrians];
+        let walks = Walks { commands: none.clone(), turns: vec![0.0; pedestrians], scratch: none };
         let rule = &scenario.episode;
-        let decisions = Vec::with_capacity(rule.ticks.div_ceil(rule.hold).min(MOST_ROOM) as usize);
+        let decisions = rule.ticks.div_ceil(rule.hold).min(MOST_ROOM) as usize * pedestrians;
         Self {
+            bounds: cast.action_bounds(),
             scenario,
             world,
-            policy,
+            policies,
             sensors: Sensors::default(),
             seed,
             next_episode: 0,
             episode,
+            starts,
+            controls: vec![Control::default(); vehicles],
+            walks,
             faults_in_a_row: 0,
             last_fault: None,
-            decisions,
+            decisions: Vec::with_capacity(decisions),
             width: 1.0,
             near: None,
         }
@@ -119,52 +146,63 @@ impl PedestrianEnv {
         &self.scenario
     }
 
-    /// The world as it stands.
+    /// The world as it is now.
     pub fn world(&self) -> &World {
         &self.world
     }
 
-    /// Begins the episode with this number.
+    /// Starts the episode with this number.
     pub fn begin(&mut self, number: u64) {
         let seed = self.seed.index(number);
         let scenario = &self.scenario;
         let mut stream = seed.child("spawn").stream();
-        let first = scenario.adversary.first_heading;
+        let first = scenario.cast.pedestrian.first_heading;
         let (town, obstacles) = (&scenario.town, &scenario.obstacles);
         let near = self.near.as_ref().and_then(|near| near.sample_if_easy(town, obstacles, first, &mut stream));
         let spawn = near.unwrap_or_else(|| scenario.spawn.sample(town, obstacles, first, &mut stream));
         // A whole number of cycles of groups with up to four turns.
         let light_phase = stream.random_range(0.0..12.0 * LightCycle::default().turn());
-        let vehicles = &[ActorStart { pose: spawn.ego, speed: spawn.ego_speed }];
-        self.world.begin(&Start { vehicles, pedestrians: &[ActorStart::standing(spawn.pedestrian)], light_phase });
-        self.policy.reset(&self.sensors.perceive(&self.world, 0), seed.child("policy").stream());
+        let (vehicles, pedestrians) = &mut self.starts;
+        vehicles[0] = ActorStart { pose: spawn.ego, speed: spawn.ego_speed };
+        pedestrians[0] = ActorStart::standing(spawn.pedestrian);
+        self.world.begin(&Start { vehicles, pedestrians, light_phase });
+        for (number, policy) in self.policies.iter_mut().enumerate() {
+            // The ego's draws do not depend on whether there is traffic.
+            let seed = if number == 0 { seed.child("policy") } else { seed.child("traffic").index(number as u64) };
+            policy.reset(&self.sensors.perceive(&self.world, number), seed.stream());
+        }
+        self.controls.fill(Control::default());
+        for (command, start) in self.walks.commands.iter_mut().zip(pedestrians) {
+            *command = WalkCommand { heading: start.pose.yaw, speed: 0.0 };
+        }
+        self.walks.turns.fill(0.0);
         self.episode = Episode {
             spawn,
             width: self.width,
-            command: WalkCommand { heading: spawn.pedestrian.yaw, speed: 0.0 },
             held: 0,
             contact: None,
-            turn: 0.0,
             reward: 0.0,
-            least_gap: self.world.gap(0, 0),
+            least_gap: f64::INFINITY,
             mode: DrivingMode::Cruise,
-            control: Control::default(),
             digest: 0,
-            trail: Trail::default(),
+            state_hashes: StateHashes::default(),
             outcome: None,
         };
+        for pedestrian in 0..self.world.pedestrians.len() {
+            self.episode.least_gap = self.episode.least_gap.min(self.world.gap(0, pedestrian));
+        }
         self.next_episode = number + 1;
         self.decisions.clear();
     }
 
-    /// Returns the episode in hand: its number and what the pedestrian has decided.
+    /// The running episode: its number and the decisions.
     fn running(&self) -> RunningEpisode {
-        let digest = self.trace();
+        let digest = self.state_hash();
         let (next_episode, width) = (self.next_episode, self.episode.width);
         RunningEpisode { next_episode, width, decisions: self.decisions.clone(), digest }
     }
 
-    /// Walks an episode again up to where it was, and tells whether it led there.
+    /// Repeats an episode up to where it was, and tells whether it led to the same state.
     ///
     /// Neither the world nor a driver can be copied; but an episode is determined by its number and the commands, and
     /// ticks are cheap.
@@ -172,50 +210,58 @@ impl PedestrianEnv {
         let Some(number) = running.next_episode.checked_sub(1) else {
             return self.next_episode == 0 && running.decisions.is_empty();
         };
-        self.widen(running.width);
+        let pedestrians = self.world.pedestrians.len();
+        if !running.decisions.len().is_multiple_of(pedestrians) {
+            return false;
+        }
+        self.set_curriculum(running.width);
         self.begin(number);
-        let (slowest, fastest) = self.scenario.adversary.speed;
-        for command in &running.decisions {
-            if self.episode.outcome.is_some() || !(slowest..=fastest).contains(&command.speed) {
+        for commands in running.decisions.chunks(pedestrians) {
+            let roles = || self.scenario.cast.pedestrians().zip(commands);
+            let possible = roles().all(|(role, command)| match role.controller {
+                Controller::External => (role.action.speed.0..=role.action.speed.1).contains(&command.speed),
+                Controller::Fixed(fixed) => fixed == *command,
+            });
+            if self.episode.outcome.is_some() || !possible {
                 return false;
             }
-            self.walk(*command);
+            self.carry_out(commands);
         }
-        self.trace() == running.digest
+        self.state_hash() == running.digest
     }
 
-    /// Hashes how the running episode began and all that has happened since.
-    fn trace(&self) -> u64 {
+    /// Hashes the start of the running episode and all that has happened since.
+    fn state_hash(&self) -> u64 {
         let Spawn { ego, ego_speed, pedestrian } = &self.episode.spawn;
         let begun = [ego.x, ego.y, ego.yaw, *ego_speed, pedestrian.x, pedestrian.y, pedestrian.yaw];
         begun.iter().fold(self.episode.digest, |digest, value| mix(digest, value.to_bits()))
     }
 
-    /// What the pedestrian sees.
-    pub fn observe(&self) -> Observation {
-        let (pedestrian, ego) = (&self.world.pedestrians[0].state, &self.world.ego().state);
-        let observed = self.scenario.adversary.observed_speed;
-        Observation::new(&pedestrian.pose, pedestrian.speed(), &ego.pose, ego.speed, observed)
+    /// What a pedestrian sees of the ego.
+    pub fn observe(&self, pedestrian: usize) -> Observation {
+        let (state, ego) = (&self.world.pedestrians[pedestrian].state, &self.world.ego().state);
+        let observed = self.scenario.cast.pedestrian(pedestrian).observation.speed;
+        Observation::new(&state.pose, state.speed(), &ego.pose, ego.speed, observed)
     }
 
-    /// What became of the episode; none while it runs.
+    /// The outcome of the episode; none while it runs.
     pub fn outcome(&self) -> Option<&Outcome> {
         self.episode.outcome.as_ref()
     }
 
-    /// How pedestrian and ego touched in the last tick; none when they did not.
+    /// Which actors touched in the last tick, and how; none when none did.
     pub fn contact(&self) -> Option<&Contact> {
         self.episode.contact.as_ref()
     }
 
-    /// What the driver did in the last tick: its mode, its pedals and its wheel.
-    pub fn driven(&self) -> (DrivingMode, Control) {
-        (self.policy.mode(), self.episode.control)
+    /// What the driver of a vehicle did in the last tick.
+    pub fn driven(&self, vehicle: usize) -> Driven {
+        Driven { mode: self.policies[vehicle].mode(), control: self.controls[vehicle] }
     }
 
-    /// Carries a command out for as many ticks as the scenario holds it.
-    pub fn walk(&mut self, command: WalkCommand) -> Step {
-        self.set_out(command);
+    /// Carries out one command for each pedestrian, for as many ticks as the scenario keeps it.
+    pub fn carry_out(&mut self, commands: &[WalkCommand]) -> Step {
+        self.begin_decision(commands);
         loop {
             if let Some(step) = self.tick() {
                 return step;
@@ -223,42 +269,65 @@ impl PedestrianEnv {
         }
     }
 
-    /// Takes a command, to be carried out by [`PedestrianEnv::tick`].
-    pub fn set_out(&mut self, command: WalkCommand) {
-        self.episode.turn = wrap_angle(command.heading - self.episode.command.heading);
-        self.episode.command = command;
+    /// Takes one command for each pedestrian, to be carried out by [`PedestrianEnv::tick`].
+    ///
+    /// # Panics
+    /// When the number of commands is not that of the pedestrians.
+    pub fn begin_decision(&mut self, commands: &[WalkCommand]) {
+        assert_eq!(commands.len(), self.walks.commands.len(), "each pedestrian has a command");
+        let Walks { commands: last, turns, .. } = &mut self.walks;
+        for (((last, turn), command), role) in
+            last.iter_mut().zip(turns).zip(commands).zip(self.scenario.cast.pedestrians())
+        {
+            let command = match role.controller {
+                Controller::External => *command,
+                Controller::Fixed(fixed) => fixed,
+            };
+            *turn = wrap_angle(command.heading - last.heading);
+            *last = command;
+        }
         self.episode.held = 0;
-        self.decisions.push(command);
+        self.decisions.extend_from_slice(last);
     }
 
-    /// Lets the driver prepare for the coming tick, so that drivers of many environments can be asked at once.
+    /// Lets the drivers prepare for the coming tick, so that drivers of many environments can be asked at once.
     pub fn prepare(&mut self) {
-        self.policy.prepare(&self.sensors.perceive(&self.world, 0));
+        for (vehicle, policy) in self.policies.iter_mut().enumerate() {
+            policy.prepare(&self.sensors.perceive(&self.world, vehicle));
+        }
     }
 
-    /// Moves on by one tick; gives the decision's step when the command has been held long enough or the episode is over.
+    /// Moves on by one tick; gives the decision's step when the commands have been kept long enough or the episode is over.
     pub fn tick(&mut self) -> Option<Step> {
         let rule = &self.scenario.episode;
         let (limit, hold) = (rule.ticks, rule.hold);
-        let perception = self.sensors.perceive(&self.world, 0);
-        let control = self.policy.drive(&perception);
-        if let Some(fault) = self.policy.fault() {
+        if let Some(fault) = self.drive() {
             return Some(self.give_up(fault));
         }
         if self.episode.held == 0 {
-            self.episode.mode = self.policy.mode();
+            self.episode.mode = self.policies[0].mode();
         }
         self.episode.held += 1;
-        let contact = self.world.tick(&[control], &[self.episode.command]);
+        let contact = self.world.tick(&self.controls, &self.walks.commands);
         self.episode.contact = contact;
-        self.episode.control = control;
         self.record();
         let over = contact.is_some() || self.world.ticks >= limit || self.episode.held >= hold;
         over.then(|| self.settle(contact))
     }
 
-    /// Ends an episode that says nothing, since the driver failed: no reward for the decision, and what would have followed
-    /// is unknown.
+    /// Asks every driver for the coming tick; gives the fault of the first that fails.
+    fn drive(&mut self) -> Option<Fault> {
+        for (vehicle, (policy, control)) in self.policies.iter_mut().zip(&mut self.controls).enumerate() {
+            let chosen = policy.drive(&self.sensors.perceive(&self.world, vehicle));
+            if let Some(fault) = policy.fault() {
+                return Some(fault);
+            }
+            *control = chosen;
+        }
+        None
+    }
+
+    /// Ends an episode whose driver failed: no reward for the decision, and what would have followed is unknown.
     fn give_up(&mut self, fault: Fault) -> Step {
         self.finish(Ending::Error(fault), None);
         self.faults_in_a_row += 1;
@@ -266,45 +335,51 @@ impl PedestrianEnv {
         Step { reward: 0.0, terminated: false, truncated: true }
     }
 
-    /// The driver's fault, when it failed in so many episodes in a row that there is no use in going on.
+    /// The driver's last fault, when it failed in ten episodes in a row.
     pub fn hopeless(&self) -> Option<Fault> {
         self.last_fault.filter(|_| self.faults_in_a_row >= MOST_FAULTS)
     }
 
-    /// Another environment of the same scenario and seed, when its driver and this one's gain from driving at once.
+    /// Another environment of the same scenario and seed, when driving in a batch is faster for the ego's driver.
     pub fn clone_for_batch(&self) -> Option<Self> {
-        self.policy.clone_for_batch().map(|policy| Self::with_policy(self.scenario.clone(), self.seed, policy))
+        let ego = self.policies[0].clone_for_batch()?;
+        let traffic = self.policies.iter().zip(self.scenario.cast.vehicles()).skip(1);
+        let traffic = traffic.map(|(policy, role)| policy.clone_for_batch().unwrap_or_else(|| (role.policy)()));
+        let policies = std::iter::once(ego).chain(traffic).collect();
+        Some(Self::with_policies(self.scenario.clone(), self.seed, policies))
     }
 
-    /// How many twins should drive at once.
+    /// The number of environments in a batch.
     pub fn batch_size(&self) -> usize {
-        self.policy.batch_size()
+        self.policies[0].batch_size()
     }
 
     /// Pays for the decision and ends the episode when it is over.
     fn settle(&mut self, contact: Option<Contact>) -> Step {
-        self.episode.trail.mark(self.episode.digest);
+        self.episode.state_hashes.mark(self.episode.digest);
         let (rule, reward) = (&self.scenario.episode, &self.scenario.reward);
+        let hit = contact.filter(|contact| contact.pedestrian_at_ego().is_some());
         let situation = self.situation(contact.as_ref());
         let lost = || rule.end_when.as_ref().is_some_and(|condition| situation.satisfies(condition));
         let worth = |formula| RewardRule::worth(formula, &situation);
-        let (earned, ending) = match contact {
-            Some(contact) => {
-                let front = contact.is_front(rule.front_half_angle);
+        let (earned, ending) = match (hit, contact) {
+            (Some(hit), _) => {
+                let front = hit.is_front(rule.front_half_angle);
                 let earned = worth(if front { reward.hit_front.as_ref() } else { reward.hit_other.as_ref() });
                 let ending = Ending::Collision {
                     front,
-                    moving: contact.impact_speed > rule.moving_above,
-                    impact_speed: contact.impact_speed,
-                    bearing: contact.bearing,
+                    moving: hit.impact_speed > rule.moving_above,
+                    impact_speed: hit.impact_speed,
+                    bearing: hit.bearing,
                 };
                 (earned, Some(ending))
             }
-            None if lost() => (worth(reward.step.as_ref()) + worth(reward.lost.as_ref()), Some(Ending::Lost)),
-            None if self.world.ticks >= rule.ticks => {
+            (None, Some(_)) => (worth(reward.step.as_ref()), Some(Ending::OtherContact)),
+            (None, None) if lost() => (worth(reward.step.as_ref()) + worth(reward.lost.as_ref()), Some(Ending::Lost)),
+            (None, None) if self.world.ticks >= rule.ticks => {
                 (worth(reward.step.as_ref()) + worth(reward.timeout.as_ref()), Some(Ending::Timeout))
             }
-            None => (worth(reward.step.as_ref()), None),
+            (None, None) => (worth(reward.step.as_ref()), None),
         };
         self.episode.reward += earned;
         if let Some(ending) = ending {
@@ -315,41 +390,45 @@ impl PedestrianEnv {
         Step { reward: earned, terminated: ending.is_some() && !truncated, truncated }
     }
 
-    /// Writes down what became of the episode.
+    /// Notes the outcome of the episode.
     fn finish(&mut self, ending: Ending, contact: Option<&Contact>) {
+        let hit = matches!(ending, Ending::Collision { .. });
         self.episode.outcome = Some(Outcome {
             spawn: self.episode.spawn,
             ending,
             reward: self.episode.reward,
             ticks: self.world.ticks,
             duration: self.elapsed(contact),
-            least_gap: if contact.is_some() { 0.0 } else { self.episode.least_gap },
+            least_gap: if hit { 0.0 } else { self.episode.least_gap },
             last_mode: self.episode.mode,
             digest: self.episode.digest,
-            trail: self.episode.trail,
+            state_hashes: self.episode.state_hashes,
         });
     }
 
+    /// The situation of the ego and the pedestrian that it touched, or the first pedestrian when it touched none.
     fn situation(&self, contact: Option<&Contact>) -> Situation {
-        let (ego, pedestrian) = (&self.world.ego().state, &self.world.pedestrians[0].state);
+        let hit = contact.filter(|contact| contact.pedestrian_at_ego().is_some());
+        let struck = hit.and_then(Contact::pedestrian_at_ego).unwrap_or(0);
+        let (ego, pedestrian) = (&self.world.ego().state, &self.world.pedestrians[struck].state);
         let local = ego.pose.to_local(pedestrian.pose.position());
-        let (ahead, aside) = contact.map_or((local.x, local.y), |contact| (contact.ahead, contact.aside));
+        let (ahead, aside) = hit.map_or((local.x, local.y), |hit| (hit.ahead, hit.aside));
         Situation {
-            v_c: contact.map_or(0.0, |contact| contact.impact_speed),
-            bearing: contact.map_or_else(|| libm::atan2(aside, ahead), |contact| contact.bearing),
+            v_c: hit.map_or(0.0, |hit| hit.impact_speed),
+            bearing: hit.map_or_else(|| libm::atan2(aside, ahead), |hit| hit.bearing),
             distance: (ahead * ahead + aside * aside).sqrt(),
             ahead,
             aside,
-            ego_speed: contact.map_or(ego.speed, |contact| contact.impact_speed),
+            ego_speed: hit.map_or(ego.speed, |hit| hit.impact_speed),
             walking_speed: pedestrian.speed(),
             elapsed: self.elapsed(contact),
             facing: {
                 let seen = pedestrian.pose.to_local(ego.pose.position());
                 libm::atan2(seen.y, seen.x)
             },
-            turn: self.episode.turn,
-            pace: self.episode.command.speed,
-            miss_distance: if contact.is_some() { 0.0 } else { self.episode.least_gap },
+            turn: self.walks.turns[struck],
+            pace: self.walks.commands[struck].speed,
+            miss_distance: if hit.is_some() { 0.0 } else { self.episode.least_gap },
         }
     }
 
@@ -359,72 +438,59 @@ impl PedestrianEnv {
         contact.map_or(self.world.elapsed(), |contact| before + contact.fraction * self.world.dt)
     }
 
+    /// Adds a tick to the digest, vehicles first, in the order of their numbers, and to the least gap.
     fn record(&mut self) {
-        let (ego, pedestrian) = (&self.world.ego().state, &self.world.pedestrians[0].state);
-        for value in [ego.pose.x, ego.pose.y, ego.pose.yaw, ego.speed, pedestrian.pose.x, pedestrian.pose.y] {
-            self.episode.digest = mix(self.episode.digest, value.to_bits());
+        let mut digest = self.episode.digest;
+        for vehicle in &self.world.vehicles {
+            let Pose { x, y, yaw } = vehicle.state.pose;
+            for value in [x, y, yaw, vehicle.state.speed] {
+                digest = mix(digest, value.to_bits());
+            }
         }
-        // The distance of the centres bounds the gap from below; most ticks need no more.
-        let blueprint = &self.world.ego().blueprint;
-        let reach = self.episode.least_gap
-            + blueprint.half_length
-            + blueprint.half_width
-            + self.world.pedestrians[0].body.radius;
-        let apart = (ego.pose.position() - pedestrian.pose.position()).norm_squared();
-        if apart < reach * reach {
-            self.episode.least_gap = self.episode.least_gap.min(self.world.gap(0, 0));
+        let ego = self.world.ego();
+        let (middle, size) = (ego.state.pose.position(), ego.blueprint.half_length + ego.blueprint.half_width);
+        for (number, pedestrian) in self.world.pedestrians.iter().enumerate() {
+            let place = pedestrian.state.pose.position();
+            for value in [place.x, place.y] {
+                digest = mix(digest, value.to_bits());
+            }
+            // The distance of the centres bounds the gap from below; most ticks need no more.
+            let reach = self.episode.least_gap + size + pedestrian.body.radius;
+            if (middle - place).norm_squared() < reach * reach {
+                self.episode.least_gap = self.episode.least_gap.min(self.world.gap(0, number));
+            }
+        }
+        self.episode.digest = digest;
+    }
+
+    /// The bounds of a joint action.
+    pub fn bounds(&self) -> &[(f64, f64)] {
+        &self.bounds
+    }
+
+    /// Writes the joint state: what each controlled pedestrian sees, in the frame and units of its controller.
+    pub fn write_state(&self, state: &mut [f64]) {
+        for ((number, role), part) in self.scenario.cast.controlled().zip(state.chunks_exact_mut(ObservationSpec::DIM))
+        {
+            let (pedestrian, initial, ego) = self.viewpoint(number);
+            part.copy_from_slice(&role.observation.encode(&self.observe(number), pedestrian, initial, ego));
         }
     }
 
-    /// The learner's state: what the pedestrian sees, in the adversary's frame and units.
-    pub fn state(&self) -> [f64; Self::STATE_DIM] {
-        let (pedestrian, ego) = (&self.world.pedestrians[0].state.pose, self.world.ego().state.pose.position());
-        let initial = self.episode.spawn.pedestrian.yaw;
-        self.scenario.adversary.encode(&self.observe(), pedestrian, initial, ego)
+    /// Writes the commands for a joint action, now; pedestrians that are not controlled keep theirs.
+    pub fn write_commands(&self, action: &[f64], commands: &mut [WalkCommand]) {
+        commands.copy_from_slice(&self.walks.commands);
+        for ((number, role), part) in self.scenario.cast.controlled().zip(action.as_chunks().0) {
+            let (pedestrian, initial, ego) = self.viewpoint(number);
+            commands[number] = role.action.command(*part, pedestrian, initial, ego);
+        }
     }
 
-    /// The command for a learner's action, now.
-    pub fn command(&self, action: [f64; 2]) -> WalkCommand {
-        let (pedestrian, ego) = (&self.world.pedestrians[0].state.pose, self.world.ego().state.pose.position());
-        self.scenario.adversary.command(action, pedestrian, self.episode.spawn.pedestrian.yaw, ego)
+    /// The pose of a pedestrian, its heading at the start (rad), and where the ego is.
+    fn viewpoint(&self, pedestrian: usize) -> (&Pose, f64, Point) {
+        let initial = self.starts.1[pedestrian].pose.yaw;
+        (&self.world.pedestrians[pedestrian].state.pose, initial, self.world.ego().state.pose.position())
     }
-
-    /// Where a homing pedestrian would walk: straight at the ego, as fast as it can.
-    pub fn homing(&self) -> WalkCommand {
-        let offset = self.world.ego().state.pose.position() - self.world.pedestrians[0].state.pose.position();
-        WalkCommand { heading: libm::atan2(offset.y, offset.x), speed: self.scenario.adversary.speed.1 }
-    }
-
-    /// Where an intercepting pedestrian would walk: to the nearest place where it can meet an ego that keeps its
-    /// velocity, or straight at the ego when there is none.
-    pub fn intercept(&self) -> WalkCommand {
-        let (pedestrian, ego) = (&self.world.pedestrians[0].state.pose, &self.world.ego().state);
-        let speed = self.scenario.adversary.speed.1;
-        let offset = ego.pose.position() - pedestrian.position();
-        let velocity = ego.pose.forward() * ego.speed;
-        let meeting = offset + velocity * meeting_time(offset, velocity, speed).unwrap_or(0.0);
-        WalkCommand { heading: wrap_angle(libm::atan2(meeting.y, meeting.x)), speed }
-    }
-}
-
-/// The least time (s) after which a walker at the origin can be where a car at `offset` with `velocity` is.
-fn meeting_time(offset: crate::geometry::Vector, velocity: crate::geometry::Vector, speed: f64) -> Option<f64> {
-    // |offset + velocity t| = speed t
-    let a = velocity.norm_squared() - speed * speed;
-    let b = offset.dot(&velocity);
-    let c = offset.norm_squared();
-    if a.abs() < 1e-9 {
-        return (b < 0.0).then(|| -c / (2.0 * b));
-    }
-    let discriminant = b * b - a * c;
-    if discriminant < 0.0 {
-        return None;
-    }
-    let root = discriminant.sqrt();
-    let (t1, t2) = ((-b - root) / a, (-b + root) / a);
-    let earliest = t1.min(t2);
-    let latest = t1.max(t2);
-    if earliest > 0.0 { Some(earliest) } else { (latest > 0.0).then_some(latest) }
 }
 
 /// One round of a multiply-rotate hash.
@@ -434,25 +500,31 @@ fn mix(digest: u64, word: u64) -> u64 {
 
 impl Env for PedestrianEnv {
     fn obs_dim(&self) -> usize {
-        Self::STATE_DIM
+        self.scenario.cast.obs_dim()
     }
 
     fn action_bounds(&self) -> Vec<(f64, f64)> {
-        self.scenario.adversary.action_bounds().to_vec()
+        self.bounds.clone()
     }
 
     fn reset(&mut self, state: &mut [f64]) {
         self.begin(self.next_episode);
-        state.copy_from_slice(&self.state());
+        self.write_state(state);
     }
 
     fn step(&mut self, action: &[f64], state: &mut [f64]) -> Step {
         // A driver that has been given up is not asked any more; the training ends with the update in hand.
         let step = match self.hopeless() {
             Some(_) => Step { reward: 0.0, terminated: false, truncated: true },
-            None => self.walk(self.command([action[0], action[1]])),
+            None => {
+                let mut commands = std::mem::take(&mut self.walks.scratch);
+                self.write_commands(action, &mut commands);
+                let step = self.carry_out(&commands);
+                self.walks.scratch = commands;
+                step
+            }
         };
-        state.copy_from_slice(&self.state());
+        self.write_state(state);
         step
     }
 
@@ -463,7 +535,7 @@ impl Env for PedestrianEnv {
         }
     }
 
-    fn widen(&mut self, share: f64) {
+    fn set_curriculum(&mut self, share: f64) {
         if self.width.to_bits() != share.to_bits() {
             self.width = share;
             self.near = self.scenario.spawn.nearest(share);
@@ -476,21 +548,5 @@ impl Env for PedestrianEnv {
 
     fn load(&mut self, state: &[u8]) -> bool {
         RunningEpisode::from_bytes(state).is_some_and(|running| self.replay(&running))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::geometry::Vector;
-
-    #[test]
-    fn the_meeting_point_is_reached_by_both_at_once() {
-        let (offset, velocity) = (Vector::new(-20.0, 5.0), Vector::new(7.0, 0.0));
-        let t = meeting_time(offset, velocity, 3.5).unwrap();
-        assert!(((offset + velocity * t).norm() - 3.5 * t).abs() < 1e-9);
-        assert_eq!(meeting_time(Vector::new(20.0, 0.0), Vector::new(7.0, 0.0), 3.5), None, "it drives away, faster");
-        let same = meeting_time(Vector::new(-10.0, 0.0), Vector::new(3.5, 0.0), 3.5).unwrap();
-        assert!((same - 10.0 / 7.0).abs() < 1e-9);
     }
 }

@@ -1,25 +1,20 @@
 use std::sync::Arc;
 
-use super::{Adversary, RewardRule, SpawnRule};
-use crate::av::DrivingPolicy;
+use super::{Cast, RewardRule, SpawnRule};
 use crate::geometry::Obstacles;
 use crate::road::Town;
 use crate::signature::Formula;
-use crate::sim::VehicleBlueprint;
-
-/// Makes a fresh driving policy; every episode's environment owns one.
-pub type PolicyMaker = Arc<dyn Fn() -> Box<dyn DrivingPolicy> + Send + Sync>;
 
 /// How long an episode lasts and what ends it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EpisodeRule {
     /// Length of a tick (s).
     pub tick: f64,
-    /// Ticks for which a command of the pedestrian is held.
+    /// Ticks for which a command of a pedestrian is kept.
     pub hold: u32,
     /// Most ticks of an episode.
     pub ticks: u32,
-    /// Ends the episode after a decision without a hit when it holds; nothing is bootstrapped then.
+    /// Ends the episode after a decision without a hit when it is true; nothing is bootstrapped then.
     pub end_when: Option<Formula>,
     /// A hit is frontal when the pedestrian's bearing from the ego's centre is at most this (rad).
     pub front_half_angle: f64,
@@ -34,17 +29,13 @@ pub struct EpisodeRule {
 pub struct Scenario {
     /// The roads.
     pub town: Arc<Town>,
-    /// What stands beside them.
+    /// The obstacles beside them.
     pub obstacles: Arc<Obstacles>,
-    /// The car under test.
-    pub vehicle: VehicleBlueprint,
-    /// Its driver.
-    pub policy: PolicyMaker,
-    /// The pedestrian.
-    pub adversary: Adversary,
-    /// How episodes begin.
+    /// Its actors.
+    pub cast: Cast,
+    /// Where the ego and the first pedestrian start.
     pub spawn: SpawnRule,
-    /// What the pedestrian is paid for.
+    /// The reward of the pedestrians.
     pub reward: RewardRule,
     /// How episodes end.
     pub episode: EpisodeRule,

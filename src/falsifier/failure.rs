@@ -1,19 +1,20 @@
 use std::sync::Arc;
 
-use crate::env::{Outcome, PedestrianEnv, Recording, Scenario};
+use super::episodes::play;
+use crate::env::{Outcome, PedestrianEnv, Scenario, Trace};
 use crate::seed::Seed;
 use crate::sim::WalkCommand;
 
-/// A collision that a falsifier found, with all that is needed to see it again.
+/// A collision that a falsifier found, with all that is needed to repeat it.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Failure {
-    /// Number of its beginning under the seed of the search.
+    /// Number of its start under the seed of the search.
     pub beginning: u64,
     /// Ticks that the search had used when it was found, those of this episode included.
     pub ticks: u64,
-    /// The commands, one a decision.
+    /// The commands: one for each pedestrian in every decision.
     pub commands: Vec<WalkCommand>,
-    /// What became of it.
+    /// Its outcome.
     pub outcome: Outcome,
 }
 
@@ -24,30 +25,19 @@ impl Failure {
     }
 }
 
-/// Walks as these commands say from a beginning under the seed of a search; none when they do not lead to an end.
+/// Repeats an episode from a start under the seed of a search with these commands; none when they do not lead to an end.
 pub fn follow(
     scenario: &Arc<Scenario>,
     seed: Seed,
     beginning: u64,
     commands: &[WalkCommand],
-) -> Option<(Outcome, Recording)> {
+) -> Option<(Outcome, Trace)> {
     let mut env = PedestrianEnv::new(scenario.clone(), seed);
-    let mut recording = Recording::new(&scenario.episode);
-    env.begin(beginning);
-    recording.begin(env.world());
-    for command in commands {
-        if env.outcome().is_some() {
-            return None;
-        }
-        recording.decide(*command);
-        env.set_out(*command);
-        loop {
-            let step = env.tick();
-            recording.watch(env.world(), env.contact(), env.driven());
-            if step.is_some() {
-                break;
-            }
-        }
-    }
-    env.outcome().map(|outcome| (*outcome, recording))
+    let mut trace = Trace::new(scenario);
+    let mut decisions = commands.chunks_exact(scenario.cast.pedestrian_count());
+    let outcome = play(&mut env, &mut trace, beginning, |_, commands| {
+        commands.copy_from_slice(decisions.next()?);
+        Some(())
+    })?;
+    (decisions.next().is_none() && decisions.remainder().is_empty()).then_some((outcome, trace))
 }

@@ -1,16 +1,18 @@
-use super::Walker;
+use super::WalkPolicy;
 use crate::env::PedestrianEnv;
 use crate::seed::Stream;
 use crate::sim::WalkCommand;
 
-/// Walks straight at the ego, as fast as it can: the simplest attack there is.
+/// Walks straight at the ego, as fast as it can: the simplest attack.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Homing;
 
-impl Walker for Homing {
+impl WalkPolicy for Homing {
     fn begin(&mut self, _: Stream) {}
 
-    fn choose(&mut self, env: &PedestrianEnv) -> WalkCommand {
-        env.homing()
+    fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]) {
+        for (pedestrian, command) in commands.iter_mut().enumerate() {
+            *command = env.homing(pedestrian);
+        }
     }
 }

@@ -1,20 +1,22 @@
-use super::Walker;
+use super::WalkPolicy;
 use crate::env::PedestrianEnv;
 use crate::seed::Stream;
 use crate::sim::WalkCommand;
 
-/// Walks as fast as it can to where it would meet an ego that keeps its velocity: a yardstick written by hand.
+/// Walks as fast as it can to where it would meet an ego that keeps its velocity: a baseline without learning.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Intercept;
 
-impl Walker for Intercept {
+impl WalkPolicy for Intercept {
     fn begin(&mut self, _: Stream) {}
 
-    fn choose(&mut self, env: &PedestrianEnv) -> WalkCommand {
-        env.intercept()
+    fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]) {
+        for (pedestrian, command) in commands.iter_mut().enumerate() {
+            *command = env.intercept(pedestrian);
+        }
     }
 
-    fn clone_for_batch(&self) -> Option<Box<dyn Walker>> {
+    fn clone_for_batch(&self) -> Option<Box<dyn WalkPolicy>> {
         Some(Box::new(*self))
     }
 }

@@ -1,13 +1,13 @@
-use super::{Choosing, Falsifier, Simulator, TrainedWalker, Walker};
+use super::{ActionMode, Falsifier, Simulator, TrainedWalker, WalkPolicy};
 use crate::rl::{Env, PpoConfig, Step, TrainError, Trainer};
 use crate::seed::Seed;
 use crate::signature::{Param, Signature, Type};
 
-/// A pedestrian that learns by PPO, as a falsifier: the failures are those of its training.
+/// Learning by PPO as a falsifier: the failures are those of the training.
 ///
-/// The budget takes the place of the training's number of steps; schedules run down over the decisions that fit into it.
-/// Several environments have equal shares of it. The update in which the first share runs out is not made. A curriculum is
-/// ignored: all falsifiers meet the same beginnings.
+/// The budget replaces the training's number of steps; schedules end with the decisions that fit into it. Several environments have
+/// equal shares of it. The update in which the first share is spent is not made. A curriculum is ignored: all falsifiers meet the
+/// same starts.
 #[derive(Debug, Clone)]
 pub struct Learning {
     config: PpoConfig,
@@ -34,8 +34,8 @@ impl Learning {
     }
 }
 
-/// A share of the simulator as the learner sees it. When the budget is spent it stands still and ends every episode at
-/// once; what is learnt from that is thrown away.
+/// A share of the simulator as the learner sees it. When the budget is spent it does not move and ends every episode at
+/// once; what is learnt from that is discarded.
 struct Ground<'a> {
     share: Simulator<'a>,
     next: u64,
@@ -44,7 +44,7 @@ struct Ground<'a> {
 
 impl Env for Ground<'_> {
     fn obs_dim(&self) -> usize {
-        4
+        self.share.env().obs_dim()
     }
 
     fn action_bounds(&self) -> Vec<(f64, f64)> {
@@ -54,13 +54,12 @@ impl Env for Ground<'_> {
     fn reset(&mut self, state: &mut [f64]) {
         self.share.begin(self.next);
         self.next += self.stride;
-        state.copy_from_slice(&self.share.env().state());
+        self.share.env().write_state(state);
     }
 
     fn step(&mut self, action: &[f64], state: &mut [f64]) -> Step {
-        let command = self.share.env().command([action[0], action[1]]);
-        let step = self.share.walk(command);
-        state.copy_from_slice(&self.share.env().state());
+        let step = self.share.act(action);
+        self.share.env().write_state(state);
         step.unwrap_or(Step { reward: 0.0, terminated: true, truncated: false })
     }
 
@@ -70,7 +69,7 @@ impl Env for Ground<'_> {
 }
 
 impl Falsifier for Learning {
-    fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn Walker>>, TrainError> {
+    fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
         let hold = u64::from(simulator.env().scenario().episode.hold);
         let stride = self.environments as u64;
         let shares = simulator.shares(stride);
@@ -79,7 +78,7 @@ impl Falsifier for Learning {
         let config = PpoConfig { total_steps: (simulator.left() / hold).max(1), ..self.config.clone() };
         let trained = train(&mut grounds, &config, hold, seed);
         simulator.take_over(grounds.into_iter().map(|ground| ground.share).collect());
-        Ok(Some(Box::new(TrainedWalker::new(trained?, Choosing::Mean))))
+        Ok(Some(Box::new(TrainedWalker::new(trained?, simulator.env().obs_dim(), ActionMode::Deterministic))))
     }
 }
 

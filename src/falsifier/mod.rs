@@ -1,9 +1,10 @@
-//! Pedestrians that look for a collision, and methods that search for one.
+//! Policies of pedestrians that aim at a collision, and methods that search for one.
 //!
-//! A [`Walker`] chooses commands as it goes; [`try_walker`] tries it. A [`Falsifier`] is a method with a budget of simulator
-//! ticks, from walking at random to learning by PPO; a [`Simulator`] counts for it and keeps what it finds.
+//! A [`WalkPolicy`] chooses commands decision by decision; [`try_walker`] evaluates it. A [`Falsifier`] is a method with a budget of
+//! simulator ticks, from random walks to learning by PPO; a [`Simulator`] counts the ticks and stores what the method finds. All of
+//! them know an environment by the dimensions of its states and actions, not by the number of its pedestrians.
 
-mod walker;
+mod walk_policy;
 mod training;
 mod training_run;
 mod trained;
@@ -30,9 +31,9 @@ pub use method::Falsifier;
 pub use open_loop::OpenLoop;
 pub use random::Random;
 pub use simulator::{Simulator, Spent};
-pub use trained::{Choosing, TrainedWalker};
+pub use trained::{ActionMode, TrainedWalker};
 pub use training::{TrainError, train};
 pub use training_run::TrainingRun;
 pub use tree_search::TreeSearch;
-pub use walker::Walker;
+pub use walk_policy::WalkPolicy;
 pub use walking::Walking;

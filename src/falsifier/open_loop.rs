@@ -1,6 +1,6 @@
 use super::optimizer::{CmaEs, CrossEntropy, Optimizer};
-use super::{Falsifier, Simulator, Walker};
-use crate::env::{Outcome, PedestrianEnv};
+use super::{Falsifier, Simulator, WalkPolicy};
+use crate::env::{ActionSpec, Cast, Outcome};
 use crate::geometry::wrap_angle;
 use crate::rl::TrainError;
 use crate::seed::Seed;
@@ -31,12 +31,12 @@ enum Objective {
     Reward,
 }
 
-/// Looks, beginning by beginning, for a plan of commands that leads to a collision.
+/// Searches start by start for a plan of commands that leads to a collision.
 ///
-/// A plan is *open loop*: its headings are measured from the line to the ego at the beginning, do not turn with it, and know
-/// nothing of what the driver does. It is so many legs of so many decisions each; the last leg goes on to the end. Every
-/// beginning gets a fresh minimiser and so many tries; after a failure, or when they are used up, the next beginning follows.
-/// So failures are not the same one found again, and the beginnings keep the distribution of the scenario.
+/// A plan is *open loop*: its headings are measured from the line to the ego at the start, do not turn with it, and do not depend on
+/// what the driver does. It is a number of legs, each of a number of decisions; the last leg lasts to the end. Every start gets a
+/// fresh minimiser and a number of tries; after a failure, or when the tries are used up, the next start follows. So failures are
+/// not the same one found again, and the starts keep the distribution of the scenario. Several pedestrians have one joint plan.
 ///
 /// | component | from | to |
 /// |---|---|---|
@@ -137,8 +137,8 @@ impl OpenLoop {
         }
     }
 
-    fn optimizer(&self) -> Box<dyn Optimizer> {
-        let dimensions = 2 * self.legs;
+    fn optimizer(&self, cast: &Cast) -> Box<dyn Optimizer> {
+        let dimensions = cast.controlled().count() * ActionSpec::DIM * self.legs;
         let middle = vec![0.0; dimensions];
         match self.method {
             Method::CrossEntropy { population, elite, smoothing } => {
@@ -158,10 +158,10 @@ impl OpenLoop {
         }
     }
 
-    /// Tries plans from one beginning; none when the budget is spent.
-    fn conquer(&self, beginning: u64, simulator: &mut Simulator<'_>, seed: &Seed) -> Option<()> {
+    /// Evaluates plans from one start; none when the budget is spent.
+    fn search_from(&self, beginning: u64, simulator: &mut Simulator<'_>, seed: &Seed) -> Option<()> {
         let mut stream = seed.stream();
-        let mut optimizer = self.optimizer();
+        let mut optimizer = self.optimizer(&simulator.env().scenario().cast);
         let mut tried = 0;
         while tried < self.tries {
             let points = optimizer.ask(&mut stream);
@@ -174,12 +174,18 @@ impl OpenLoop {
                 if !simulator.begin(beginning) {
                     return None;
                 }
-                let line = simulator.env().homing().heading;
+                let env = simulator.env();
+                let all = 0..env.world().pedestrians.len();
+                let lines: Vec<f64> = all.map(|pedestrian| env.homing(pedestrian).heading).collect();
                 let mut decision = 0;
-                let outcome = simulator.finish(|env| {
+                let outcome = simulator.finish(|env, commands| {
                     let leg = (decision / self.decisions).min(self.legs - 1);
                     decision += 1;
-                    command(env, line, point[2 * leg], point[2 * leg + 1])
+                    let cast = &env.scenario().cast;
+                    let components = point.chunks_exact(point.len() / self.legs).nth(leg).expect("a plan has its legs");
+                    for ((pedestrian, role), part) in cast.controlled().zip(components.as_chunks().0) {
+                        commands[pedestrian] = command(&role.action, lines[pedestrian], *part);
+                    }
                 })?;
                 if outcome.is_collision() && !self.go_on {
                     return Some(());
@@ -192,18 +198,18 @@ impl OpenLoop {
     }
 }
 
-/// The command for two components of a plan.
-fn command(env: &PedestrianEnv, line: f64, heading: f64, speed: f64) -> WalkCommand {
-    let (low, high) = env.scenario().adversary.speed;
+/// The command for the components of a plan, heading and speed, from the line to the ego (rad).
+fn command(spec: &ActionSpec, line: f64, [heading, speed]: [f64; ActionSpec::DIM]) -> WalkCommand {
+    let (low, high) = spec.speed;
     // A mirror at either end: −1 and 3 are the least speed, 1 and 5 the greatest.
     let share = 1.0 - ((speed + 1.0).rem_euclid(4.0) / 2.0 - 1.0).abs();
     WalkCommand { heading: wrap_angle(line + heading * std::f64::consts::PI), speed: low + share * (high - low) }
 }
 
 impl Falsifier for OpenLoop {
-    fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn Walker>>, TrainError> {
+    fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
         for beginning in 0.. {
-            if self.conquer(beginning, simulator, &seed.index(beginning)).is_none() {
+            if self.search_from(beginning, simulator, &seed.index(beginning)).is_none() {
                 break;
             }
         }

@@ -1,28 +1,30 @@
 use rand::RngExt;
 
-use super::Walker;
+use super::WalkPolicy;
 use crate::env::PedestrianEnv;
 use crate::seed::Stream;
 use crate::sim::WalkCommand;
 
-/// Draws every command uniformly from all that it could do: the floor that a trained pedestrian must beat.
+/// Draws every action uniformly from its bounds: the baseline that a trained pedestrian must beat.
 #[derive(Debug, Clone, Default)]
 pub struct Random {
     stream: Option<Stream>,
+    action: Vec<f64>,
 }
 
-impl Walker for Random {
+impl WalkPolicy for Random {
     fn begin(&mut self, stream: Stream) {
         self.stream = Some(stream);
     }
 
-    fn choose(&mut self, env: &PedestrianEnv) -> WalkCommand {
-        let stream = self.stream.as_mut().expect("an episode has begun");
-        let bounds = env.scenario().adversary.action_bounds();
-        env.command(bounds.map(|(low, high)| low + (high - low) * stream.random::<f64>()))
+    fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]) {
+        let stream = self.stream.as_mut().expect("an episode has started");
+        self.action.clear();
+        self.action.extend(env.bounds().iter().map(|(low, high)| low + (high - low) * stream.random::<f64>()));
+        env.write_commands(&self.action, commands);
     }
 
-    fn clone_for_batch(&self) -> Option<Box<dyn Walker>> {
+    fn clone_for_batch(&self) -> Option<Box<dyn WalkPolicy>> {
         Some(Box::new(self.clone()))
     }
 }

@@ -7,9 +7,9 @@ use crate::rl::Step;
 use crate::seed::Seed;
 use crate::sim::WalkCommand;
 
-/// The simulator as a falsifier sees it: it counts its ticks against a budget and writes down every failure.
+/// The simulator as a falsifier sees it: it counts its ticks against a budget and stores every failure.
 ///
-/// A command is carried out only when the budget holds all the ticks that it may take, so the budget is never exceeded. An
+/// A decision is carried out only when the budget has all the ticks that it may take, so the budget is never exceeded. An
 /// episode that is given up, or that the budget cuts off, costs its ticks and counts for nothing else.
 pub struct Simulator<'a> {
     scenario: Arc<Scenario>,
@@ -19,6 +19,8 @@ pub struct Simulator<'a> {
     used: u64,
     beginning: u64,
     commands: Vec<WalkCommand>,
+    /// Memory for the commands of a decision.
+    chosen: Vec<WalkCommand>,
     episodes: u64,
     beginnings: BTreeSet<u64>,
     failures: Vec<Failure>,
@@ -29,14 +31,14 @@ pub struct Simulator<'a> {
     clock: Option<Vec<u64>>,
 }
 
-/// What a falsifier did with its budget.
+/// The result of a search: what a falsifier did with its budget.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Spent {
     /// Ticks that were simulated.
     pub ticks: u64,
     /// Episodes that came to an end.
     pub episodes: u64,
-    /// Beginnings of these episodes, each counted once.
+    /// Starts of these episodes, each counted once.
     pub beginnings: u64,
     /// The failures, in the order in which they were found.
     pub failures: Vec<Failure>,
@@ -45,9 +47,10 @@ pub struct Spent {
 }
 
 impl<'a> Simulator<'a> {
-    /// Gets ready with a budget in ticks. Beginning *k* depends on the seed and on *k* alone; `stop` is asked before every
+    /// Makes a simulator with a budget in ticks. Start *k* depends on the seed and on *k* alone; `stop` is asked before every
     /// episode.
     pub fn new(scenario: Arc<Scenario>, seed: Seed, budget: u64, stop: &'a (dyn Fn() -> bool + Sync)) -> Self {
+        let chosen = vec![WalkCommand::default(); scenario.cast.pedestrian_count()];
         Self {
             env: PedestrianEnv::new(scenario.clone(), seed),
             scenario,
@@ -56,6 +59,7 @@ impl<'a> Simulator<'a> {
             used: 0,
             beginning: 0,
             commands: Vec::new(),
+            chosen,
             episodes: 0,
             beginnings: BTreeSet::new(),
             failures: Vec::new(),
@@ -66,22 +70,22 @@ impl<'a> Simulator<'a> {
         }
     }
 
-    /// The episode as it stands.
+    /// The environment as it is now.
     pub fn env(&self) -> &PedestrianEnv {
         &self.env
     }
 
-    /// Whether nothing can be simulated any more.
+    /// Whether the budget is spent.
     pub fn is_spent(&self) -> bool {
         self.spent
     }
 
-    /// Ticks that are left.
+    /// Ticks that remain.
     pub fn left(&self) -> u64 {
         self.budget - self.used
     }
 
-    /// Begins an episode from this beginning; says whether there is anything left to simulate it with.
+    /// Starts an episode from the start with this number; false when the budget is spent.
     pub fn begin(&mut self, beginning: u64) -> bool {
         self.stopped |= (self.stop)();
         self.spent |= self.stopped;
@@ -93,8 +97,9 @@ impl<'a> Simulator<'a> {
         !self.spent
     }
 
-    /// Carries a command out; none when the budget is spent. The episode is over when the step says so.
-    pub fn walk(&mut self, command: WalkCommand) -> Option<Step> {
+    /// Carries out a decision, one command for each pedestrian; none when the budget is spent. The episode is over when the step
+    /// says so.
+    pub fn step(&mut self, commands: &[WalkCommand]) -> Option<Step> {
         let rule = &self.env.scenario().episode;
         let before = self.env.world().ticks;
         let most = rule.hold.min(rule.ticks - before);
@@ -102,9 +107,9 @@ impl<'a> Simulator<'a> {
             self.spent = true;
             return None;
         }
-        let step = self.env.walk(command);
+        let step = self.env.carry_out(commands);
         self.used += u64::from(self.env.world().ticks - before);
-        self.commands.push(command);
+        self.commands.extend_from_slice(commands);
         if let Some(clock) = &mut self.clock {
             clock.push(self.used);
         }
@@ -114,14 +119,27 @@ impl<'a> Simulator<'a> {
         Some(step)
     }
 
-    /// Walks to the end of the episode; none when the budget is spent before.
-    pub fn finish(&mut self, mut choose: impl FnMut(&PedestrianEnv) -> WalkCommand) -> Option<Outcome> {
+    /// Carries out the decision for a joint action, as [`Simulator::step`] does.
+    pub fn act(&mut self, action: &[f64]) -> Option<Step> {
+        self.decide(|env, commands| env.write_commands(action, commands))
+    }
+
+    /// Runs the episode to its end; none when the budget is spent before. `choose` writes the commands of each decision.
+    pub fn finish(&mut self, mut choose: impl FnMut(&PedestrianEnv, &mut [WalkCommand])) -> Option<Outcome> {
         loop {
-            self.walk(choose(&self.env))?;
+            self.decide(&mut choose)?;
             if let Some(outcome) = self.env.outcome() {
                 return Some(*outcome);
             }
         }
+    }
+
+    fn decide(&mut self, choose: impl FnOnce(&PedestrianEnv, &mut [WalkCommand])) -> Option<Step> {
+        let mut commands = std::mem::take(&mut self.chosen);
+        choose(&self.env, &mut commands);
+        let step = self.step(&commands);
+        self.chosen = commands;
+        step
     }
 
     fn note(&mut self, outcome: Outcome) {

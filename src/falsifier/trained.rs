@@ -1,76 +1,84 @@
-use super::Walker;
+use super::WalkPolicy;
 use crate::env::PedestrianEnv;
 use crate::rl::{ActorCritic, FrameStack, Scratch};
 use crate::seed::Stream;
 use crate::sim::WalkCommand;
 
-/// How a trained pedestrian chooses.
+/// How a trained policy chooses an action.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Choosing {
-    /// It does what it thinks best: the mean of its policy.
-    Mean,
-    /// It draws from its policy, as in training.
-    Sampling,
+pub enum ActionMode {
+    /// It takes the mean of its distribution.
+    Deterministic,
+    /// It draws from its distribution, as in training.
+    Stochastic,
 }
 
-/// A trained pedestrian.
+/// A trained policy.
 ///
-/// It sees as many of the last states as in training, and normalises them as at the end of it.
+/// It gets as many of the last states as in training, and normalises them as at the end of it.
 #[derive(Debug, Clone)]
 pub struct TrainedWalker {
     actor_critic: ActorCritic,
     scratch: Scratch,
-    choosing: Choosing,
+    mode: ActionMode,
     stream: Option<Stream>,
     /// The last states of the episode.
     stack: FrameStack,
+    /// Memory for a state and an action.
+    state: Vec<f64>,
+    action: Vec<f64>,
     /// Whether the first decision of the episode has been taken.
     begun: bool,
 }
 
 impl TrainedWalker {
-    /// Takes over a policy.
+    /// Takes over a policy, for environments whose states have `obs_dim` numbers.
     ///
     /// # Panics
-    /// When it does not expect one or several states of [`PedestrianEnv::STATE_DIM`] components.
-    pub fn new(actor_critic: ActorCritic, choosing: Choosing) -> Self {
-        let (frames, rest) =
-            (actor_critic.obs_dim() / PedestrianEnv::STATE_DIM, actor_critic.obs_dim() % PedestrianEnv::STATE_DIM);
-        assert!(rest == 0, "a pedestrian's policy sees whole states");
-        let stack = FrameStack::new(PedestrianEnv::STATE_DIM, frames);
-        Self { scratch: actor_critic.scratch(1), actor_critic, choosing, stream: None, stack, begun: false }
+    /// When the policy does not expect one or several such states.
+    pub fn new(actor_critic: ActorCritic, obs_dim: usize, mode: ActionMode) -> Self {
+        assert!(actor_critic.obs_dim().is_multiple_of(obs_dim), "a policy gets whole states");
+        Self {
+            scratch: actor_critic.scratch(1),
+            stack: FrameStack::new(obs_dim, actor_critic.obs_dim() / obs_dim),
+            state: vec![0.0; obs_dim],
+            action: vec![0.0; actor_critic.action_dim()],
+            actor_critic,
+            mode,
+            stream: None,
+            begun: false,
+        }
     }
 }
 
-impl Walker for TrainedWalker {
+impl WalkPolicy for TrainedWalker {
     fn begin(&mut self, stream: Stream) {
         self.stream = Some(stream);
         self.begun = false;
     }
 
-    fn choose(&mut self, env: &PedestrianEnv) -> WalkCommand {
-        let state = env.state();
+    fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]) {
+        env.write_state(&mut self.state);
         if self.begun {
-            self.stack.push(&state);
+            self.stack.push(&self.state);
         } else {
-            self.stack.begin(&state);
+            self.stack.begin(&self.state);
         }
         self.begun = true;
-        let (seen, mut action) = (self.stack.as_slice(), [0.0; 2]);
-        match (self.choosing, &mut self.stream) {
-            (Choosing::Sampling, Some(stream)) => {
-                self.actor_critic.sample(seen, &mut action, &mut self.scratch, stream);
+        let seen = self.stack.as_slice();
+        match (self.mode, &mut self.stream) {
+            (ActionMode::Stochastic, Some(stream)) => {
+                self.actor_critic.sample(seen, &mut self.action, &mut self.scratch, stream);
             }
-            _ => self.actor_critic.act(seen, &mut action, &mut self.scratch),
+            _ => self.actor_critic.act(seen, &mut self.action, &mut self.scratch),
         }
-        let bounds = env.scenario().adversary.action_bounds();
-        for (component, (low, high)) in action.iter_mut().zip(bounds) {
-            *component = component.clamp(low, high);
+        for (component, (low, high)) in self.action.iter_mut().zip(env.bounds()) {
+            *component = component.clamp(*low, *high);
         }
-        env.command(action)
+        env.write_commands(&self.action, commands);
     }
 
-    fn clone_for_batch(&self) -> Option<Box<dyn Walker>> {
+    fn clone_for_batch(&self) -> Option<Box<dyn WalkPolicy>> {
         Some(Box::new(self.clone()))
     }
 }

@@ -1,7 +1,7 @@
 use rand::RngExt;
 
 use super::open_loop::after_failure;
-use super::{Falsifier, Simulator, Walker};
+use super::{Falsifier, Simulator, WalkPolicy};
 use crate::rl::TrainError;
 use crate::seed::{Seed, Stream};
 use crate::signature::{Arguments, Param, Signature, Type};
@@ -9,9 +9,9 @@ use crate::units::Dimension;
 
 /// Monte Carlo tree search over the pedestrian's actions, in the manner of adaptive stress testing.
 ///
-/// A node stands for the actions that lead to it from the beginning: the simulator is deterministic, so they are its state,
-/// and of *double* progressive widening only that of actions is left. Each simulation starts at the beginning again and its
-/// ticks all count, as with a simulator that cannot be set back to a state. On its way down it adds an action to a node with
+/// A node stands for the actions that lead to it from the start: the simulator is deterministic, so they are its state,
+/// and of *double* progressive widening only that of actions is left. Each simulation runs from the start and all of its
+/// ticks count, as with a simulator that cannot be set back to a state. On its way down it adds an action to a node with
 /// *N* visits while there are fewer than *k N^α* of them, else takes the one with the greatest upper confidence bound; below the tree it
 /// acts at random, and the sum of rewards is backed up as a mean. New actions are drawn as the `random` falsifier draws
 /// them. Returns are scaled to the least and greatest that the tree has met, so the exploration constant does not depend on the reward.
@@ -33,11 +33,10 @@ pub struct TreeSearch {
 /// An action that was taken at a node, and the node it leads to.
 #[derive(Debug, Clone, Copy)]
 struct Branch {
-    action: [f64; 2],
     visits: f64,
     /// Mean of the rewards from this action on.
     value: f64,
-    /// Place of the node below.
+    /// Number of the node below, and of the action in [`Tree::actions`].
     node: usize,
 }
 
@@ -47,9 +46,13 @@ struct Node {
     branches: Vec<Branch>,
 }
 
-/// The tree of one beginning.
+/// The tree of one start.
 struct Tree {
     nodes: Vec<Node>,
+    /// The action that leads to each node, one after another; that of the root is not used.
+    actions: Vec<f64>,
+    /// The numbers of an action.
+    dim: usize,
     /// Least and greatest return from any node.
     returns: (f64, f64),
 }
@@ -103,9 +106,9 @@ impl TreeSearch {
         }
     }
 
-    /// Grows a tree from one beginning; none when the budget is spent.
-    fn conquer(&self, beginning: u64, simulator: &mut Simulator<'_>, stream: &mut Stream) -> Option<()> {
-        let mut tree = Tree { nodes: vec![Node::default()], returns: (f64::INFINITY, f64::NEG_INFINITY) };
+    /// Grows a tree from one start; none when the budget is spent.
+    fn search_from(&self, beginning: u64, simulator: &mut Simulator<'_>, stream: &mut Stream) -> Option<()> {
+        let mut tree = Tree::new(simulator.env().bounds().len());
         for _ in 0..self.tries {
             if !simulator.begin(beginning) {
                 return None;
@@ -124,15 +127,16 @@ impl TreeSearch {
         let (mut node, mut grown) = (0, false);
         while simulator.env().outcome().is_none() && !grown {
             let (branch, new) = self.choose(tree, node, simulator, stream);
-            let Branch { action, node: below, .. } = tree.nodes[node].branches[branch];
-            let step = simulator.walk(simulator.env().command(action))?;
+            let below = tree.nodes[node].branches[branch].node;
+            let step = simulator.act(tree.action(below))?;
             path.push(Taken { node, branch, reward: step.reward });
             (node, grown) = (below, new);
         }
-        let mut below = 0.0;
+        let (mut below, mut action) = (0.0, Vec::with_capacity(tree.dim));
         while simulator.env().outcome().is_none() {
-            let action = draw(simulator, stream);
-            below += simulator.walk(simulator.env().command(action))?.reward;
+            action.clear();
+            action.extend(draw(simulator, stream));
+            below += simulator.act(&action)?.reward;
         }
         tree.back_up(&path, below);
         Some(())
@@ -144,9 +148,10 @@ impl TreeSearch {
         let here = &mut tree.nodes[node];
         let allowed = self.widening * libm::pow(here.visits, self.power);
         if here.branches.is_empty() || (here.branches.len() as f64) < allowed {
-            here.branches.push(Branch { action: draw(simulator, stream), visits: 0.0, value: 0.0, node: next });
+            here.branches.push(Branch { visits: 0.0, value: 0.0, node: next });
             let branch = here.branches.len() - 1;
             tree.nodes.push(Node::default());
+            tree.actions.extend(draw(simulator, stream));
             return (branch, true);
         }
         let explored = libm::log(here.visits);
@@ -160,6 +165,17 @@ impl TreeSearch {
 }
 
 impl Tree {
+    /// Only a root, for actions of this many numbers.
+    fn new(dim: usize) -> Self {
+        let returns = (f64::INFINITY, f64::NEG_INFINITY);
+        Self { nodes: vec![Node::default()], actions: vec![0.0; dim], dim, returns }
+    }
+
+    /// The action that leads to a node.
+    fn action(&self, node: usize) -> &[f64] {
+        &self.actions[node * self.dim..(node + 1) * self.dim]
+    }
+
     /// Turns a return into a share of the way from the least to the greatest.
     fn scale(&self) -> impl Fn(f64) -> f64 + use<> {
         let (low, high) = self.returns;
@@ -183,16 +199,15 @@ impl Tree {
     }
 }
 
-/// An action drawn uniformly from all that can be done.
-fn draw(simulator: &Simulator<'_>, stream: &mut Stream) -> [f64; 2] {
-    let bounds = simulator.env().scenario().adversary.action_bounds();
-    bounds.map(|(low, high)| low + (high - low) * stream.random::<f64>())
+/// The numbers of an action drawn uniformly from its bounds.
+fn draw<'a>(simulator: &'a Simulator<'_>, stream: &'a mut Stream) -> impl Iterator<Item = f64> + 'a {
+    simulator.env().bounds().iter().map(|(low, high)| low + (high - low) * stream.random::<f64>())
 }
 
 impl Falsifier for TreeSearch {
-    fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn Walker>>, TrainError> {
+    fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
         for beginning in 0.. {
-            if self.conquer(beginning, simulator, &mut seed.index(beginning).stream()).is_none() {
+            if self.search_from(beginning, simulator, &mut seed.index(beginning).stream()).is_none() {
                 break;
             }
         }

@@ -1,9 +1,9 @@
-use super::{Falsifier, Homing, Intercept, Random, Simulator, Walker};
+use super::{Falsifier, Homing, Intercept, Random, Simulator, WalkPolicy};
 use crate::rl::TrainError;
 use crate::seed::Seed;
 use crate::signature::Signature;
 
-/// A pedestrian that does not learn, as a falsifier: it walks once from every beginning.
+/// A walk policy that does not learn, as a falsifier: it runs one episode from every start.
 #[derive(Debug, Clone, Copy)]
 pub struct Walking<W> {
     walker: W,
@@ -31,21 +31,21 @@ impl Walking<Intercept> {
 }
 
 impl<W> Walking<W> {
-    /// Makes a falsifier of a pedestrian.
+    /// Makes a falsifier of a walk policy.
     pub fn new(walker: W) -> Self {
         Self { walker }
     }
 }
 
-impl<W: Walker + Clone + std::fmt::Debug + Send + Sync + 'static> Falsifier for Walking<W> {
-    fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn Walker>>, TrainError> {
+impl<W: WalkPolicy + Clone + std::fmt::Debug + Send + Sync + 'static> Falsifier for Walking<W> {
+    fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
         let mut walker = self.walker.clone();
         for beginning in 0.. {
             if !simulator.begin(beginning) {
                 break;
             }
             walker.begin(seed.index(beginning).stream());
-            simulator.finish(|env| walker.choose(env));
+            simulator.finish(|env, commands| walker.choose(env, commands));
         }
         Ok(Some(Box::new(walker)))
     }

@@ -1,9 +1,9 @@
 use super::{DrivenPath, Place};
 use crate::av::reference_drivers::Threat;
-use crate::env::{Moment, Recording, Scenario};
+use crate::env::{Frame, Pair};
 use crate::geometry::{OrientedBox, Point, Vector};
 
-/// A pedestrian that has been no danger for so long (s) begins a new approach.
+/// A pedestrian that has been no danger for this long (s) starts a new approach.
 const FORGETTING: f64 = 1.0;
 /// For how long after the recorded touch the pedestrian goes on (s).
 const AFTERWARDS: f64 = 5.0;
@@ -44,13 +44,12 @@ pub struct Encounter {
 }
 
 impl Encounter {
-    /// Rewinds an episode to where its danger began; none when nobody was touched.
-    pub fn new(scenario: &Scenario, recording: &Recording) -> Option<Self> {
-        let contact = recording.contact()?;
-        let moments = recording.moments();
-        let (blueprint, body, dt) = (&scenario.vehicle, &scenario.adversary.body, scenario.episode.tick);
+    /// Rewinds an episode to where its danger started; none when the two did not touch.
+    pub fn new(pair: &Pair<'_>) -> Option<Self> {
+        let contact = pair.contact()?;
+        let (blueprint, body, dt) = (pair.blueprint(), pair.body(), pair.dt());
         let mut encounter = Self {
-            path: DrivenPath::new(moments.iter().map(|moment| moment.ego.pose)),
+            path: DrivenPath::new(pair.frames().map(|frame| frame.ego.pose)),
             start: 0.0,
             pace: Vec::new(),
             steps: Vec::new(),
@@ -60,20 +59,20 @@ impl Encounter {
             half: Vector::new(blueprint.half_length, blueprint.half_width),
             radius: body.radius,
         };
-        let ways = ways(moments);
-        let begun = encounter.rewind(moments, &ways, scenario);
+        let ways = ways(pair);
+        let begun = encounter.rewind(pair, &ways);
         encounter.start = ways[begun];
-        encounter.warning = (moments.len() - 2 - begun) as f64 * dt + contact.fraction * dt;
+        encounter.warning = (pair.len() - 2 - begun) as f64 * dt + contact.fraction * dt;
         let mut fastest = 0.0_f64;
-        encounter.pace.extend(moments[begun..].iter().map(|moment| {
-            fastest = fastest.max(moment.ego.speed);
+        encounter.pace.extend(pair.frames().skip(begun).map(|frame| {
+            fastest = fastest.max(frame.ego.speed);
             fastest
         }));
-        let command = recording.commands().last().copied().unwrap_or_default();
-        let mut walker = moments.last()?.pedestrian;
-        let recorded = moments[begun..].iter().map(|moment| moment.pedestrian);
+        let command = pair.decisions().last().copied().unwrap_or_default();
+        let mut walker = pair.last()?.pedestrian;
+        let recorded = pair.frames().skip(begun).map(|frame| frame.pedestrian);
         let afterwards = (0..(AFTERWARDS / dt) as u32).map(|_| {
-            walker = walker.step(command, body, &scenario.obstacles, dt);
+            walker = walker.step(command, body, &pair.scenario().obstacles, dt);
             walker
         });
         let step = |walker: crate::sim::PedestrianState| Step {
@@ -86,15 +85,15 @@ impl Encounter {
     }
 
     /// The tick at which the approach began that ended in the touch: the one before the touch at the latest.
-    fn rewind(&self, moments: &[Moment], ways: &[f64], scenario: &Scenario) -> usize {
-        let last = moments.len() - 2;
+    fn rewind(&self, pair: &Pair<'_>, ways: &[f64]) -> usize {
+        let last = pair.len() - 2;
         let patience = (FORGETTING / self.dt).ceil() as usize;
         let mut begun = last;
         for tick in (0..=last).rev() {
             if begun - tick > patience {
                 break;
             }
-            if self.is_dangerous(&moments[tick], ways[tick], scenario) {
+            if self.is_dangerous(&pair.frame(tick), ways[tick], pair) {
                 begun = tick;
             }
         }
@@ -102,12 +101,12 @@ impl Encounter {
     }
 
     /// Whether the pedestrian is not behind the car, is in its way or on the way into it, and can be seen.
-    fn is_dangerous(&self, moment: &Moment, way: f64, scenario: &Scenario) -> bool {
-        let position = moment.pedestrian.pose.position();
+    fn is_dangerous(&self, frame: &Frame, way: f64, pair: &Pair<'_>) -> bool {
+        let position = frame.pedestrian.pose.position();
         let place = self.path.place(position, way);
-        let step = Step { position, place, velocity: moment.pedestrian.velocity };
+        let step = Step { position, place, velocity: frame.pedestrian.velocity };
         let threat = self.threat(&step, &step, 0.0, way);
-        threat.is_some_and(|threat| threat.is_on_its_way()) && moment.in_sight(scenario)
+        threat.is_some_and(|threat| threat.is_on_its_way()) && pair.in_sight(frame)
     }
 
     /// The pedestrian between two ticks as a driver so far along the path (m) sees it; none when it is behind the car.
@@ -133,12 +132,12 @@ impl Encounter {
     }
 }
 
-/// How far along its own path the car is at each moment (m).
-fn ways(moments: &[Moment]) -> Vec<f64> {
+/// How far along its own path the car is at each frame (m).
+fn ways(pair: &Pair<'_>) -> Vec<f64> {
     let mut way = 0.0;
-    let mut last = moments[0].ego.pose.position();
-    let along = moments.iter().map(|moment| {
-        let here = moment.ego.pose.position();
+    let mut last = pair.frame(0).ego.pose.position();
+    let along = pair.frames().map(|frame| {
+        let here = frame.ego.pose.position();
         let step = (here - last).norm();
         if step > 1e-9 {
             way += step;

@@ -1,5 +1,5 @@
 use super::trial::STANDING;
-use crate::env::{Moment, Recording, Scenario};
+use crate::env::{Frame, Pair};
 use crate::geometry::{Vector, time_to_touch};
 
 /// Touches farther ahead than this (s) are none.
@@ -30,32 +30,30 @@ pub struct NearMiss {
 
 impl NearMiss {
     /// Measures an episode.
-    pub fn new(scenario: &Scenario, recording: &Recording) -> Self {
-        let blueprint = &scenario.vehicle;
-        let half = Vector::new(blueprint.half_length, blueprint.half_width);
-        let pair = Pair { half, radius: scenario.adversary.body.radius };
-        let moments = recording.moments();
-        let ticks = if recording.contact().is_none() { pair.least_lag(moments) } else { None };
-        Self { min_ttc: pair.least_time(moments), pet: ticks.map(|ticks| ticks as f64 * scenario.episode.tick) }
+    pub fn new(pair: &Pair<'_>) -> Self {
+        let half = Vector::new(pair.blueprint().half_length, pair.blueprint().half_width);
+        let bodies = Bodies { half, radius: pair.body().radius };
+        let ticks = if pair.contact().is_none() { bodies.least_lag(pair.frames()) } else { None };
+        Self { min_ttc: bodies.least_time(pair.frames()), pet: ticks.map(|ticks| ticks as f64 * pair.dt()) }
     }
 }
 
 /// The sizes of the box and of the disc (m).
-struct Pair {
+struct Bodies {
     half: Vector,
     radius: f64,
 }
 
-impl Pair {
+impl Bodies {
     /// The least time to collision (s).
-    fn least_time(&self, moments: &[Moment]) -> Option<f64> {
+    fn least_time(&self, frames: impl Iterator<Item = Frame>) -> Option<f64> {
         let mut least = HORIZON;
         let mut heading = Heading::default();
-        for moment in moments.iter().filter(|moment| moment.ego.speed > STANDING) {
-            let ego = &moment.ego;
+        for frame in frames.filter(|frame| frame.ego.speed > STANDING) {
+            let ego = &frame.ego;
             heading.turn(ego.pose.yaw);
-            let place = heading.local(moment.pedestrian.pose.x - ego.pose.x, moment.pedestrian.pose.y - ego.pose.y);
-            let velocity = heading.local(moment.pedestrian.velocity.x, moment.pedestrian.velocity.y);
+            let place = heading.local(frame.pedestrian.pose.x - ego.pose.x, frame.pedestrian.pose.y - ego.pose.y);
+            let velocity = heading.local(frame.pedestrian.velocity.x, frame.pedestrian.velocity.y);
             let closing = velocity - Vector::new(ego.speed, 0.0);
             if let Some(time) = time_to_touch(place, closing, self.half, self.radius, least) {
                 least = time;
@@ -65,15 +63,15 @@ impl Pair {
     }
 
     /// The least number of ticks between the box and the disc filling the same place.
-    fn least_lag(&self, moments: &[Moment]) -> Option<usize> {
+    fn least_lag(&self, frames: impl ExactSizeIterator<Item = Frame> + Clone) -> Option<usize> {
         let reach = self.half.norm() + self.radius;
         let mut heading = Heading::default();
-        let cars = footprints(moments, |moment| {
-            heading.turn(moment.ego.pose.yaw);
-            (moment.ego.pose.x, moment.ego.pose.y, heading)
+        let cars = footprints(frames.clone(), |frame| {
+            heading.turn(frame.ego.pose.yaw);
+            (frame.ego.pose.x, frame.ego.pose.y, heading)
         });
         let walkers =
-            footprints(moments, |moment| (moment.pedestrian.pose.x, moment.pedestrian.pose.y, Heading::default()));
+            footprints(frames, |frame| (frame.pedestrian.pose.x, frame.pedestrian.pose.y, Heading::default()));
         let bounds = |all: &[Footprint]| all.chunks(BLOCK).map(Bounds::new).collect::<Vec<_>>();
         let (car_bounds, walker_bounds) = (bounds(&cars), bounds(&walkers));
         let mut least = usize::MAX;
@@ -147,7 +145,7 @@ impl Heading {
     }
 }
 
-/// Where somebody was from one tick to another, both included.
+/// Where an actor was from one tick to another, both included.
 #[derive(Debug, Clone, Copy)]
 struct Footprint {
     ticks: (usize, usize),
@@ -156,11 +154,14 @@ struct Footprint {
     heading: Heading,
 }
 
-/// The places of somebody in order; ticks without a motion count as one.
-fn footprints(moments: &[Moment], mut place: impl FnMut(&Moment) -> (f64, f64, Heading)) -> Vec<Footprint> {
-    let mut all: Vec<Footprint> = Vec::with_capacity(moments.len());
-    for (tick, moment) in moments.iter().enumerate() {
-        let (x, y, heading) = place(moment);
+/// The places of an actor in order; ticks without a motion count as one.
+fn footprints(
+    frames: impl ExactSizeIterator<Item = Frame>,
+    mut place: impl FnMut(&Frame) -> (f64, f64, Heading),
+) -> Vec<Footprint> {
+    let mut all: Vec<Footprint> = Vec::with_capacity(frames.len());
+    for (tick, frame) in frames.enumerate() {
+        let (x, y, heading) = place(&frame);
         match all.last_mut() {
             Some(last) if (last.x, last.y, last.heading) == (x, y, heading) => last.ticks.1 = tick,
             _ => all.push(Footprint { ticks: (tick, tick), x, y, heading }),

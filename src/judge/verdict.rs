@@ -1,6 +1,6 @@
 use super::trial::STANDING;
 use super::{Encounter, Reference, Sight, Trial};
-use crate::env::{Recording, Scenario};
+use crate::env::Pair;
 use crate::sim::Contact;
 
 /// What a failure is, by what reference drivers make of it. The first that holds, in this order:
@@ -88,14 +88,14 @@ impl Verdict {
     }
 }
 
-/// Judges an episode; none when nobody was touched.
-pub fn judge(scenario: &Scenario, recording: &Recording) -> Option<Verdict> {
-    let encounter = Encounter::new(scenario, recording)?;
+/// Judges what happened between a vehicle and a pedestrian; none when they did not touch.
+pub fn judge(pair: &Pair<'_>) -> Option<Verdict> {
+    let encounter = Encounter::new(pair)?;
     let trials = Reference::ALL.map(|reference| Trial::new(&encounter, reference.driver().as_mut()));
-    let contact = recording.contact()?;
+    let contact = pair.contact()?;
     let label = if contact.impact_speed <= STANDING {
         Label::Standing
-    } else if has_passed(contact, recording, &encounter) {
+    } else if has_passed(contact, pair, &encounter) {
         Label::WalkedIntoSide
     } else {
         label(&trials)
@@ -103,8 +103,8 @@ pub fn judge(scenario: &Scenario, recording: &Recording) -> Option<Verdict> {
     Some(Verdict {
         label,
         warning: encounter.warning,
-        foreseeable: is_foreseeable(recording, encounter.dt),
-        sight: Sight::new(scenario, recording),
+        foreseeable: is_foreseeable(pair),
+        sight: Sight::new(pair),
         impact_speed: contact.impact_speed,
         trials,
     })
@@ -126,12 +126,12 @@ fn label(trials: &[Trial; 6]) -> Label {
 }
 
 /// Whether the pedestrian walked into the flank or the rear of the car when the front had passed it.
-fn has_passed(contact: &Contact, recording: &Recording, encounter: &Encounter) -> bool {
+fn has_passed(contact: &Contact, pair: &Pair<'_>, encounter: &Encounter) -> bool {
     let half = encounter.half;
     if contact.ahead < -half.x {
         return true;
     }
-    let Some(last) = recording.moments().last() else { return false };
+    let Some(last) = pair.last() else { return false };
     let sideways = last.pedestrian.velocity.dot(&last.ego.pose.left());
     let inward = if contact.aside > 0.0 { -sideways } else { sideways };
     contact.ahead < half.x && contact.aside.abs() > half.y && inward > STANDING
@@ -140,12 +140,10 @@ fn has_passed(contact: &Contact, recording: &Recording, encounter: &Encounter) -
 /// Euro NCAP's running adult: its speed (m/s), and its speeding up (m/s²).
 const RUNNING: (f64, f64) = (8.0 / 3.6, 1.65);
 
-fn is_foreseeable(recording: &Recording, dt: f64) -> bool {
-    let slow = recording.moments().iter().all(|moment| moment.pedestrian.speed() <= RUNNING.0 + 1e-9);
-    slow && recording
-        .moments()
-        .windows(2)
-        .all(|pair| pair[1].pedestrian.speed() - pair[0].pedestrian.speed() <= RUNNING.1 * dt + 1e-9)
+fn is_foreseeable(pair: &Pair<'_>) -> bool {
+    let speeds = || pair.frames().map(|frame| frame.pedestrian.speed());
+    let slow = speeds().all(|speed| speed <= RUNNING.0 + 1e-9);
+    slow && speeds().zip(speeds().skip(1)).all(|(before, after)| after - before <= RUNNING.1 * pair.dt() + 1e-9)
 }
 
 #[cfg(test)]

@@ -126,7 +126,7 @@ pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
         .column(PEDESTRIAN_Y.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.y))
         .column(PEDESTRIAN_YAW.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.yaw.to_degrees()))
         .column(DIGEST.of(|row: &EpisodeRow| format!("{:016x}", row.outcome.digest)))
-        .column(TRAIL.of(|row: &EpisodeRow| row.outcome.is_collision().then(|| row.outcome.trail.to_string())));
+        .column(TRAIL.of(|row: &EpisodeRow| row.outcome.is_collision().then(|| row.outcome.state_hashes.to_string())));
     table.columns(verdicts())
 }
 
@@ -184,6 +184,7 @@ pub const IN_ERROR: &str = named::ERROR;
 /// The names of endings in tables.
 pub(super) mod named {
     pub const COLLISION: &str = "collision";
+    pub const OTHER_CONTACT: &str = "other_contact";
     pub const LOST: &str = "lost";
     pub const TIMEOUT: &str = "timeout";
     pub const ERROR: &str = "error";
@@ -192,6 +193,7 @@ pub(super) mod named {
 fn ending(ending: &Ending) -> &'static str {
     match ending {
         Ending::Collision { .. } => named::COLLISION,
+        Ending::OtherContact => named::OTHER_CONTACT,
         Ending::Lost => named::LOST,
         Ending::Timeout => named::TIMEOUT,
         Ending::Error(_) => named::ERROR,

@@ -239,6 +239,7 @@ impl<'a> EpisodeTable<'a> {
                 impact_speed: self.impact_speed(row).unwrap_or_default(),
                 bearing: self.impact_bearing(row).unwrap_or_default(),
             },
+            named::OTHER_CONTACT => Ending::OtherContact,
             named::LOST => Ending::Lost,
             named::TIMEOUT => Ending::Timeout,
             _ => return None,
@@ -252,7 +253,7 @@ impl<'a> EpisodeTable<'a> {
             least_gap: self.least_gap.get(row).unwrap_or_default(),
             last_mode: self.driving_mode(row)?,
             digest: u64::from_str_radix(self.digest(row), 16).ok()?,
-            trail: self.trail.get(row).and_then(|trail| trail.parse().ok()).unwrap_or_default(),
+            state_hashes: self.trail.get(row).and_then(|hashes| hashes.parse().ok()).unwrap_or_default(),
         })
     }
 }

@@ -258,7 +258,7 @@ mod tests {
                 least_gap,
                 last_mode,
                 digest: 7,
-                trail: Default::default(),
+                state_hashes: Default::default(),
             },
             verdict,
             near_miss: crate::judge::NearMiss::default(),

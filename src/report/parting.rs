@@ -21,7 +21,7 @@ pub fn parting(
             first.column, first.stored, first.again
         ));
     }
-    let (same, other) = trail(stored)?.parting(&outcome.trail)?;
+    let (same, other) = trail(stored)?.divergence(&outcome.state_hashes)?;
     let (from, to) = (same * hold + 1, other * hold);
     let (begun, ended) = (f64::from(from) * dt, f64::from(to) * dt);
     Some(format!("between tick {from} and tick {to} ({begun:.2} s to {ended:.2} s), decision {other}"))

@@ -239,7 +239,7 @@ pub fn search_failures<'a>(results: &'a [SearchResult]) -> DataFrame {
     columns.number("episode_length_s", |row| Some(row.1.outcome.duration));
     columns.text("commands", |row| commands(row.1));
     columns.text("digest", |row| format!("{:016x}", row.1.outcome.digest));
-    columns.text("trail", |row| row.1.outcome.trail.to_string());
+    columns.text("trail", |row| row.1.outcome.state_hashes.to_string());
     columns.table()
 }
 

@@ -13,7 +13,7 @@ use polars_io::{SerReader, SerWriter};
 use super::folder::MARK;
 use super::{Manifest, pedestrian_file};
 use crate::compile::{RunId, TrainingKey};
-use crate::env::Trail;
+use crate::env::StateHashes;
 use crate::rl::{ActorCritic, CheckpointError};
 use crate::sim::WalkCommand;
 
@@ -250,7 +250,7 @@ pub fn value(row: &DataFrame, column: &str) -> String {
 }
 
 /// The trail of the first row, if it has one.
-pub fn trail(row: &DataFrame) -> Option<Trail> {
+pub fn trail(row: &DataFrame) -> Option<StateHashes> {
     value(row, "trail").parse().ok()
 }
 

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::{Episodes, ReportFolder, WriteError, ticks};
 use crate::campaign::{Finished, watch};
 use crate::compile::{Evaluation, Pedestrian};
-use crate::env::{Outcome, Recording};
+use crate::env::{Outcome, Trace};
 use crate::record::EpisodeTable;
 use crate::rl::ActorCritic;
 use crate::seed::Seed;
@@ -57,11 +57,11 @@ impl<'a> Wanted<'a> {
         // Those in a row are tried together, as drivers in company like it.
         for row in episodes.chunk_by(|one, next| one + 1 == *next) {
             let (Some(first), Some(last)) = (row.first(), row.last()) else { continue };
-            let note = &mut |_: &Outcome, recording: &Recording| recording.clone();
+            let note = &mut |_: &Outcome, trace: &Trace| trace.clone();
             let go_on = &mut |_| ControlFlow::Continue(());
-            let recordings = watch(evaluation, self.trained, *first..*last + 1, seed, note, go_on);
-            let table = |(episode, recording)| ticks(evaluation.id, episode, &evaluation.scenario, &recording);
-            tables.extend((*first..).zip(recordings).map(table));
+            let traces = watch(evaluation, self.trained, *first..*last + 1, seed, note, go_on);
+            let table = |(episode, trace)| ticks(evaluation.id, episode, &evaluation.scenario, &trace);
+            tables.extend((*first..).zip(traces).map(table));
         }
         tables
     }

@@ -53,7 +53,7 @@ pub fn write(
         let Ok(trained) = &training.result else { continue };
         let key = &training.key;
         let planned = campaign.trainings.iter().find(|planned| planned.key == *key).expect("it was planned");
-        let bounds = planned.scenario.adversary.action_bounds();
+        let bounds = planned.scenario.cast.action_bounds();
         let metadata: BTreeMap<String, String> = [
             ("falsify", manifest.version.clone()),
             ("campaign", campaign.name.clone()),
@@ -63,8 +63,8 @@ pub fn write(
             ("run", key.run.to_string()),
             ("seed", manifest.seed.to_string()),
             ("states_stacked", planned.config.frame_stack.to_string()),
-            ("action_low", format!("{:?}", bounds.map(|bound| bound.0))),
-            ("action_high", format!("{:?}", bounds.map(|bound| bound.1))),
+            ("action_low", format!("{:?}", bounds.iter().map(|bound| bound.0).collect::<Vec<_>>())),
+            ("action_high", format!("{:?}", bounds.iter().map(|bound| bound.1).collect::<Vec<_>>())),
         ]
         .map(|(name, value)| (name.to_string(), value))
         .into();

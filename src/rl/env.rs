@@ -22,23 +22,23 @@ pub trait Env {
 
     /// Returns the potential of the present state, by which the learner's rewards are shaped; 0 for none.
     ///
-    /// The learner is paid γ Φ(s′) − Φ(s) beside the reward, with its own γ. Φ may depend on everything that the state of the
+    /// The learner gets γ Φ(s′) − Φ(s) in addition to the reward, with its own γ. Φ may depend on everything that the state of the
     /// environment holds, and changes no optimal policy (see [`shaping`](super::shaping)).
     fn potential(&self) -> f64 {
         0.0
     }
 
-    /// Sets how much of all beginnings the next episodes are drawn from, from 0 for the easiest to 1 for all.
+    /// Sets the part of all starts that the next episodes are drawn from, from 0 for the easiest to 1 for all.
     ///
     /// Called before the first episode and before every rollout of a training with a curriculum; never without one.
-    fn widen(&mut self, share: f64) {
+    fn set_curriculum(&mut self, share: f64) {
         let _ = share;
     }
 
-    /// Returns all that the environment's future depends on, in mid-episode, too; none when it cannot tell.
+    /// Returns all that the environment's future depends on, within an episode too; none when it cannot be saved.
     ///
-    /// With it a training continues from [`Trainer::state`](super::Trainer::state) bit for bit. Without it the episode in
-    /// hand is dropped there and a new one begins.
+    /// With it a training continues from [`Trainer::state`](super::Trainer::state) bit for bit. Without it the running
+    /// episode is dropped and a new one starts.
     fn save(&self) -> Option<Vec<u8>> {
         None
     }

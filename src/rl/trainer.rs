@@ -64,7 +64,7 @@ impl Trainer {
         let mut policy = ActorCritic::new(obs_dim, action_dim, &config.hidden, config.initial_log_std, stream);
         *policy.observation_moments_mut() = config.normalize_obs.then(|| RunningMoments::new(obs_dim));
         let mut this = Self::assemble(envs, policy, config, seed);
-        this.widen(envs);
+        this.set_curriculum(envs);
         let begun = this.collector.begin(envs, &mut this.learner.policy);
         begun.map_err(|quantity| TrainError::NonFinite { update: 1, quantity })?;
         Ok(this)
@@ -103,7 +103,7 @@ impl Trainer {
     /// As [`Trainer::update`].
     pub fn collect<E: Env + Send>(&mut self, envs: &mut [E]) -> Result<Experience<'_>, TrainError> {
         assert!(envs.len() == self.rollouts.len(), "a training keeps its environments");
-        self.widen(envs);
+        self.set_curriculum(envs);
         let update = self.updates() + 1;
         let finished = self.collector.collect(envs, &mut self.learner.policy, &mut self.rollouts);
         match finished {
@@ -113,9 +113,9 @@ impl Trainer {
     }
 
     /// Tells the environments how far the curriculum has come, if there is one.
-    pub(super) fn widen<E: Env>(&self, envs: &mut [E]) {
+    pub(super) fn set_curriculum<E: Env>(&self, envs: &mut [E]) {
         if let Some(share) = self.config.widening(self.steps) {
-            envs.iter_mut().for_each(|env| env.widen(share));
+            envs.iter_mut().for_each(|env| env.set_curriculum(share));
         }
     }
 

@@ -61,6 +61,32 @@ impl Distribution {
         }
     }
 
+    /// The probability density at a value, in one over the unit of the quantity; 0 outside of the support.
+    ///
+    /// Single values that have a probability of their own (constants) are not part of it; theirs is `mass(value, value)`.
+    pub fn density(&self, value: f64) -> f64 {
+        match self {
+            Self::Constant(_) => 0.0,
+            Self::Uniform(low, high) => {
+                if low < high && (*low..=*high).contains(&value) {
+                    1.0 / (high - low)
+                } else {
+                    0.0
+                }
+            }
+            Self::Normal { low, high, .. } if !(*low..=*high).contains(&value) => 0.0,
+            Self::Normal { mean, deviation, low, high } => {
+                let (a, b) = ((low - mean) / deviation, (high - mean) / deviation);
+                // In the upper tail the lower one has the digits.
+                let kept =
+                    if a > 0.0 { normal_below(-a) - normal_below(-b) } else { normal_below(b) - normal_below(a) };
+                let z = (value - mean) / deviation;
+                libm::exp(-z * z / 2.0) / ((2.0 * std::f64::consts::PI).sqrt() * deviation * kept)
+            }
+            Self::Mixture(parts) => parts.iter().map(|(weight, part)| weight * part.density(value)).sum(),
+        }
+    }
+
     /// The distribution given that the value lies from `low` to `high`; none when that cannot be.
     pub fn truncated(&self, low: f64, high: f64) -> Option<Self> {
         let (a, b) = self.support();
@@ -208,6 +234,31 @@ mod tests {
             prop_assert!(values.iter().all(|value| a - 1e-9 <= *value && *value <= b + 1e-9));
             let inside = values.iter().filter(|value| low <= **value && **value <= high).count() as f64 / f64::from(steps);
             prop_assert!((inside - d.mass(low, high)).abs() < 0.01, "{inside} {}", d.mass(low, high));
+        }
+
+        #[test]
+        fn the_density_is_the_mass_of_a_small_interval_over_its_length(d in any_distribution(), at in -12.0..12.0, u in 0.0..1.0) {
+            let half = 1e-4;
+            for value in [at, d.quantile(u)] {
+                let edges = d.pieces().into_iter().flat_map(|(low, high)| [low, high]);
+                if edges.into_iter().any(|edge| (edge - value).abs() <= half) {
+                    continue;
+                }
+                let (mass, density) = (d.mass(value - half, value + half), d.density(value));
+                prop_assert!((mass - 2.0 * half * density).abs() < 1e-9 + 1e-5 * mass, "{mass} {density} at {value}");
+                let (low, high) = d.support();
+                prop_assert!(density == 0.0 || (low..=high).contains(&value));
+            }
+        }
+
+        #[test]
+        fn along_the_quantiles_the_density_is_their_slope(mean in -9.0..9.0, deviation in 0.1..3.0, low in -3.0..1.0, width in 0.1..3.0, u in 0.01..0.99) {
+            let (low, step) = (mean + low * deviation, 1e-5);
+            let normal = Distribution::Normal { mean, deviation, low, high: low + width * deviation };
+            for d in [Distribution::Uniform(mean, mean + width), normal] {
+                let slope = (d.quantile(u + step) - d.quantile(u - step)) / (2.0 * step);
+                prop_assert!((slope * d.density(d.quantile(u)) - 1.0).abs() < 1e-3, "{d:?} at {u}");
+            }
         }
 
         #[test]

@@ -27,6 +27,14 @@ impl Contact {
         self.bearing.abs() <= half_angle
     }
 
+    /// The number of the pedestrian that touched the ego; none when other actors touched.
+    pub fn pedestrian_at_ego(&self) -> Option<usize> {
+        match self.pair {
+            (ActorId::EGO, ActorId::Pedestrian(number)) => Some(number.into()),
+            _ => None,
+        }
+    }
+
     /// Finds the first touch of a vehicle and a pedestrian in the last tick of `dt` (s).
     pub(super) fn with_pedestrian(
         pair: (ActorId, ActorId),

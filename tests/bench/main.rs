@@ -11,7 +11,7 @@ use divan::counter::ItemsCount;
 use falsify::campaign::watch;
 use falsify::compile::{Catalog, Plan, compile};
 use falsify::diagnostic::Sources;
-use falsify::env::{Outcome, PedestrianEnv, Recording, Scenario};
+use falsify::env::{Outcome, PedestrianEnv, PolicyMaker, Scenario, Trace};
 use falsify::falsifier::{Random, train, try_walker};
 use falsify::judge::{NearMiss, judge};
 use falsify::rl::{ActorCritic, PpoConfig, RecordedRollout, Trainer, update_on_recorded};
@@ -105,9 +105,9 @@ fn judging(bencher: Bencher<'_, '_>, noted: &str) {
     let evaluation = &plan.campaigns[0].evaluations[0];
     let (judged, measured) = (noted == "verdicts" || noted == "both", noted == "near_misses" || noted == "both");
     let run = || {
-        let mut note = |outcome: &Outcome, recording: &Recording| {
-            let verdict = judged.then(|| judge(&evaluation.scenario, recording));
-            let near = measured.then(|| NearMiss::new(&evaluation.scenario, recording));
+        let mut note = |outcome: &Outcome, trace: &Trace| {
+            let verdict = judged.then(|| judge(&trace.main_pair(&evaluation.scenario)));
+            let near = measured.then(|| NearMiss::new(&trace.main_pair(&evaluation.scenario)));
             divan::black_box((verdict, near));
             outcome.ticks
         };
@@ -226,7 +226,7 @@ fn scenes(bencher: Bencher<'_, '_>, spelling: &str) {
     let mut stream = Seed::root(1).stream();
     bencher.counter(ItemsCount::new(1000_u32)).bench_local(|| {
         for _ in 0..1000 {
-            let first = scenario.adversary.first_heading;
+            let first = scenario.cast.pedestrian.first_heading;
             divan::black_box(scenario.spawn.sample(&scenario.town, &scenario.obstacles, first, &mut stream));
         }
     });
@@ -252,7 +252,7 @@ fn external<const WORLDS: usize>(bencher: Bencher<'_, '_>, encoding: &str) {
     let maker = move || -> Box<dyn falsify::av::DrivingPolicy> {
         Box::new(External::new(program.clone(), settings, opener.clone()))
     };
-    let outside = Arc::new(Scenario { policy: Arc::new(maker), ..(*scenario("blind")).clone() });
+    let outside = driven_by(Arc::new(maker));
     episodes_of(bencher, &outside, 128);
 }
 
@@ -263,8 +263,15 @@ fn onnx<const WORLDS: usize>(bencher: Bencher<'_, '_>) {
     let bytes = include_bytes!("../reference/onnx/follow.onnx").to_vec();
     let model = Arc::new(Model::read(bytes).expect("the network drives"));
     let maker = move || -> Box<dyn falsify::av::DrivingPolicy> { Box::new(Onnx::new(WORLDS, model.clone())) };
-    let outside = Arc::new(Scenario { policy: Arc::new(maker), ..(*scenario("blind")).clone() });
+    let outside = driven_by(Arc::new(maker));
     episodes_of(bencher, &outside, 32);
+}
+
+/// A scenario with another driver of the ego.
+fn driven_by(policy: PolicyMaker) -> Arc<Scenario> {
+    let mut scenario = Scenario::clone(&scenario("blind"));
+    scenario.cast.ego.policy = policy;
+    Arc::new(scenario)
 }
 
 fn episodes_of(bencher: Bencher<'_, '_>, scenario: &Arc<Scenario>, episodes: u32) {

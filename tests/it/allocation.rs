@@ -7,8 +7,11 @@ use std::sync::Arc;
 
 use falsify::compile::{Catalog, compile};
 use falsify::diagnostic::Sources;
-use falsify::env::{PedestrianEnv, Recording};
+use falsify::env::{Controller, PedestrianEnv, Trace};
 use falsify::seed::Seed;
+use falsify::sim::WalkCommand;
+
+use super::cast::{ahead, away, two_and_two};
 
 /// Counts the allocations of each thread.
 struct Counting;
@@ -64,19 +67,14 @@ fn a_tick_allocates_nothing_with_any_driver() {
     let plan = compiled.plan.unwrap();
     for evaluation in &plan.campaigns[0].evaluations {
         let mut env = PedestrianEnv::new(Arc::clone(&evaluation.scenario), Seed::root(1));
-        let mut recording = Recording::new(&evaluation.scenario.episode);
+        let mut trace = Trace::new(&evaluation.scenario);
         let mut walk = |episode| {
             env.begin(episode);
             let before = ALLOCATIONS.get();
-            recording.begin(env.world());
+            trace.begin(env.world());
             while env.outcome().is_none() {
-                let command = env.intercept();
-                recording.decide(command);
-                env.set_out(command);
-                while env.tick().is_none() {
-                    recording.watch(env.world(), env.contact(), env.driven());
-                }
-                recording.watch(env.world(), env.contact(), env.driven());
+                let commands = [env.intercept(0)];
+                trace.watch_decision(&mut env, &commands);
             }
             ALLOCATIONS.get() - before
         };
@@ -87,4 +85,26 @@ fn a_tick_allocates_nothing_with_any_driver() {
         let allocations: u64 = (10..60).map(&mut walk).sum();
         assert_eq!(allocations, 0, "{}", evaluation.policy);
     }
+}
+
+#[test]
+fn a_tick_of_two_cars_and_two_pedestrians_allocates_nothing() {
+    let walking = Controller::Fixed(WalkCommand { heading: 1.0, speed: 1.0 });
+    let scenario = Arc::new(two_and_two("follower", ("slow", ahead(40.0)), (away(), walking)));
+    let mut env = PedestrianEnv::new(Arc::clone(&scenario), Seed::root(1));
+    let mut trace = Trace::new(&scenario);
+    let mut walk = |episode| {
+        env.begin(episode);
+        let before = ALLOCATIONS.get();
+        trace.begin(env.world());
+        while env.outcome().is_none() {
+            let commands = [env.homing(0), env.homing(1)];
+            trace.watch_decision(&mut env, &commands);
+        }
+        ALLOCATIONS.get() - before
+    };
+    for episode in 0..10 {
+        walk(episode);
+    }
+    assert_eq!((10..30).map(&mut walk).sum::<u64>(), 0);
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use falsify::analysis::Approach;
 use falsify::av::reference_drivers::{OwnMotion, ReferenceDriver, Threat};
 use falsify::compile::{Catalog, compile};
-use falsify::env::{Ending, Outcome, PedestrianEnv, Recording, Scenario};
+use falsify::env::{Driven, Ending, Outcome, PedestrianEnv, Scenario, Trace};
 use falsify::falsifier::{Intercept, watch_walker};
 use falsify::geometry::{Obstacles, OrientedBox, Pose, Vector};
 use falsify::judge::{Encounter, Label, Reference, Sight, Trial, judge};
@@ -36,9 +36,9 @@ fn scenario(policy: &str) -> Arc<Scenario> {
 }
 
 /// The episodes of an intercepting pedestrian.
-fn episodes(scenario: &Arc<Scenario>, count: u32) -> Vec<(Outcome, Recording)> {
+fn episodes(scenario: &Arc<Scenario>, count: u32) -> Vec<(Outcome, Trace)> {
     let seed = Seed::root(5);
-    let note = &mut |_: u32, outcome: &Outcome, recording: &Recording| (*outcome, recording.clone());
+    let note = &mut |_: u32, outcome: &Outcome, trace: &Trace| (*outcome, trace.clone());
     watch_walker(&mut Intercept, scenario, 0..count, &seed, &seed.child("walker"), note, &mut |_| {
         ControlFlow::Continue(())
     })
@@ -58,15 +58,15 @@ impl ReferenceDriver for Never {
 #[test]
 fn a_recording_repeats_its_episode_bit_by_bit() {
     let scenario = scenario("behavior");
-    for (episode, (outcome, recording)) in episodes(&scenario, 60).into_iter().enumerate() {
+    for (episode, (outcome, trace)) in episodes(&scenario, 60).into_iter().enumerate() {
         let mut env = PedestrianEnv::new(scenario.clone(), Seed::root(5));
         env.begin(episode as u64);
-        for command in recording.commands() {
-            env.walk(*command);
+        for command in trace.decisions(0) {
+            env.carry_out(&[*command]);
         }
         assert_eq!(env.outcome(), Some(&outcome));
-        assert_eq!(recording.moments().len(), outcome.ticks as usize + 1);
-        assert_eq!(recording.contact().is_some(), outcome.is_collision());
+        assert_eq!(trace.main_pair(&scenario).len(), outcome.ticks as usize + 1);
+        assert_eq!(trace.contact().is_some(), outcome.is_collision());
     }
 }
 
@@ -74,10 +74,11 @@ fn a_recording_repeats_its_episode_bit_by_bit() {
 fn a_driver_that_does_nothing_hits_when_the_recorded_one_did() {
     let scenario = scenario("blind");
     let mut compared = 0;
-    for (outcome, recording) in episodes(&scenario, 150) {
-        let Some(encounter) = Encounter::new(&scenario, &recording) else { continue };
-        let begun = recording.moments().len() - encounter.pace.len();
-        let speeds = recording.moments()[begun..].iter().map(|moment| moment.ego.speed);
+    for (outcome, trace) in episodes(&scenario, 150) {
+        let pair = trace.main_pair(&scenario);
+        let Some(encounter) = Encounter::new(&pair) else { continue };
+        let begun = pair.len() - encounter.pace.len();
+        let speeds = pair.frames().skip(begun).map(|frame| frame.ego.speed);
         // Where the recorded car slowed down for a bend, one that never brakes is faster.
         if speeds.zip(&encounter.pace).any(|(speed, pace)| (speed - pace).abs() > 1e-3) {
             continue;
@@ -96,8 +97,8 @@ fn a_driver_that_does_nothing_hits_when_the_recorded_one_did() {
 fn verdicts_are_given_for_failures_alone_and_agree_with_their_trials() {
     let scenario = scenario("behavior");
     let mut labels = Vec::new();
-    for (outcome, recording) in episodes(&scenario, 200) {
-        let verdict = judge(&scenario, &recording);
+    for (outcome, trace) in episodes(&scenario, 200) {
+        let verdict = judge(&trace.main_pair(&scenario));
         assert_eq!(verdict.is_some(), outcome.is_collision());
         let Some(verdict) = verdict else { continue };
         let Ending::Collision { impact_speed, .. } = outcome.ending else { unreachable!("it is a collision") };
@@ -118,23 +119,23 @@ fn verdicts_are_given_for_failures_alone_and_agree_with_their_trials() {
 }
 
 /// A car drives east at 10 m/s for three seconds and then touches the pedestrian, who comes from the left.
-fn run_out(obstacles: &[OrientedBox], speed: impl Fn(f64) -> f64) -> (Scenario, Recording) {
+fn run_out(obstacles: &[OrientedBox], speed: impl Fn(f64) -> f64) -> (Scenario, Trace) {
     let mut scenario = Scenario::clone(&scenario("blind"));
     scenario.obstacles = Arc::new(Obstacles::new(obstacles));
-    let (town, obstacles, body) = (scenario.town.clone(), scenario.obstacles.clone(), scenario.adversary.body);
-    let mut world = World::new(town, obstacles, vec![scenario.vehicle.clone()], vec![body], None, 0.05);
-    let mut recording = Recording::new(&scenario.episode);
+    let (town, obstacles, body) = (scenario.town.clone(), scenario.obstacles.clone(), scenario.cast.pedestrian.body);
+    let mut world = World::new(town, obstacles, vec![scenario.cast.ego.blueprint.clone()], vec![body], None, 0.05);
+    let mut trace = Trace::new(&scenario);
     // After 3 s the bumper is at 30 m and the pedestrian in the middle of it.
     let walked = |time: f64| (0..(time * 1000.0) as u32).map(|i| speed(f64::from(i) / 1000.0) / 1000.0).sum::<f64>();
     let end = walked(3.0);
     for tick in 0..=60 {
         let time = f64::from(tick) * 0.05;
-        world.vehicles[0].state.pose = Pose::new(10.0 * time - scenario.vehicle.half_length, 0.0, 0.0);
+        world.vehicles[0].state.pose = Pose::new(10.0 * time - scenario.cast.ego.blueprint.half_length, 0.0, 0.0);
         world.vehicles[0].state.speed = 10.0;
         let aside = end - walked(time);
         world.pedestrians[0].state.pose = Pose::new(30.0 + body.radius, aside, -std::f64::consts::FRAC_PI_2);
         world.pedestrians[0].state.velocity = Vector::new(0.0, -speed(time));
-        let ahead = scenario.vehicle.half_length + body.radius;
+        let ahead = scenario.cast.ego.blueprint.half_length + body.radius;
         let contact = Contact {
             pair: (ActorId::EGO, ActorId::Pedestrian(0)),
             fraction: 1.0,
@@ -144,23 +145,23 @@ fn run_out(obstacles: &[OrientedBox], speed: impl Fn(f64) -> f64) -> (Scenario, 
             impact_speed: 10.0,
         };
         if tick == 0 {
-            recording.begin(&world);
+            trace.begin(&world);
         } else {
-            recording.watch(&world, (tick == 60).then_some(&contact), Default::default());
+            trace.watch(&world, (tick == 60).then_some(&contact), |_| Driven::default());
         }
     }
-    (scenario, recording)
+    (scenario, trace)
 }
 
 #[test]
 fn the_danger_begins_when_the_pedestrian_can_be_seen() {
     let (scenario, open) = run_out(&[], |_| 1.39);
-    let verdict = judge(&scenario, &open).unwrap();
+    let verdict = judge(&open.main_pair(&scenario)).unwrap();
     assert!((verdict.warning - 3.0).abs() < 1e-9 && verdict.label == Label::Preventable, "{verdict:?}");
     // A wall along the lane, 1.9 m from the middle, that ends a metre before the pedestrian's way.
     let wall = OrientedBox::new(Pose::new(4.0, 2.4, 0.0), 25.0, 0.5);
     let (scenario, hidden) = run_out(&[wall], |_| 1.39);
-    let hidden = judge(&scenario, &hidden).unwrap();
+    let hidden = judge(&hidden.main_pair(&scenario)).unwrap();
     // Seen when its front edge comes out: about 1.9 m aside, 1.4 s before.
     assert!((1.3..1.7).contains(&hidden.warning), "{hidden:?}");
     assert!(!hidden.trial(Reference::CarefulHuman).is_avoided() && hidden.trial(Reference::IdealBrake).is_avoided());
@@ -171,8 +172,8 @@ fn the_danger_begins_when_the_pedestrian_can_be_seen() {
 #[test]
 fn who_comes_out_from_behind_a_wall_is_hidden_until_then() {
     let sight = |walls: &[OrientedBox]| {
-        let (scenario, recording) = run_out(walls, |_| 1.39);
-        judge(&scenario, &recording).unwrap().sight
+        let (scenario, trace) = run_out(walls, |_| 1.39);
+        judge(&trace.main_pair(&scenario)).unwrap().sight
     };
     let open = sight(&[]);
     assert_eq!((open.hidden, open.seen, open.is_occluded()), (0.0, Sight::WINDOW, false));
@@ -190,9 +191,9 @@ fn who_comes_out_from_behind_a_wall_is_hidden_until_then() {
 
 #[test]
 fn an_approach_is_the_pedestrian_as_the_car_sees_it() {
-    let (scenario, recording) = run_out(&[], |_| 1.39);
-    let approach = Approach::new(&recording, 0.05).unwrap();
-    let touch = scenario.vehicle.half_length + scenario.adversary.body.radius;
+    let (scenario, trace) = run_out(&[], |_| 1.39);
+    let approach = Approach::new(&trace.main_pair(&scenario)).unwrap();
+    let touch = scenario.cast.ego.blueprint.half_length + scenario.cast.pedestrian.body.radius;
     for (i, station) in approach.stations.iter().enumerate() {
         let before = Approach::WINDOW - i as f64 * Approach::STEP;
         let wanted = [touch + 10.0 * before, 1.39 * before, 10.0];
@@ -200,23 +201,23 @@ fn an_approach_is_the_pedestrian_as_the_car_sees_it() {
             assert!((found - wanted).abs() < 2e-3, "{i}: {found}, not {wanted}");
         }
     }
-    let mut nobody = recording.clone();
+    let mut nobody = trace.clone();
     nobody.begin(&World::new(
         scenario.town.clone(),
         scenario.obstacles.clone(),
-        vec![scenario.vehicle.clone()],
-        vec![scenario.adversary.body],
+        vec![scenario.cast.ego.blueprint.clone()],
+        vec![scenario.cast.pedestrian.body],
         None,
         0.05,
     ));
-    assert_eq!(Approach::new(&nobody, 0.05), None);
+    assert_eq!(Approach::new(&nobody.main_pair(&scenario)), None);
 }
 
 #[test]
 fn an_earlier_approach_is_not_this_danger() {
     // It walks towards the path, stands for more than a second, and comes again.
     let (scenario, paused) = run_out(&[], |time| if (0.5..=2.0).contains(&time) { 0.0 } else { 1.39 });
-    assert!((judge(&scenario, &paused).unwrap().warning - 1.0).abs() < 0.11);
+    assert!((judge(&paused.main_pair(&scenario)).unwrap().warning - 1.0).abs() < 0.11);
     let (scenario, short) = run_out(&[], |time| if !(0.5..1.0).contains(&time) { 1.39 } else { 0.0 });
-    assert!((judge(&scenario, &short).unwrap().warning - 3.0).abs() < 1e-9);
+    assert!((judge(&short.main_pair(&scenario)).unwrap().warning - 3.0).abs() < 1e-9);
 }

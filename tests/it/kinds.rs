@@ -38,9 +38,9 @@ fn rows(evaluation: &Evaluation, seed: &Seed) -> Vec<EpisodeRow> {
         None,
         0..evaluation.episodes,
         seed,
-        &mut |outcome, recording| {
+        &mut |outcome, trace| {
             let scenario = &evaluation.scenario;
-            (*outcome, judge(scenario, recording), NearMiss::new(scenario, recording))
+            (*outcome, judge(&trace.main_pair(scenario)), NearMiss::new(&trace.main_pair(scenario)))
         },
         &mut |_| ControlFlow::Continue(()),
     );
@@ -123,7 +123,7 @@ fn kinds_add_up_and_their_examples_can_be_repeated() {
                 None,
                 episode..episode + 1,
                 &seed,
-                &mut |outcome, recording| (*outcome, judge(&evaluation.scenario, recording).unwrap()),
+                &mut |outcome, trace| (*outcome, judge(&trace.main_pair(&evaluation.scenario)).unwrap()),
                 &mut |_| ControlFlow::Continue(()),
             );
             let (outcome, verdict) = &again[0];

@@ -6,7 +6,7 @@ use std::path::Path;
 use falsify::compile::{Catalog, Pedestrian, compile};
 use falsify::diagnostic::Sources;
 use falsify::env::Outcome;
-use falsify::falsifier::{Choosing, Random, TrainedWalker, Walker, train, try_walker};
+use falsify::falsifier::{ActionMode, Random, TrainedWalker, WalkPolicy, train, try_walker};
 use falsify::seed::Seed;
 
 const SCENARIO: &str = r#"
@@ -32,13 +32,14 @@ fn a_trained_pedestrian_hits_a_careful_car_far_more_often_than_a_random_one() {
     assert_eq!(evaluation.pedestrian, Pedestrian::Trained(0));
     let go_on = |_: &_| ControlFlow::Continue(());
     let trained = train(&training.scenario, 1, &training.config, &Seed::root(3), &mut { go_on }).unwrap();
-    let rate = |walker: &mut dyn Walker| {
+    let rate = |walker: &mut dyn WalkPolicy| {
         let (episodes, own) = (Seed::root(4), Seed::root(5));
         let outcomes =
             try_walker(walker, &evaluation.scenario, 200, &episodes, &own, &mut |_| ControlFlow::Continue(()));
         outcomes.iter().filter(|outcome: &&Outcome| outcome.is_collision()).count()
     };
-    let learnt = rate(&mut TrainedWalker::new(trained.actor_critic, Choosing::Mean));
+    let obs_dim = evaluation.scenario.cast.obs_dim();
+    let learnt = rate(&mut TrainedWalker::new(trained.actor_critic, obs_dim, ActionMode::Deterministic));
     let random = rate(&mut Random::default());
     assert!(learnt > 120 && random < 40, "{learnt} and {random} of 200");
 }

@@ -15,6 +15,7 @@ macro_rules! loud {
 mod allocation;
 mod behavior_agent_reference;
 mod caches;
+mod cast;
 mod catalogue;
 mod code_digest;
 mod command_line;

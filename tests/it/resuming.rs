@@ -7,10 +7,11 @@ use std::sync::Arc;
 
 use falsify::compile::{Catalog, Plan, compile};
 use falsify::diagnostic::Sources;
-use falsify::env::PedestrianEnv;
-use falsify::falsifier::{Choosing, Intercept, TrainedWalker, TrainingRun, Walker, train};
+use falsify::env::{ObservationSpec, PedestrianEnv};
+use falsify::falsifier::{ActionMode, Intercept, TrainedWalker, TrainingRun, WalkPolicy, train};
 use falsify::rl::{ActorCritic, CheckpointError, Env, FrameStack, Trained};
 use falsify::seed::Seed;
+use falsify::sim::WalkCommand;
 
 /// Short episodes with drivers that remember and that draw; settings of both kinds.
 const SCENARIO: &str = r#"
@@ -87,6 +88,13 @@ fn a_state_is_refused_where_its_episodes_lead_elsewhere() {
     assert!(matches!(&other_settings, Err(CheckpointError::Settings { .. })), "{other_settings:?}");
 }
 
+/// The state of the only pedestrian.
+fn state(env: &PedestrianEnv) -> [f64; ObservationSpec::DIM] {
+    let mut state = [0.0; ObservationSpec::DIM];
+    env.write_state(&mut state);
+    state
+}
+
 #[test]
 fn an_environment_goes_back_to_any_decision_of_an_episode() {
     let plan = plan();
@@ -104,9 +112,12 @@ fn an_environment_goes_back_to_any_decision_of_an_episode() {
                 let mut other = make();
                 assert!(other.load(&saved));
                 assert_eq!(other.save().unwrap(), saved);
-                assert_eq!(other.state().map(f64::to_bits), env.state().map(f64::to_bits));
-                env.walk(walker.choose(&env));
-                other.walk(walker.choose(&other));
+                assert_eq!(state(&other).map(f64::to_bits), state(&env).map(f64::to_bits));
+                for env in [&mut env, &mut other] {
+                    let mut commands = [WalkCommand::default()];
+                    walker.choose(env, &mut commands);
+                    env.carry_out(&commands);
+                }
                 assert_eq!(other.save(), env.save());
                 assert_eq!(other.outcome(), env.outcome());
                 refused += u32::from(!elsewhere.load(&saved));
@@ -140,27 +151,30 @@ fn a_trained_walker_sees_stacked_and_normalised_states() {
     let training = &plan.campaigns[1].trainings[0];
     let mut go_on = |_: &_| ControlFlow::Continue(());
     let trained = train(&training.scenario, 3, &training.config, &Seed::root(2), &mut go_on).unwrap();
-    assert_eq!(trained.actor_critic.obs_dim(), 3 * PedestrianEnv::STATE_DIM);
+    assert_eq!(trained.actor_critic.obs_dim(), 3 * ObservationSpec::DIM);
     assert!(trained.actor_critic.observation_moments().is_some());
     // As it comes back from a file.
     let bytes = trained.actor_critic.to_safetensors(&BTreeMap::new());
     let (policy, _) = ActorCritic::from_safetensors(&bytes).unwrap();
-    let mut walker = TrainedWalker::new(policy, Choosing::Mean);
+    let mut walker = TrainedWalker::new(policy, ObservationSpec::DIM, ActionMode::Deterministic);
     let mut env = PedestrianEnv::new(Arc::clone(&training.scenario), Seed::root(5));
     let (mut stack, mut scratch) = (FrameStack::new(4, 3), trained.actor_critic.scratch(1));
     for episode in 0..3 {
         env.begin(episode);
         walker.begin(Seed::root(1).stream());
-        stack.begin(&env.state());
+        stack.begin(&state(&env));
         while env.outcome().is_none() {
             let mut action = [0.0; 2];
             trained.actor_critic.act(stack.as_slice(), &mut action, &mut scratch);
-            let bounds = env.scenario().adversary.action_bounds();
+            let bounds = env.bounds();
             let clamped = [0, 1].map(|i| action[i].clamp(bounds[i].0, bounds[i].1));
-            let command = walker.choose(&env);
-            assert_eq!(command, env.command(clamped));
-            env.walk(command);
-            stack.push(&env.state());
+            let mut commands = [WalkCommand::default(); 2];
+            let (chosen, wanted) = commands.split_at_mut(1);
+            walker.choose(&env, chosen);
+            env.write_commands(&clamped, wanted);
+            assert_eq!(chosen, wanted);
+            env.carry_out(chosen);
+            stack.push(&state(&env));
         }
     }
 }

@@ -100,7 +100,7 @@ campaign looks {
     let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
     let campaigns = compiled.plan.unwrap().campaigns;
     let moving = |campaign: usize| {
-        let note = &mut |outcome: &falsify::env::Outcome, _: &falsify::env::Recording| {
+        let note = &mut |outcome: &falsify::env::Outcome, _: &falsify::env::Trace| {
             outcome.impact_speed().is_some_and(|speed| speed > 0.1)
         };
         let go_on = &mut |_| std::ops::ControlFlow::Continue(());

@@ -92,7 +92,7 @@ fn look(model: &SensorModel, walls: &[OrientedBox], people: &[Actor], cars: &[Ac
         let cars: Vec<Actor> = (0..).map(ActorId::Vehicle).zip(cars).map(moved).collect();
         let perception = Perception {
             town: &scenario.town,
-            blueprint: &scenario.vehicle,
+            blueprint: &scenario.cast.ego.blueprint,
             tick,
             dt,
             ego: car(0.0, 0.0, 0.0),
@@ -136,7 +136,7 @@ fn exact_sensors_change_no_bit_of_an_episode() {
             .map(|episode| {
                 env.begin(episode);
                 while env.outcome().is_none() {
-                    env.walk(env.intercept());
+                    env.carry_out(&[env.intercept(0)]);
                 }
                 env.outcome().unwrap().digest
             })

@@ -114,7 +114,7 @@ fn beginnings_widen_from_near_to_all() {
     let begin = |width: Option<f64>| -> Vec<_> {
         let mut env = PedestrianEnv::new(training.scenario.clone(), Seed::root(8));
         if let Some(width) = width {
-            env.widen(width);
+            env.set_curriculum(width);
         }
         let spawns = (0..200).map(|episode| {
             env.begin(episode);
@@ -138,9 +138,9 @@ fn where_nobody_can_stand_near_they_begin_anywhere() {
     let rule: SpawnRule = training.scenario.spawn.nearest(0.0).unwrap();
     assert!(rule.distance.support().1 < 12.0, "none of them is 12 m aside");
     let mut env = PedestrianEnv::new(training.scenario.clone(), Seed::root(8));
-    env.widen(0.0);
+    env.set_curriculum(0.0);
     for episode in 0..5 {
         env.begin(episode);
-        assert!(env.observe().distance > 12.0);
+        assert!(env.observe(0).distance > 12.0);
     }
 }

@@ -169,3 +169,21 @@ fn no_beginning_fails_where_few_poses_of_the_ego_will_do() {
     let barren = scenario_in("two", two, "bearing: -63 deg  distance: 18 m .. 36 m  ground: driving");
     assert!(draw(&barren, 20).iter().all(|spawn| spawn.ego.y < 100.0), "there is no ground beside the long street");
 }
+
+#[test]
+fn the_normaliser_of_a_spawn_is_known_when_nothing_is_left_to_rejection() {
+    for (spawn, known) in [
+        (DIRECT, true),
+        (CONSTRAINTS, true),
+        ("distance: 7 m .. 30 m  sight: visible", false),
+        ("distance: 7 m .. 30 m  ego_road: straight", false),
+        ("distance: 7 m .. 30 m  require: facing < 90 deg", false),
+    ] {
+        let scenario = scenario(spawn);
+        let mut stream = Seed::root(6).stream();
+        let (town, obstacles) = (&scenario.town, &scenario.obstacles);
+        let survey = scenario.spawn.survey(town, obstacles, FirstHeading::Random, 2_000, &mut stream);
+        assert_eq!(scenario.spawn.normaliser(), known.then_some(1.0), "{spawn}");
+        assert_eq!(survey.accepted == survey.tried, known, "{spawn}");
+    }
+}

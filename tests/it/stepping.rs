@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use falsify::compile::{Catalog, compile};
 use falsify::diagnostic::Sources;
-use falsify::env::{PedestrianEnv, Scenario};
+use falsify::env::{ObservationSpec, PedestrianEnv, Scenario};
 use falsify::lang;
 use falsify::seed::Seed;
 use falsify::signature::{Form, Param, Signature, Type};
@@ -172,18 +172,23 @@ fn step(text: &str) {
     let mut env = PedestrianEnv::new(scenario, Seed::root(1));
     for episode in 0..2 {
         env.begin(episode);
-        let command = if episode == 0 { env.intercept() } else { env.command([0.3, 1.0]) };
-        env.set_out(command);
+        let mut commands = [env.intercept(0)];
+        if episode == 1 {
+            env.write_commands(&[0.3, 1.0], &mut commands);
+        }
+        env.begin_decision(&commands);
         for _ in 0..TICKS {
             let step = env.tick();
             assert!(env.hopeless().is_none());
             if let Some(step) = step {
                 assert!(step.reward.is_finite(), "a reward of {}", step.reward);
-                assert!(env.state().iter().all(|part| part.is_finite()), "a state of {:?}", env.state());
+                let mut state = [0.0; ObservationSpec::DIM];
+                env.write_state(&mut state);
+                assert!(state.iter().all(|part| part.is_finite()), "a state of {state:?}");
                 if env.outcome().is_some() {
                     break;
                 }
-                env.set_out(env.homing());
+                env.begin_decision(&[env.homing(0)]);
             }
         }
     }

@@ -146,6 +146,14 @@ impl SpawnRule {
         self.ego_start.check(town).is_ok()
     }
 
+    /// The share of draws that the rule accepts: the density of a draw divided by it is the density of a start.
+    ///
+    /// It is 1 when nothing is left to rejection. None, that is unknown, when constraints or the shape of the road reject draws; then
+    /// only a [`Survey`] can estimate it.
+    pub fn normaliser(&self) -> Option<f64> {
+        (self.constraints.is_empty() && self.road_shape == RoadShape::Any).then_some(1.0)
+    }
+
     /// The rule with the nearest of its distances only: a tenth of them at a share of 0, all at 1, for which it gives none. It
     /// gives none as well where the distances have no end.
     ///

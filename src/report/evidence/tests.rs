@@ -44,7 +44,7 @@ fn run(controller: &str, reward: &str, run: u32, town: &str, word: &str) -> Data
                 least_gap: 1.0,
                 last_mode,
                 digest: 7,
-                trail: Default::default(),
+                state_hashes: Default::default(),
             },
             verdict: None,
             near_miss: NearMiss { min_ttc: Some(episode as f64), pet: None },

@@ -17,7 +17,7 @@ pub const MOST: usize = 60;
 pub fn repeat(runs: &mut [RunSample<'_>], trained: &[Option<&ActorCritic>], seed: &Seed) {
     let wanted = wanted(runs);
     runs.par_iter_mut().zip(trained).zip(wanted).for_each(|((run, trained), wanted)| {
-        let dt = run.evaluation.scenario.episode.tick;
+        let scenario = &run.evaluation.scenario;
         let mut seen: BTreeMap<u32, (String, Approach)> = BTreeMap::new();
         for range in ranges(&wanted) {
             let noted = watch(
@@ -25,7 +25,9 @@ pub fn repeat(runs: &mut [RunSample<'_>], trained: &[Option<&ActorCritic>], seed
                 *trained,
                 range.clone(),
                 seed,
-                &mut |outcome, recording| Some((format!("{:016x}", outcome.digest), Approach::new(recording, dt)?)),
+                &mut |outcome, trace| {
+                    Some((format!("{:016x}", outcome.digest), Approach::new(&trace.main_pair(scenario))?))
+                },
                 &mut |_| ControlFlow::Continue(()),
             );
             seen.extend(range.zip(noted).filter_map(|(episode, noted)| Some((episode, noted?))));

@@ -58,7 +58,7 @@ impl Env for Walk {
         self.place[0]
     }
 
-    fn widen(&mut self, share: f64) {
+    fn set_curriculum(&mut self, share: f64) {
         self.widths.push(share);
     }
 

@@ -3,7 +3,7 @@ use maud::{Markup, html};
 use super::EpisodeView;
 use super::narrative::BRAKING;
 use super::sheet::{EDGE, HEAD, Sheet};
-use crate::env::{Moment, Recording, Scenario};
+use crate::env::{Frame, Scenario, Trace};
 use crate::judge::Verdict;
 use crate::report::render::svg::{Digits, fine, px};
 
@@ -11,20 +11,14 @@ use crate::report::render::svg::{Digits, fine, px};
 const WIDE: f64 = 760.0;
 /// Height of the speeds (px).
 const SPEEDS: f64 = 90.0;
-/// How long the last moment is seen before the picture starts again (s).
+/// How long the last frame is seen before the picture starts again (s).
 const PAUSE: f64 = 1.5;
 
 /// Draws an episode as a picture that moves, in the time in which it happened. It plays in a browser, without any script.
 ///
 /// `title` and `subtitle` say which it is.
-pub fn animation(
-    scenario: &Scenario,
-    recording: &Recording,
-    verdict: Option<&Verdict>,
-    title: &str,
-    subtitle: &str,
-) -> String {
-    let view = EpisodeView::new(scenario, recording, verdict);
+pub fn animation(scenario: &Scenario, trace: &Trace, verdict: Option<&Verdict>, title: &str, subtitle: &str) -> String {
+    let view = EpisodeView::new(scenario, trace, verdict);
     let ((first, last), tall) = (view.span(), view.height(WIDE));
     let sheet = Sheet::new(&view, (WIDE, tall), SPEEDS);
     let clock = Clock::new(&view);
@@ -44,14 +38,14 @@ pub fn animation(
     sheet.draw((title, subtitle), &scenes, &times, &mark)
 }
 
-/// Which moment is shown at which time: the episode, and a pause at its end.
+/// Which frame is shown at which time: the episode, and a pause at its end.
 struct Clock<'a> {
     view: &'a EpisodeView<'a>,
     /// How long a round takes (s).
     round: f64,
     /// The share of it in which anything moves.
     moving: f64,
-    /// The shares at which the moments are seen.
+    /// The shares at which the frames are seen.
     key_times: String,
 }
 
@@ -69,15 +63,15 @@ impl<'a> Clock<'a> {
         format!("{}s", fine(self.round))
     }
 
-    /// The values of an animation: one for every moment that is shown, the last one again for the pause.
-    fn values(&self, value: impl FnMut(&Moment) -> String) -> String {
-        let mut values: Vec<String> = self.view.shown().map(|(_, moment)| moment).map(value).collect();
+    /// The values of an animation: one for every frame that is shown, the last one again for the pause.
+    fn values(&self, value: impl FnMut(&Frame) -> String) -> String {
+        let mut values: Vec<String> = self.view.shown().map(|(_, frame)| frame).map(value).collect();
         values.extend(values.last().cloned());
         values.join(";")
     }
 
     /// Animates an attribute; `discrete` values jump, others glide.
-    fn attribute(&self, name: &str, discrete: bool, value: impl FnMut(&Moment) -> String) -> Markup {
+    fn attribute(&self, name: &str, discrete: bool, value: impl FnMut(&Frame) -> String) -> Markup {
         let mode = if discrete { "discrete" } else { "linear" };
         html! {
             animate attributeName=(name) calcMode=(mode) values=(self.values(value)) keyTimes=(self.key_times)
@@ -86,7 +80,7 @@ impl<'a> Clock<'a> {
     }
 
     /// Animates a transformation: `translate` or `rotate`.
-    fn transform(&self, kind: &str, value: impl FnMut(&Moment) -> String) -> Markup {
+    fn transform(&self, kind: &str, value: impl FnMut(&Frame) -> String) -> Markup {
         html! {
             animateTransform attributeName="transform" type=(kind) values=(self.values(value)) keyTimes=(self.key_times)
                 dur=(self.duration()) repeatCount="indefinite" {}
@@ -103,16 +97,16 @@ impl<'a> Clock<'a> {
     }
 
     fn car(&self) -> Markup {
-        let moved = |moment: &Moment| format!("{} {}", fine(moment.ego.pose.x), fine(-moment.ego.pose.y));
+        let moved = |frame: &Frame| format!("{} {}", fine(frame.ego.pose.x), fine(-frame.ego.pose.y));
         // An angle that jumps by a turn would spin the car.
         let mut last: Option<f64> = None;
-        let turned = |moment: &Moment| {
-            let yaw = -moment.ego.pose.yaw.to_degrees();
+        let turned = |frame: &Frame| {
+            let yaw = -frame.ego.pose.yaw.to_degrees();
             let yaw = last.map_or(yaw, |last| last + (yaw - last + 540.0).rem_euclid(360.0) - 180.0);
             last = Some(yaw);
             px(yaw).to_string()
         };
-        let lit = |moment: &Moment| if moment.control.brake > BRAKING { "1" } else { "0" }.to_string();
+        let lit = |frame: &Frame| if frame.control.brake > BRAKING { "1" } else { "0" }.to_string();
         html! {
             g {
                 (self.transform("translate", moved))
@@ -125,8 +119,8 @@ impl<'a> Clock<'a> {
     }
 
     fn person(&self) -> Markup {
-        let moved = |moment: &Moment| {
-            let place = moment.pedestrian.pose.position();
+        let moved = |frame: &Frame| {
+            let place = frame.pedestrian.pose.position();
             format!("{} {}", fine(place.x), fine(-place.y))
         };
         html! { @let radius = self.view.person_radius();
@@ -134,10 +128,10 @@ impl<'a> Clock<'a> {
     }
 
     fn sight(&self) -> Markup {
-        let seen = |moment: &Moment| if moment.in_sight(self.view.scenario()) { "1" } else { ".15" }.to_string();
+        let seen = |frame: &Frame| if self.view.pair().in_sight(frame) { "1" } else { ".15" }.to_string();
         html! {
             path.sight {
-                (self.attribute("d", false, |moment| self.view.line_of_sight(moment)))
+                (self.attribute("d", false, |frame| self.view.line_of_sight(frame)))
                 (self.attribute("stroke-opacity", true, seen))
             }
         }

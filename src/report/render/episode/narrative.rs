@@ -1,5 +1,5 @@
 use crate::av::DrivingMode;
-use crate::env::{Ending, Moment, Outcome, Recording, Scenario};
+use crate::env::{Ending, Frame, Outcome, Pair, Scenario, Trace};
 use crate::judge::{Label, Reference, Verdict};
 
 /// An action of the driver is an event if it lasts for this number of ticks, or to the end.
@@ -19,25 +19,21 @@ pub struct Narrative {
 }
 
 /// Describes an episode: its start, when the pedestrian is in sight, what the driver does, how it ends, and whether it was avoidable.
-pub fn narrative(
-    scenario: &Scenario,
-    outcome: &Outcome,
-    recording: &Recording,
-    verdict: Option<&Verdict>,
-) -> Narrative {
-    let (moments, dt) = (recording.moments(), scenario.episode.tick);
+pub fn narrative(scenario: &Scenario, outcome: &Outcome, trace: &Trace, verdict: Option<&Verdict>) -> Narrative {
+    let (pair, dt) = (trace.main_pair(scenario), scenario.episode.tick);
+    let frames: Vec<Frame> = pair.frames().collect();
     let time = |tick: usize| tick as f64 * dt;
-    let mut events = vec![(0.0, start(&moments[0], scenario))];
-    let in_sight: Vec<bool> = moments.iter().map(|moment| moment.in_sight(scenario)).collect();
-    for (tick, pair) in in_sight.windows(2).enumerate() {
-        if pair[0] != pair[1] {
-            let what = if pair[1] { "the pedestrian comes into sight" } else { "the pedestrian goes out of sight" };
-            let moment = &moments[tick + 1];
-            events.push((time(tick + 1), format!("{what}, {:.1} m from the car", moment.gap(scenario))));
+    let mut events = vec![(0.0, start(&frames[0], &pair))];
+    let in_sight: Vec<bool> = frames.iter().map(|frame| pair.in_sight(frame)).collect();
+    for (tick, seen) in in_sight.windows(2).enumerate() {
+        if seen[0] != seen[1] {
+            let what = if seen[1] { "the pedestrian comes into sight" } else { "the pedestrian goes out of sight" };
+            let frame = &frames[tick + 1];
+            events.push((time(tick + 1), format!("{what}, {:.1} m from the car", pair.gap(frame))));
         }
     }
-    // The control that leads to a moment was chosen a tick before.
-    events.extend(actions(moments).into_iter().map(|(tick, action)| (time(tick - 1), action)));
+    // The control that leads to a frame was chosen a tick before.
+    events.extend(actions(&frames).into_iter().map(|(tick, action)| (time(tick - 1), action)));
     if let Some(verdict) = verdict {
         let begun = (outcome.duration - verdict.warning).max(0.0);
         events.push((begun, format!("the danger starts, {:.2} s before the contact", verdict.warning)));
@@ -49,14 +45,14 @@ pub fn narrative(
         let at = events[MOST / 2 - 1].0;
         events.insert(MOST / 2, (at, format!("… {left_out} more")));
     }
-    events.push((outcome.duration, ending(outcome, moments)));
+    events.push((outcome.duration, ending(outcome, &frames)));
     Narrative { events, verdict: verdict.map(judged).unwrap_or_default() }
 }
 
-fn start(first: &Moment, scenario: &Scenario) -> String {
+fn start(first: &Frame, pair: &Pair<'_>) -> String {
     let (ego, pedestrian) = (&first.ego, first.pedestrian.pose.position());
     let away = (pedestrian - ego.pose.position()).norm();
-    let sight = if first.in_sight(scenario) { "in sight" } else { "hidden" };
+    let sight = if pair.in_sight(first) { "in sight" } else { "hidden" };
     format!(
         "the car is at ({:.1}, {:.1}) m, {}; the pedestrian is {away:.1} m from its middle, {}, {sight}",
         ego.pose.x,
@@ -80,22 +76,22 @@ fn bearing(bearing: f64) -> String {
 }
 
 /// What a driver does: its mode, whether it brakes, whether the car stands.
-fn action(moment: &Moment) -> (DrivingMode, bool, bool) {
-    (moment.mode, moment.control.brake > BRAKING, moment.ego.speed <= 0.05)
+fn action(frame: &Frame) -> (DrivingMode, bool, bool) {
+    (frame.mode, frame.control.brake > BRAKING, frame.ego.speed <= 0.05)
 }
 
 /// The actions of the driver, each with its first tick.
-fn actions(moments: &[Moment]) -> Vec<(usize, String)> {
+fn actions(frames: &[Frame]) -> Vec<(usize, String)> {
     let mut actions = Vec::new();
     let (mut last, mut tick) = (None, 1);
-    for same in moments[1..].chunk_by(|one, next| action(one) == action(next)) {
+    for same in frames[1..].chunk_by(|one, next| action(one) == action(next)) {
         let (begun, (mode, brakes, stands)) = (tick, action(&same[0]));
         tick += same.len();
-        if (same.len() < LASTING && tick < moments.len()) || last == Some((mode, brakes, stands)) {
+        if (same.len() < LASTING && tick < frames.len()) || last == Some((mode, brakes, stands)) {
             continue;
         }
         last = Some((mode, brakes, stands));
-        let braking = same.iter().map(|moment| moment.control.brake).fold(0.0, f64::max);
+        let braking = same.iter().map(|frame| frame.control.brake).fold(0.0, f64::max);
         let pedal = match (brakes, stands) {
             (true, true) => "stands, with the brake pressed".to_string(),
             (false, true) => "stands".to_string(),
@@ -107,14 +103,15 @@ fn actions(moments: &[Moment]) -> Vec<(usize, String)> {
     actions
 }
 
-fn ending(outcome: &Outcome, moments: &[Moment]) -> String {
+fn ending(outcome: &Outcome, frames: &[Frame]) -> String {
     match outcome.ending {
         Ending::Collision { front, moving, impact_speed, bearing: at } => {
             let side = if front { "the front sector" } else { "a side or the rear" };
             let car = if moving { speed(impact_speed) } else { "at rest".to_string() };
-            let walking = moments.last().map_or(0.0, |last| last.pedestrian.speed());
+            let walking = frames.last().map_or(0.0, |last| last.pedestrian.speed());
             format!("contact in {side}, {}; the car is {car}, the pedestrian walks at {walking:.1} m/s", bearing(at))
         }
+        Ending::OtherContact => "actors touch that are not the car and a pedestrian".to_string(),
         Ending::Lost => "the episode ends early, as the scenario says".to_string(),
         Ending::Timeout => format!("the time limit is reached; the least gap was {:.2} m", outcome.least_gap),
         Ending::Error(fault) => format!("the driver {fault}"),

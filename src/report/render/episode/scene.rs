@@ -2,7 +2,7 @@ use maud::{Markup, html};
 
 use super::EpisodeView;
 use super::narrative::BRAKING;
-use crate::env::Moment;
+use crate::env::Frame;
 use crate::geometry::Point;
 use crate::report::render::svg::{fine, line, px};
 use crate::report::render::town::Scenery;
@@ -17,7 +17,7 @@ impl EpisodeView<'_> {
 
     /// What of the town is in view.
     pub fn draw_ground(&self) -> Markup {
-        let ((low, size), town) = (self.ground(), &self.scenario().town);
+        let ((low, size), town) = (self.ground(), &self.pair().scenario().town);
         html! {
             rect.ground x=(fine(low.x)) y=(fine(-low.y - size.y)) width=(fine(size.x)) height=(fine(size.y)) {}
             (Scenery::new(town).within(low, low + size).drawn())
@@ -37,38 +37,38 @@ impl EpisodeView<'_> {
 
     /// How large the pedestrian is drawn (m): as large as it is, but large enough to be seen.
     pub fn person_radius(&self) -> f64 {
-        self.scenario().adversary.body.radius.max(self.ground().1.x * 0.012)
+        self.pair().body().radius.max(self.ground().1.x * 0.012)
     }
 
     /// The ways of both from the first shown tick to this one.
     pub fn draw_ways(&self, end: usize, opacity: f64) -> Markup {
-        let way = |place: fn(&Moment) -> Point| {
+        let way = |place: fn(&Frame) -> Point| {
             let shown = self.shown().take_while(|(tick, _)| *tick <= end);
-            line(shown.map(|(_, moment)| place(moment)).map(|place| (place.x, -place.y)), 2)
+            line(shown.map(|(_, frame)| place(frame)).map(|place| (place.x, -place.y)), 2)
         };
         let width = fine(self.ground().1.x * 0.006);
         html! {
-            path.way stroke-width=(width) stroke-opacity=(opacity) d=(way(|moment| moment.ego.pose.position())) {}
-            path.trail stroke-width=(width) stroke-opacity=(opacity) d=(way(|moment| moment.pedestrian.pose.position())) {}
+            path.way stroke-width=(width) stroke-opacity=(opacity) d=(way(|frame| frame.ego.pose.position())) {}
+            path.trail stroke-width=(width) stroke-opacity=(opacity) d=(way(|frame| frame.pedestrian.pose.position())) {}
         }
     }
 
     /// The line of sight as the `d` of a path.
-    pub fn line_of_sight(&self, moment: &Moment) -> String {
-        let (eye, person) = (moment.eye(self.scenario()), moment.pedestrian.pose.position());
+    pub fn line_of_sight(&self, frame: &Frame) -> String {
+        let (eye, person) = (self.pair().eye(frame), frame.pedestrian.pose.position());
         line([(eye.x, -eye.y), (person.x, -person.y)], 2)
     }
 
     /// The line of sight: dashed, and pale where something blocks it.
-    pub fn draw_sight(&self, moment: &Moment) -> Markup {
-        let class = if moment.in_sight(self.scenario()) { "sight" } else { "hidden" };
-        html! { path class=(class) d=(self.line_of_sight(moment)) {} }
+    pub fn draw_sight(&self, frame: &Frame) -> Markup {
+        let class = if self.pair().in_sight(frame) { "sight" } else { "hidden" };
+        html! { path class=(class) d=(self.line_of_sight(frame)) {} }
     }
 
     /// Both where they are.
-    pub fn draw_actors(&self, moment: &Moment) -> Markup {
-        let (pose, place) = (&moment.ego.pose, moment.pedestrian.pose.position());
-        let lamps = if moment.control.brake > BRAKING { "1" } else { "0" };
+    pub fn draw_actors(&self, frame: &Frame) -> Markup {
+        let (pose, place) = (&frame.ego.pose, frame.pedestrian.pose.position());
+        let lamps = if frame.control.brake > BRAKING { "1" } else { "0" };
         let turned = px(-pose.yaw.to_degrees());
         html! {
             g transform={ "translate(" (fine(pose.x)) " " (fine(-pose.y)) ") rotate(" (turned) ")" } {
@@ -80,7 +80,7 @@ impl EpisodeView<'_> {
 
     /// The car at the origin, looking along x, with the opacity of its brake lamps or what animates it.
     pub fn draw_car(&self, lamps: &str, animation: &Markup) -> Markup {
-        let vehicle = &self.scenario().vehicle;
+        let vehicle = self.pair().blueprint();
         let (length, width) = (vehicle.half_length, vehicle.half_width);
         html! {
             rect.car x=(fine(-length)) y=(fine(-width)) width=(fine(2.0 * length)) height=(fine(2.0 * width)) rx=".45" {}

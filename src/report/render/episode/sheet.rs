@@ -2,7 +2,7 @@ use maud::{Markup, html};
 
 use super::EpisodeView;
 use super::narrative::BRAKING;
-use crate::env::Moment;
+use crate::env::Frame;
 use crate::report::render::svg::{Digits, Document, line, px};
 
 /// Space at the edges of a picture (px).
@@ -71,30 +71,30 @@ impl<'a> Sheet<'a> {
     /// The speeds of both over time, when the driver braked, and when it could not see the pedestrian.
     fn draw_speeds(&self) -> Markup {
         let ((top, height), view) = (self.speeds, self.view);
-        let fastest = view.shown().map(|(_, moment)| moment.ego.speed.max(moment.pedestrian.speed()));
+        let fastest = view.shown().map(|(_, frame)| frame.ego.speed.max(frame.pedestrian.speed()));
         let most = (fastest.fold(1.0, f64::max) / 2.0).ceil() * 2.0;
         let up = |speed: f64| top + height * (1.0 - speed / most);
         let steps = if most > 8.0 { 4 } else { 2 };
         let curve =
-            |speed: fn(&Moment) -> f64| line(view.shown().map(|(tick, each)| (self.across(tick), up(speed(each)))), 1);
+            |speed: fn(&Frame) -> f64| line(view.shown().map(|(tick, each)| (self.across(tick), up(speed(each)))), 1);
         let (left, right) = (px(self.across(view.span().0)), px(self.across(view.span().1)));
         html! {
-            (self.bars("braking", (top, height), &|moment| moment.control.brake > BRAKING))
-            (self.bars("unseen", (top + height + 4.0, 5.0), &|moment| !moment.in_sight(view.scenario())))
+            (self.bars("braking", (top, height), &|frame| frame.control.brake > BRAKING))
+            (self.bars("unseen", (top + height + 4.0, 5.0), &|frame| !view.pair().in_sight(frame)))
             @for step in 0..=steps {
                 @let speed = most * f64::from(step) / f64::from(steps);
                 path.grid d={ "M" (left) " " (px(up(speed))) "H" (right) } {}
                 text.muted.end x=(px(left.0 - 6.0)) y=(px(up(speed) + 4.0)) { (Digits(speed, 1)) }
             }
-            path.person-line d=(curve(|moment| moment.pedestrian.speed())) {}
-            path.car-line d=(curve(|moment| moment.ego.speed)) {}
+            path.person-line d=(curve(|frame| frame.pedestrian.speed())) {}
+            path.car-line d=(curve(|frame| frame.ego.speed)) {}
         }
     }
 
     /// A bar for every stretch of ticks for which something is true.
-    fn bars(&self, class: &str, (top, height): (f64, f64), is_true: &dyn Fn(&Moment) -> bool) -> Markup {
+    fn bars(&self, class: &str, (top, height): (f64, f64), is_true: &dyn Fn(&Frame) -> bool) -> Markup {
         let last = self.view.span().1;
-        let shown: Vec<(usize, bool)> = self.view.shown().map(|(tick, moment)| (tick, is_true(moment))).collect();
+        let shown: Vec<(usize, bool)> = self.view.shown().map(|(tick, frame)| (tick, is_true(frame))).collect();
         html! {
             @for same in shown.chunk_by(|one, next| one.1 == next.1).filter(|same| same[0].1) {
                 @let (from, to) = (self.across(same[0].0), self.across((same[same.len() - 1].0 + 1).min(last)));

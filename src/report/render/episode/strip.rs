@@ -2,7 +2,7 @@ use maud::html;
 
 use super::EpisodeView;
 use super::sheet::{EDGE, HEAD, Sheet};
-use crate::env::{Recording, Scenario};
+use crate::env::{Scenario, Trace};
 use crate::judge::Verdict;
 use crate::report::render::svg::px;
 
@@ -19,23 +19,17 @@ const SPEEDS: f64 = 110.0;
 /// Draws an episode as six frames from a little before the danger to the touch, with the speeds of both below.
 ///
 /// `title` and `subtitle` say which it is.
-pub fn strip(
-    scenario: &Scenario,
-    recording: &Recording,
-    verdict: Option<&Verdict>,
-    title: &str,
-    subtitle: &str,
-) -> String {
-    let view = EpisodeView::new(scenario, recording, verdict);
+pub fn strip(scenario: &Scenario, trace: &Trace, verdict: Option<&Verdict>, title: &str, subtitle: &str) -> String {
+    let view = EpisodeView::new(scenario, trace, verdict);
     let ((first, last), tall) = (view.span(), view.height(WIDE));
     let width = COLUMNS as f64 * WIDE + (COLUMNS - 1) as f64 * GAP;
     let height = FRAMES.div_ceil(COLUMNS) as f64 * (tall + CAPTION + GAP) - GAP;
     let sheet = Sheet::new(&view, (width, height), SPEEDS);
     let ticks: Vec<usize> = (0..FRAMES).map(|frame| first + (last - first) * frame / (FRAMES - 1)).collect();
     let caption = |tick: usize| {
-        let moment = view.moment(tick);
-        let mode = moment.mode.name().replace('_', " ");
-        format!("car {:.1} m/s, {mode}; pedestrian {:.1} m/s", moment.ego.speed, moment.pedestrian.speed())
+        let frame = view.frame(tick);
+        let mode = frame.mode.name().replace('_', " ");
+        format!("car {:.1} m/s, {mode}; pedestrian {:.1} m/s", frame.ego.speed, frame.pedestrian.speed())
     };
     let place = |frame: usize| {
         let (row, column) = (frame / COLUMNS, frame % COLUMNS);
@@ -48,8 +42,8 @@ pub fn strip(
             svg x=(px(x)) y=(px(y)) width=(WIDE) height=(px(tall)) viewBox=(view.view_box()) {
                 use href="#ground" {}
                 (view.draw_ways(tick, 0.75))
-                (view.draw_sight(view.moment(tick)))
-                (view.draw_actors(view.moment(tick)))
+                (view.draw_sight(view.frame(tick)))
+                (view.draw_actors(view.frame(tick)))
                 @if frame == 0 { (view.draw_scale()) }
             }
             rect.frame x=(px(x)) y=(px(y)) width=(WIDE) height=(px(tall)) {}

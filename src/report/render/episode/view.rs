@@ -1,6 +1,6 @@
 use std::ops::RangeInclusive;
 
-use crate::env::{Moment, Recording, Scenario};
+use crate::env::{Frame, Pair, Scenario, Trace};
 use crate::geometry::{Point, Vector};
 use crate::judge::Verdict;
 
@@ -15,8 +15,8 @@ const LEAST: f64 = 24.0;
 
 /// The part of an episode that a picture shows.
 pub struct EpisodeView<'a> {
-    scenario: &'a Scenario,
-    moments: &'a [Moment],
+    pair: Pair<'a>,
+    frames: Vec<Frame>,
     ticks: RangeInclusive<usize>,
     /// South-west corner and size of what is seen (m).
     low: Point,
@@ -25,24 +25,25 @@ pub struct EpisodeView<'a> {
 
 impl<'a> EpisodeView<'a> {
     /// Chooses what is shown: from a little before the danger to the touch, or the time around the least gap.
-    pub fn new(scenario: &'a Scenario, recording: &'a Recording, verdict: Option<&Verdict>) -> Self {
-        let (moments, dt) = (recording.moments(), scenario.episode.tick);
-        let (last, count) = (moments.len() - 1, |time: f64| (time / dt).round() as usize);
+    pub fn new(scenario: &'a Scenario, trace: &'a Trace, verdict: Option<&Verdict>) -> Self {
+        let (pair, dt) = (trace.main_pair(scenario), scenario.episode.tick);
+        let frames: Vec<Frame> = pair.frames().collect();
+        let (last, count) = (frames.len() - 1, |time: f64| (time / dt).round() as usize);
         let ticks = match verdict {
             Some(verdict) => {
                 let shown = (verdict.warning + BEFORE).clamp(SHORTEST, LONGEST);
                 last.saturating_sub(count(shown))..=last
             }
             None => {
-                let gap = |tick: &usize| moments[*tick].gap(scenario);
+                let gap = |tick: &usize| pair.gap(&frames[*tick]);
                 let nearest = (0..=last).min_by(|one, other| gap(one).total_cmp(&gap(other))).unwrap_or(0);
                 nearest.saturating_sub(count(SHORTEST))..=(nearest + count(SHORTEST)).min(last)
             }
         };
-        let shown = &moments[ticks.clone()];
-        let places = shown.iter().flat_map(|moment| {
-            let corners = moment.outline(scenario).corners();
-            corners.into_iter().chain([moment.pedestrian.pose.position()])
+        let shown = &frames[ticks.clone()];
+        let places = shown.iter().flat_map(|frame| {
+            let corners = pair.outline(frame).corners();
+            corners.into_iter().chain([frame.pedestrian.pose.position()])
         });
         let (mut low, mut high) = (Point::new(f64::MAX, f64::MAX), Point::new(f64::MIN, f64::MIN));
         for place in places {
@@ -54,12 +55,12 @@ impl<'a> EpisodeView<'a> {
         // Neither too flat nor too tall for a page.
         let size = Vector::new(wanted.x.max(LEAST).max(wanted.y * 0.85), wanted.y.max(LEAST * 0.6).max(wanted.x * 0.5));
         let middle = low + (high - low) / 2.0;
-        Self { scenario, moments, ticks, low: middle - size / 2.0, size }
+        Self { pair, frames, ticks, low: middle - size / 2.0, size }
     }
 
-    /// The moments that are shown, each with its tick.
-    pub fn shown(&self) -> impl Iterator<Item = (usize, &'a Moment)> {
-        self.ticks.clone().zip(&self.moments[self.ticks.clone()])
+    /// The frames that are shown, each with its tick.
+    pub fn shown(&self) -> impl Iterator<Item = (usize, &Frame)> {
+        self.ticks.clone().zip(&self.frames[self.ticks.clone()])
     }
 
     /// First and last tick.
@@ -69,12 +70,12 @@ impl<'a> EpisodeView<'a> {
 
     /// The time of a tick (s).
     pub fn time(&self, tick: usize) -> f64 {
-        tick as f64 * self.scenario.episode.tick
+        tick as f64 * self.pair.dt()
     }
 
-    /// The scenario.
-    pub fn scenario(&self) -> &'a Scenario {
-        self.scenario
+    /// The car and the pedestrian that are shown.
+    pub fn pair(&self) -> &Pair<'a> {
+        &self.pair
     }
 
     /// Height of the scene at a width (px).
@@ -87,8 +88,8 @@ impl<'a> EpisodeView<'a> {
         (self.low, self.size)
     }
 
-    /// The moment at a tick.
-    pub fn moment(&self, tick: usize) -> &'a Moment {
-        &self.moments[tick]
+    /// The frame at a tick.
+    pub fn frame(&self, tick: usize) -> &Frame {
+        &self.frames[tick]
     }
 }

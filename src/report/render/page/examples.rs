@@ -58,8 +58,8 @@ fn repeat(
         trained,
         episode..episode + 1,
         seed,
-        &mut |outcome, recording| {
-            Replay::new(scenario, scenery, outcome, recording, judge(scenario, recording).as_ref())
+        &mut |outcome, trace| {
+            Replay::new(scenario, scenery, outcome, trace, judge(&trace.main_pair(scenario)).as_ref())
         },
         &mut |_| ControlFlow::Continue(()),
     );

@@ -1,7 +1,7 @@
 use serde::Serialize;
 
 use super::super::town::{Scenery, Surface};
-use crate::env::{Ending, Outcome, Recording, Scenario};
+use crate::env::{Ending, Frame, Outcome, Scenario, Trace};
 use crate::geometry::{Point, Pose};
 use crate::judge::{Label, Reference, Verdict};
 
@@ -51,18 +51,19 @@ impl Replay {
         scenario: &Scenario,
         scenery: &Scenery,
         outcome: &Outcome,
-        recording: &Recording,
+        trace: &Trace,
         verdict: Option<&Verdict>,
     ) -> Self {
-        let moments = recording.moments();
-        let last = moments.last().map_or_else(Point::origin, |moment| moment.pedestrian.pose.position());
+        let pair = trace.main_pair(scenario);
+        let frames: Vec<Frame> = pair.frames().collect();
+        let last = frames.last().map_or_else(Point::origin, |frame| frame.pedestrian.pose.position());
         let origin = Point::new(last.x.round(), last.y.round());
         let whole = |value: f64, unit: f64| (value / unit).round() as i64;
         let state = |pose: &Pose, speed: f64| {
             [whole(pose.x - origin.x, 0.01), whole(pose.y - origin.y, 0.01), whole(pose.yaw, 0.001), whole(speed, 0.01)]
         };
         let (mut low, mut high) = (last, last);
-        for place in moments.iter().flat_map(|m| [m.ego.pose.position(), m.pedestrian.pose.position()]) {
+        for place in frames.iter().flat_map(|m| [m.ego.pose.position(), m.pedestrian.pose.position()]) {
             (low, high) = (low.inf(&place), high.sup(&place));
         }
         let margin = crate::geometry::Vector::new(AROUND, AROUND);
@@ -72,16 +73,16 @@ impl Replay {
             numbers
         };
         let mut modes: Vec<(usize, &'static str)> = Vec::new();
-        for (tick, moment) in moments.iter().enumerate() {
-            // The first moment is before the driver's first decision.
-            let name = moments.get(1).filter(|_| tick == 0).unwrap_or(moment).mode.name();
+        for (tick, frame) in frames.iter().enumerate() {
+            // The first frame is before the driver's first decision.
+            let name = frames.get(1).filter(|_| tick == 0).unwrap_or(frame).mode.name();
             if modes.last().is_none_or(|(_, known)| *known != name) {
                 modes.push((tick, name));
             }
         }
         let mut sight = Vec::new();
-        for (tick, moment) in moments.iter().enumerate() {
-            if moment.in_sight(scenario) == (sight.len() % 2 == 0) {
+        for (tick, frame) in frames.iter().enumerate() {
+            if pair.in_sight(frame) == (sight.len() % 2 == 0) {
                 sight.push(tick);
             }
         }
@@ -91,16 +92,16 @@ impl Replay {
         Self {
             origin: [origin.x, origin.y],
             dt: scenario.episode.tick,
-            car: [whole(scenario.vehicle.half_length, 0.01), whole(scenario.vehicle.half_width, 0.01)],
-            radius: whole(scenario.adversary.body.radius, 0.01),
+            car: [whole(pair.blueprint().half_length, 0.01), whole(pair.blueprint().half_width, 0.01)],
+            radius: whole(pair.body().radius, 0.01),
             scenery: scenery.within(low - margin, high + margin).polygons.iter().map(polygon).collect(),
-            ego: moments.iter().map(|moment| state(&moment.ego.pose, moment.ego.speed)).collect(),
-            person: moments.iter().map(|m| state(&m.pedestrian.pose, m.pedestrian.speed())).collect(),
+            ego: frames.iter().map(|frame| state(&frame.ego.pose, frame.ego.speed)).collect(),
+            person: frames.iter().map(|m| state(&m.pedestrian.pose, m.pedestrian.speed())).collect(),
             modes,
-            brake: moments.iter().map(|moment| whole(moment.control.brake, 0.01)).collect(),
-            throttle: moments.iter().map(|moment| whole(moment.control.throttle, 0.01)).collect(),
+            brake: frames.iter().map(|frame| whole(frame.control.brake, 0.01)).collect(),
+            throttle: frames.iter().map(|frame| whole(frame.control.throttle, 0.01)).collect(),
             sight,
-            danger: verdict.map(|verdict| (moments.len() - 1).saturating_sub(ticks(verdict))),
+            danger: verdict.map(|verdict| (frames.len() - 1).saturating_sub(ticks(verdict))),
             verdict: verdict.map(|verdict| verdict.label.name()),
             drivers: verdict.map_or_else(Vec::new, |verdict| {
                 let fared = |driver: Reference| (driver.name(), verdict.trial(driver).impact_speed);

@@ -6,28 +6,28 @@ use serde::{Deserialize, Serialize};
 /// Most marks that are kept.
 const MOST: usize = 32;
 
-/// Marks on the way of an episode, by which two that differ in the end are found to differ from somewhere on: a byte of the
-/// digest after each of its decisions, after each second one where there are more than 32 of them, and so on.
+/// Hashes of the states of an episode, which show from which decision on two episodes differ: a byte of the digest after each
+/// decision; after every second one when there are more than 32, and so on.
 ///
 /// In tables it is the number of decisions from mark to mark, a colon, and two hexadecimal digits for each mark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
-pub struct Trail {
+pub struct StateHashes {
     marks: [u8; MOST],
     length: u8,
     /// Decisions from mark to mark.
     stride: u32,
-    /// Decisions so far.
+    /// Decisions that have been noted.
     decisions: u32,
 }
 
-impl Default for Trail {
+impl Default for StateHashes {
     fn default() -> Self {
         Self { marks: [0; MOST], length: 0, stride: 1, decisions: 0 }
     }
 }
 
-impl Trail {
+impl StateHashes {
     /// Notes the digest after a decision.
     pub fn mark(&mut self, digest: u64) {
         self.decisions += 1;
@@ -40,7 +40,7 @@ impl Trail {
                 return;
             }
         }
-        // The last step of the hash is a product, whose high bits hang on all of its input.
+        // The last step of the hash is a product, whose high bits depend on all of its input.
         self.marks[usize::from(self.length)] = (digest >> 56) as u8;
         self.length += 1;
     }
@@ -59,15 +59,15 @@ impl Trail {
         &self.marks[..usize::from(self.length)]
     }
 
-    /// The decisions between which two episodes are first seen to part: they agree after the first of the two and differ
-    /// after the second, counted from 1. None when all common marks agree.
+    /// The decisions between which two episodes diverge: their marks agree after the first of the two and differ after the second,
+    /// counted from 1. None when all common marks agree.
     ///
     /// One mark in 256 agrees by chance.
-    pub fn parting(&self, other: &Self) -> Option<(u32, u32)> {
+    pub fn divergence(&self, other: &Self) -> Option<(u32, u32)> {
         let stride = self.stride.max(other.stride);
-        let at = |trail: &Self, number: u32| {
-            let place = (number * stride / trail.stride).checked_sub(1)?;
-            trail.marks().get(place as usize).copied()
+        let at = |hashes: &Self, number: u32| {
+            let place = (number * stride / hashes.stride).checked_sub(1)?;
+            hashes.marks().get(place as usize).copied()
         };
         let mut number = 1;
         while let (Some(ours), Some(theirs)) = (at(self, number), at(other, number)) {
@@ -80,20 +80,20 @@ impl Trail {
     }
 }
 
-impl fmt::Display for Trail {
+impl fmt::Display for StateHashes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}:", self.stride)?;
         self.marks().iter().try_for_each(|mark| write!(f, "{mark:02x}"))
     }
 }
 
-impl From<Trail> for String {
-    fn from(trail: Trail) -> Self {
-        trail.to_string()
+impl From<StateHashes> for String {
+    fn from(hashes: StateHashes) -> Self {
+        hashes.to_string()
     }
 }
 
-impl TryFrom<String> for Trail {
+impl TryFrom<String> for StateHashes {
     type Error = NoTrail;
 
     fn try_from(text: String) -> Result<Self, NoTrail> {
@@ -101,12 +101,12 @@ impl TryFrom<String> for Trail {
     }
 }
 
-/// A text that is not a trail.
+/// A text that is not a hashes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("the text is not a trail of an episode")]
+#[error("the text is not a hashes of an episode")]
 pub struct NoTrail;
 
-impl FromStr for Trail {
+impl FromStr for StateHashes {
     type Err = NoTrail;
 
     fn from_str(text: &str) -> Result<Self, NoTrail> {
@@ -118,11 +118,11 @@ impl FromStr for Trail {
             return Err(NoTrail);
         }
         let decisions = stride.checked_mul(length as u32).ok_or(NoTrail)?;
-        let mut trail = Self { marks: [0; MOST], length: length as u8, stride, decisions };
-        for (place, mark) in trail.marks[..length].iter_mut().enumerate() {
+        let mut hashes = Self { marks: [0; MOST], length: length as u8, stride, decisions };
+        for (place, mark) in hashes.marks[..length].iter_mut().enumerate() {
             *mark = u8::from_str_radix(&digits[2 * place..2 * place + 2], 16).map_err(|_| NoTrail)?;
         }
-        Ok(trail)
+        Ok(hashes)
     }
 }
 
@@ -130,46 +130,46 @@ impl FromStr for Trail {
 mod tests {
     use super::*;
 
-    /// A trail of so many decisions whose digests change from `from` on.
-    fn trail(decisions: u32, from: u32) -> Trail {
-        let mut trail = Trail::default();
+    /// The hashes of an episode of this number of decisions whose digests change from `from` on.
+    fn hashes(decisions: u32, from: u32) -> StateHashes {
+        let mut hashes = StateHashes::default();
         for decision in 1..=decisions {
             let other = u64::from(decision >= from);
-            trail.mark((u64::from(decision) * 2 + other).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+            hashes.mark((u64::from(decision) * 2 + other).wrapping_mul(0x9e37_79b9_7f4a_7c15));
         }
-        trail
+        hashes
     }
 
     #[test]
-    fn the_parting_is_found_between_two_marks_whatever_the_lengths() {
+    fn the_divergence_is_found_between_two_marks_whatever_the_lengths() {
         for decisions in [1, 5, 31, 32, 33, 64, 65, 200, 3000] {
-            let whole = trail(decisions, u32::MAX);
+            let whole = hashes(decisions, u32::MAX);
             let stride = decisions.div_ceil(MOST as u32).next_power_of_two();
             assert!(whole.stride <= stride && whole.marks().len() as u32 == decisions / whole.stride, "{decisions}");
-            assert_eq!(whole.parting(&whole), None);
+            assert_eq!(whole.divergence(&whole), None);
             for from in [1, 2, decisions / 2 + 1] {
-                let Some((same, other)) = whole.parting(&trail(decisions, from)) else { continue };
+                let Some((same, other)) = whole.divergence(&hashes(decisions, from)) else { continue };
                 assert!(same < from && from <= other && other - same == whole.stride, "{decisions} {from}");
             }
-            let longer = trail(decisions + 40, decisions / 2 + 1);
-            if let Some((same, other)) = whole.parting(&longer) {
+            let longer = hashes(decisions + 40, decisions / 2 + 1);
+            if let Some((same, other)) = whole.divergence(&longer) {
                 assert!(same <= decisions / 2 && decisions / 2 < other, "{decisions}: {same}..{other}");
             }
         }
-        assert_eq!(trail(10, 4).parting(&trail(10, u32::MAX)), Some((3, 4)));
+        assert_eq!(hashes(10, 4).divergence(&hashes(10, u32::MAX)), Some((3, 4)));
     }
 
     #[test]
     fn it_returns_from_its_text_and_damage_is_noticed() {
         for decisions in [0, 1, 30, 100] {
-            let trail = trail(decisions, u32::MAX);
-            let again: Trail = trail.to_string().parse().unwrap();
-            assert_eq!((again.to_string(), again.parting(&trail)), (trail.to_string(), None));
+            let hashes = hashes(decisions, u32::MAX);
+            let again: StateHashes = hashes.to_string().parse().unwrap();
+            assert_eq!((again.to_string(), again.divergence(&hashes)), (hashes.to_string(), None));
         }
         for text in ["", "1", "1:a", "3:aa", "0:aa", "1:zz", "1:+a", &format!("1:{}", "00".repeat(33)), "é:aa", "1:é"]
         {
-            assert_eq!(text.parse::<Trail>(), Err(NoTrail), "{text}");
+            assert_eq!(text.parse::<StateHashes>(), Err(NoTrail), "{text}");
         }
-        assert!("2147483648:aaaa".parse::<Trail>().is_err(), "too many decisions to count");
+        assert!("2147483648:aaaa".parse::<StateHashes>().is_err(), "too many decisions to count");
     }
 }

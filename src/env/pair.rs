@@ -1,0 +1,137 @@
+use super::trace::VehicleFrame;
+use super::{Scenario, Trace};
+use crate::av::DrivingMode;
+use crate::geometry::{OrientedBox, Point, Vector};
+use crate::sim::{
+    ActorId, Contact, Control, PedestrianBody, PedestrianState, VehicleBlueprint, VehicleState, WalkCommand,
+};
+
+/// From the bumper back to the driver's eye (m).
+const EYE: f64 = 1.9;
+
+/// A vehicle and a pedestrian at a tick, and what the driver had done to get there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frame {
+    /// The car.
+    pub ego: VehicleState,
+    /// The pedestrian.
+    pub pedestrian: PedestrianState,
+    /// What the driver was doing in the tick that led here; nothing yet at the start.
+    pub mode: DrivingMode,
+    /// Its pedals and its wheel in that tick.
+    pub control: Control,
+}
+
+/// An episode as it was for one vehicle and one pedestrian: a view of two tracks of a [`Trace`].
+#[derive(Debug, Clone, Copy)]
+pub struct Pair<'a> {
+    scenario: &'a Scenario,
+    blueprint: &'a VehicleBlueprint,
+    body: &'a PedestrianBody,
+    driving: &'a [VehicleFrame],
+    walking: &'a [PedestrianState],
+    decisions: &'a [WalkCommand],
+    contact: Option<&'a Contact>,
+}
+
+impl<'a> Pair<'a> {
+    /// The tracks of a vehicle and a pedestrian.
+    pub(super) fn new(scenario: &'a Scenario, trace: &'a Trace, vehicle: usize, pedestrian: usize) -> Self {
+        let pair = (ActorId::Vehicle(vehicle as u8), ActorId::Pedestrian(pedestrian as u8));
+        Self {
+            scenario,
+            blueprint: &scenario.cast.vehicle(vehicle).blueprint,
+            body: &scenario.cast.pedestrian(pedestrian).body,
+            driving: trace.vehicle(vehicle),
+            walking: trace.pedestrian(pedestrian),
+            decisions: trace.decisions(pedestrian),
+            contact: trace.contact().filter(|contact| contact.pair == pair),
+        }
+    }
+
+    /// The scenario.
+    pub fn scenario(&self) -> &'a Scenario {
+        self.scenario
+    }
+
+    /// The model of the vehicle.
+    pub fn blueprint(&self) -> &'a VehicleBlueprint {
+        self.blueprint
+    }
+
+    /// The body of the pedestrian.
+    pub fn body(&self) -> &'a PedestrianBody {
+        self.body
+    }
+
+    /// Length of a tick (s).
+    pub fn dt(&self) -> f64 {
+        self.scenario.episode.tick
+    }
+
+    /// How the two touched in the last tick; none when they did not.
+    pub fn contact(&self) -> Option<&'a Contact> {
+        self.contact
+    }
+
+    /// The decisions of the pedestrian.
+    pub fn decisions(&self) -> &'a [WalkCommand] {
+        self.decisions
+    }
+
+    /// The number of frames: one at the start and one for each tick.
+    pub fn len(&self) -> usize {
+        self.driving.len()
+    }
+
+    /// Whether there is no frame: no episode has started.
+    pub fn is_empty(&self) -> bool {
+        self.driving.is_empty()
+    }
+
+    /// Both after a tick; tick 0 is the start.
+    pub fn frame(&self, tick: usize) -> Frame {
+        frame(&self.driving[tick], &self.walking[tick])
+    }
+
+    /// Both at the end; none when no episode has started.
+    pub fn last(&self) -> Option<Frame> {
+        Some(frame(self.driving.last()?, self.walking.last()?))
+    }
+
+    /// Both at the start and after each tick.
+    pub fn frames(&self) -> impl ExactSizeIterator<Item = Frame> + DoubleEndedIterator + Clone + use<'a> {
+        self.driving.iter().zip(self.walking).map(|(vehicle, pedestrian)| frame(vehicle, pedestrian))
+    }
+
+    /// Where the driver's eye is: 1.9 m behind the bumper, on the axis.
+    pub fn eye(&self, frame: &Frame) -> Point {
+        frame.ego.pose.to_world(Vector::new(self.blueprint.half_length - EYE, 0.0))
+    }
+
+    /// Whether the middle or an edge of the pedestrian is in sight from the driver's eye. Only obstacles hide it.
+    pub fn in_sight(&self, frame: &Frame) -> bool {
+        let (radius, position) = (self.body.radius, frame.pedestrian.pose.position());
+        let eye = self.eye(frame);
+        let sight = (position - eye).try_normalize(1e-9).unwrap_or_else(Vector::x);
+        let edge = Vector::new(-sight.y, sight.x) * radius;
+        let obstacles = &self.scenario.obstacles;
+        [Vector::zeros(), edge, -edge].iter().any(|offset| !obstacles.blocks_sight(eye, position + offset))
+    }
+
+    /// Distance from the pedestrian's disc to the car's box (m); 0 when they touch.
+    pub fn gap(&self, frame: &Frame) -> f64 {
+        let place = frame.pedestrian.pose.position();
+        (self.outline(frame).distance_to(place) - self.body.radius).max(0.0)
+    }
+
+    /// The box that the car fills.
+    pub fn outline(&self, frame: &Frame) -> OrientedBox {
+        frame.ego.outline(self.blueprint)
+    }
+}
+
+fn frame(vehicle: &VehicleFrame, pedestrian: &PedestrianState) -> Frame {
+    let VehicleFrame { state, driven } = vehicle;
+    Frame { ego: *state, pedestrian: *pedestrian, mode: driven.mode, control: driven.control }
+}

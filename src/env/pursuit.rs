@@ -1,0 +1,64 @@
+//! Commands of pedestrians that know where the ego is: straight at it, or to where it is going to be.
+
+use super::PedestrianEnv;
+use crate::geometry::{Vector, wrap_angle};
+use crate::sim::WalkCommand;
+
+impl PedestrianEnv {
+    /// Where a homing pedestrian would walk: straight at the ego, as fast as it can.
+    pub fn homing(&self, pedestrian: usize) -> WalkCommand {
+        let (state, speed) = (&self.world().pedestrians[pedestrian].state, self.greatest_speed(pedestrian));
+        let offset = self.world().ego().state.pose.position() - state.pose.position();
+        WalkCommand { heading: libm::atan2(offset.y, offset.x), speed }
+    }
+
+    /// Where an intercepting pedestrian would walk: to the nearest place where it can meet an ego that keeps its
+    /// velocity, or straight at the ego when there is none.
+    pub fn intercept(&self, pedestrian: usize) -> WalkCommand {
+        let (pose, ego) = (&self.world().pedestrians[pedestrian].state.pose, &self.world().ego().state);
+        let speed = self.greatest_speed(pedestrian);
+        let offset = ego.pose.position() - pose.position();
+        let velocity = ego.pose.forward() * ego.speed;
+        let meeting = offset + velocity * meeting_time(offset, velocity, speed).unwrap_or(0.0);
+        WalkCommand { heading: wrap_angle(libm::atan2(meeting.y, meeting.x)), speed }
+    }
+
+    fn greatest_speed(&self, pedestrian: usize) -> f64 {
+        self.scenario().cast.pedestrian(pedestrian).action.speed.1
+    }
+}
+
+/// The least time (s) after which a pedestrian at the origin can be where a car at `offset` with `velocity` is.
+fn meeting_time(offset: Vector, velocity: Vector, speed: f64) -> Option<f64> {
+    // |offset + velocity t| = speed t
+    let a = velocity.norm_squared() - speed * speed;
+    let b = offset.dot(&velocity);
+    let c = offset.norm_squared();
+    if a.abs() < 1e-9 {
+        return (b < 0.0).then(|| -c / (2.0 * b));
+    }
+    let discriminant = b * b - a * c;
+    if discriminant < 0.0 {
+        return None;
+    }
+    let root = discriminant.sqrt();
+    let (t1, t2) = ((-b - root) / a, (-b + root) / a);
+    let earliest = t1.min(t2);
+    let latest = t1.max(t2);
+    if earliest > 0.0 { Some(earliest) } else { (latest > 0.0).then_some(latest) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_meeting_point_is_reached_by_both_at_once() {
+        let (offset, velocity) = (Vector::new(-20.0, 5.0), Vector::new(7.0, 0.0));
+        let t = meeting_time(offset, velocity, 3.5).unwrap();
+        assert!(((offset + velocity * t).norm() - 3.5 * t).abs() < 1e-9);
+        assert_eq!(meeting_time(Vector::new(20.0, 0.0), Vector::new(7.0, 0.0), 3.5), None, "it drives away, faster");
+        let same = meeting_time(Vector::new(-10.0, 0.0), Vector::new(3.5, 0.0), 3.5).unwrap();
+        assert!((same - 10.0 / 7.0).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,35 @@
+use crate::geometry::{Point, Pose};
+
+/// Where the angles of a state or an action are measured from. The paper says "the pedestrian's frame" and no more.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ReferenceFrame {
+    /// The pedestrian's present heading, which turns with every command.
+    Heading,
+    /// The pedestrian's heading at the start of the episode.
+    Initial,
+    /// The line from the pedestrian to the ego.
+    LineOfSight,
+    /// The world's `+x`.
+    World,
+}
+
+impl ReferenceFrame {
+    /// The direction that angles are measured from, in the world (rad), for a pedestrian that had this heading (rad) at the start.
+    pub(super) fn origin(self, pedestrian: &Pose, initial_heading: f64, ego: Point) -> f64 {
+        match self {
+            Self::Heading => pedestrian.yaw,
+            Self::Initial => initial_heading,
+            Self::LineOfSight => libm::atan2(ego.y - pedestrian.y, ego.x - pedestrian.x),
+            Self::World => 0.0,
+        }
+    }
+}
+
+/// Whether a controller gets natural units or numbers of order one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scaling {
+    /// Radians, metres, metres per second.
+    Natural,
+    /// States divided by (π, 30 m, π, 8 m/s); actions in [−1, 1] over their whole range.
+    Unit,
+}
