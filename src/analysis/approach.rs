@@ -27,11 +27,11 @@ impl Station {
     }
 }
 
-/// The last [`Approach::WINDOW`] before a touch: the way of the pedestrian in the frame of the car, which moves and turns with it, and
-/// how fast the car was.
+/// The last [`Approach::WINDOW`] before a touch: the track of the pedestrian in the frame of the car, which moves and turns with it,
+/// and the speed of the car.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Approach {
-    /// One station every [`Approach::STEP`], the last one at the touch. What lies before the episode is as at its beginning.
+    /// One station every [`Approach::STEP`], the last one at the touch. Before the episode it is as at its start.
     pub stations: [Station; Self::STATIONS],
 }
 

@@ -7,7 +7,7 @@ pub enum Scale {
     Truth(&'static str),
 }
 
-/// Something by which beginnings differ.
+/// A feature of a start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Feature {
     /// Its name for people.
@@ -19,7 +19,7 @@ pub struct Feature {
 /// Episodes: how they began, and whether they ended in what is to be explained.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cases {
-    /// By what beginnings differ.
+    /// The features of starts.
     pub features: Vec<Feature>,
     /// The features of each episode.
     pub rows: Vec<Vec<f64>>,

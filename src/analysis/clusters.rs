@@ -13,7 +13,7 @@ const MOST: usize = 5;
 const STABLE: f64 = 0.8;
 /// Clusters with a smaller silhouette have "no substantial structure" (Kaufman and Rousseeuw, *Finding Groups in Data*, 1990).
 const APART: f64 = 0.25;
-/// From so many beginnings k-means is run, of which the best counts; their numbers seed the choice of centres.
+/// Number of runs of k-means, of which the best counts; the number of a run seeds its choice of centres.
 const BEGINNINGS: u64 = 5;
 /// Bootstrap samples.
 const SAMPLES: u64 = 10;
@@ -80,7 +80,7 @@ fn bootstrap(points: &[Vec<f64>], labels: &[usize]) -> f64 {
     (0..SAMPLES).map(agreement).sum::<f64>() / SAMPLES as f64
 }
 
-/// Fits `k` centres to some points, from many beginnings, and says which centre is nearest to each of others; none when a
+/// Fits `k` centres to some points in several runs, and gives the nearest centre of each other point; none when a
 /// centre stays empty.
 fn partition(fit: &[Vec<f64>], points: &[Vec<f64>], k: usize) -> Option<Vec<usize>> {
     if fit.len() < k {

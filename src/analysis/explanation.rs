@@ -12,7 +12,7 @@ const DEPTH: u16 = 3;
 const LEAST: (f64, usize) = (0.05, 15);
 /// Episodes of either outcome that it takes to learn anything.
 const FEW: u64 = 20;
-/// Two sides of a split must differ by this χ² with one degree of freedom to be told apart: that of 0.1 %, since the split is
+/// Two sides of a split must differ by this χ² with one degree of freedom to be distinguished: that of 0.1 %, since the split is
 /// the best of many.
 const TOLD_APART: f64 = 10.83;
 /// How often a feature is shuffled.
@@ -43,7 +43,7 @@ impl fmt::Display for Condition {
     }
 }
 
-/// What is to be expected of some beginnings.
+/// The expected outcome of some starts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rule {
     /// Which ones: all of these hold.
@@ -72,17 +72,17 @@ pub struct Importance {
     pub loss: f64,
 }
 
-/// Which beginnings end in what is to be explained: a small tree, learnt from episodes with even numbers and tested on those
+/// Which starts end in the outcome that is explained: a small tree, learnt from episodes with even numbers and tested on those
 /// with odd ones.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Explanation {
     /// Hits and episodes of both halves.
     pub overall: (u64, u64),
-    /// The leaves of the tree, the most dangerous first: each beginning satisfies one of them.
+    /// The leaves of the tree, the most dangerous first: each start satisfies one of them.
     pub rules: Vec<Rule>,
     /// Share of the held-out episodes whose outcome the tree tells.
     pub accuracy: f64,
-    /// Share of them that is told by always naming the commoner outcome of the learnt half.
+    /// Share of them that is predicted by always naming the commoner outcome of the learnt half.
     pub majority: f64,
     /// Share of the held-out outcomes' variance that the rules' rates explain (Brier skill): 0 or less when they say nothing.
     pub skill: f64,
@@ -269,7 +269,7 @@ mod tests {
         Feature { name: "hidden", scale: Scale::Truth("in sight") },
     ];
 
-    /// Beginnings that hit at a rate which hangs on distance and sight, or by chance alone.
+    /// Starts that hit at a rate which depends on distance and sight, or by chance alone.
     fn cases(rate: fn(f64, bool) -> f64) -> Cases {
         let mut stream = Seed::root(3).stream();
         let mut all = Cases { features: FEATURES.to_vec(), rows: vec![], episodes: vec![], hits: vec![] };

@@ -18,7 +18,7 @@ pub enum Impact {
 }
 
 impl Impact {
-    /// Where a pedestrian hit the car, who was within the front sector or not, at this bearing from the car's middle (rad).
+    /// Where a pedestrian hit the car, from whether it was within the front sector and from its bearing from the car's middle (rad).
     pub fn new(front: bool, bearing: f64) -> Self {
         match bearing {
             _ if front => Self::Front,
@@ -39,7 +39,7 @@ impl Impact {
     }
 }
 
-/// What a collision is like, by rules that anyone can check.
+/// The class of a collision, by fixed rules.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Kind {
     /// Where the car was hit.
@@ -86,7 +86,7 @@ pub struct Failure {
     pub kind: Kind,
     /// Speed of the car at the touch (m/s).
     pub impact_speed: f64,
-    /// Time from the beginning of the episode to the touch (s).
+    /// Time from the start of the episode to the touch (s).
     pub length: f64,
     /// How they came together, where that is known.
     pub approach: Option<Approach>,

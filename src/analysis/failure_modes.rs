@@ -24,7 +24,7 @@ pub struct FailureMode {
     pub spread: Option<f64>,
     /// Quantiles of the car's speed at the touch (m/s): a tenth, half and nine tenths of the members are at most as fast.
     pub impact_speed: [f64; 3],
-    /// Median time from the beginning of the episode to the touch (s).
+    /// Median time from the start of the episode to the touch (s).
     pub length: f64,
     /// How far the clusters of the kind can be trusted; none where there is only one.
     pub stability: Option<Stability>,

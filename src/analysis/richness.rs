@@ -1,7 +1,7 @@
 /// The share of a normal distribution's 95 % in standard deviations.
 const Z: f64 = 1.959_963_984_540_054;
 
-/// How many kinds of failure there are, and how many there may be that nobody has seen yet.
+/// How many classes of failure there are, and how many there may be that have not been seen.
 ///
 /// | symbol | field | meaning |
 /// |---|---|---|
@@ -101,8 +101,8 @@ fn interval(n: f64, s: f64, estimate: f64, variance: f64) -> (f64, f64) {
     ((middle - half).max(s), middle + half)
 }
 
-/// How many kinds are to be expected in so many of all trials, when these are drawn without replacement: the mean of the accumulation
-/// curve over all orders of the trials. `counts` says in how many trials each kind was seen.
+/// The expected number of classes in some of all trials that are drawn without replacement: the mean of the accumulation
+/// curve over all orders of the trials. `counts` gives the number of trials in which each class was seen.
 ///
 /// # Source
 /// Hurlbert, *The nonconcept of species diversity*, Ecology 52, 1971 (rarefaction).

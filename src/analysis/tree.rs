@@ -9,7 +9,7 @@ use super::Cases;
 /// A question with its two answers, or an end.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Node {
-    /// Whether a feature is at most a value, and where to go on if it is and if it is not.
+    /// Whether a feature is at most a value, and the next node for either answer.
     Split { feature: usize, value: f64, at_most: usize, above: usize },
     /// No further question.
     Leaf,
@@ -36,7 +36,7 @@ struct WrittenNode {
 }
 
 impl Tree {
-    /// Learns a tree from some of the cases, with so many questions in a row at most; a bare root when these are all alike.
+    /// Learns a tree of at most this depth from some of the cases; only a root when these are all alike.
     pub(super) fn learn(cases: &Cases, places: &[usize], depth: u16, least: usize) -> Self {
         Self::fitted(cases, places, depth, least).unwrap_or(Self { nodes: vec![Node::Leaf] })
     }
@@ -75,7 +75,7 @@ impl Tree {
         at
     }
 
-    /// Takes back splits between two leaves of which `differ` says that they do not, until there are none.
+    /// Removes splits between two leaves that do not differ by `differ`, until there are none.
     pub(super) fn prune(&mut self, differ: &dyn Fn(&Self, usize, usize) -> bool) {
         loop {
             let useless = self.nodes.iter().position(|node| match *node {

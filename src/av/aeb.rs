@@ -6,7 +6,7 @@ use crate::signature::{Arguments, Param, Signature, Type};
 use crate::sim::Control;
 use crate::units::Dimension;
 
-/// A driver who sees nobody, with automatic emergency braking for whoever will be in the car's way.
+/// A driver that ignores all road users, with automatic emergency braking for those that will be in the car's way.
 ///
 /// The time to collision is `gap / closing speed` with each actor that is in the corridor now or, keeping its velocity, when the
 /// car arrives. Below three thresholds the system warns (and lets the throttle go), brakes partially, brakes fully; the
@@ -31,7 +31,7 @@ pub struct Aeb {
     mode: DrivingMode,
 }
 
-/// Below this speed (m/s) the brakes hold the car while somebody is in its way nearer than this (m) (assumed).
+/// Below this speed (m/s) the brakes hold the car while a road user is in its way nearer than this (m) (assumed).
 const HOLD: (f64, f64) = (0.5, 2.0);
 
 impl Aeb {
@@ -120,7 +120,7 @@ fn time_to(actor: &OnTrace, perception: &Perception<'_>, margin: f64) -> f64 {
     if ego.speed() < HOLD.0 && actor.place.x > 0.0 && ahead < HOLD.1 && actor.place.y.abs() <= corridor {
         return 0.0;
     }
-    // Whoever is beside the car's middle can no longer be braked for.
+    // Braking no longer helps a road user beside the car's middle.
     if closing <= 0.0 || actor.place.x < 0.0 {
         return f64::INFINITY;
     }

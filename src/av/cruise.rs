@@ -4,7 +4,7 @@ use crate::signature::{Arguments, Param, Signature, Type};
 use crate::sim::Control;
 use crate::units::Dimension;
 
-/// Keeps its lane and its speed and sees nobody: the driver that every pedestrian can hit, as a lower bound.
+/// Keeps its lane and its speed and ignores all road users: a lower bound, since every pedestrian can hit it.
 #[derive(Debug, Clone)]
 pub struct Cruise {
     /// Share of the speed limit that it drives.

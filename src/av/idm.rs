@@ -5,7 +5,7 @@ use crate::signature::{Arguments, Param, Signature, Type};
 use crate::sim::{Control, LightColour};
 use crate::units::Dimension;
 
-/// The Intelligent Driver Model along its lane, with an emergency brake for whoever steps into its way.
+/// The Intelligent Driver Model along its lane, with an emergency brake for road users that enter its corridor.
 ///
 /// Acceleration `a [1 − (v/v₀)⁴ − (s*/s)²]` with `s* = s₀ + max(0, v T + v Δv / (2 √(a b)))`.
 ///
@@ -15,7 +15,7 @@ use crate::units::Dimension;
 /// | T | `headway` | s |
 /// | s₀ | `least_gap` | m |
 /// | v₀ | share of the limit, less in bends | m/s |
-/// | s, Δv | gap to and closing speed with whoever is first in the corridor | m, m/s |
+/// | s, Δv | gap to and closing speed with the first road user in the corridor | m, m/s |
 ///
 /// # Source
 /// Treiber, Hennecke, Helbing, *Congested traffic states in empirical observations and microscopic simulations*, Phys.
@@ -37,7 +37,7 @@ pub struct Idm {
 /// Lateral acceleration in bends (m/s²).
 const LATERAL: f64 = 2.0;
 
-/// Whoever is first in the corridor.
+/// The first road user or red light in the corridor.
 #[derive(Debug, Clone, Copy)]
 struct Leader {
     gap: f64,
@@ -155,7 +155,7 @@ impl Idm {
         bodies.chain(lights).min_by(|a, b| a.gap.total_cmp(&b.gap))
     }
 
-    /// How far along the path from abeam the ego a place is, and the path's heading there, if it is at most so far beside it.
+    /// How far along the path from abeam the ego a place is, and the path's heading there, if it is at most `beside` (m) from the path.
     fn place(&self, ego: Point, place: Point, beside: f64) -> Option<(f64, f64)> {
         let mut points = self.path.points().map(|point| &point.pose);
         let mut last = points.next()?;

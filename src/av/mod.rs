@@ -1,7 +1,7 @@
 //! Cars under test: driving policies and what they may see.
 //!
-//! A policy gets a [`Perception`] and gives a [`Control`](crate::sim::Control) every tick; it never sees the world, the
-//! pedestrian's intentions or the reward. A new policy is one file here and one line in the catalogue.
+//! In every tick a policy gets a [`Perception`] and gives a [`Control`](crate::sim::Control); it never sees the world, a
+//! pedestrian's commands or the reward. Any policy can drive any vehicle: a perception is that of one vehicle. A new policy is one file here and one line in the catalogue.
 //! [`senses`] puts imperfect sensors in front of any of them.
 
 mod perception;

@@ -6,14 +6,14 @@ use crate::signature::{Arguments, Param, Signature, Type};
 use crate::sim::Control;
 use crate::units::Dimension;
 
-/// A yardstick of what braking alone can reach: it knows everybody at once, through walls, and brakes with everything at the last
-/// tick at which that still avoids a moving collision.
+/// The limit of what braking alone can reach: it knows all road users, even through walls, and brakes fully at the last tick at which
+/// that still avoids a moving collision.
 ///
-/// Every tick it asks: if I go on for one more tick and then brake fully, is anybody touched before I stand? If so it brakes now. Two
-/// answers to where people can be:
+/// In every tick it checks whether it would touch anyone before it stands if it continued for one more tick and then braked fully. If
+/// so it brakes now. It has two models of where road users can be:
 ///
-/// - `any_motion`: anywhere that somebody running at `running_speed` from now on can be. Nobody can run into this car while it
-///   moves, as long as it began safely and stands still for whoever stays near.
+/// - `any_motion`: anywhere that a pedestrian can be that runs at `running_speed` from now on. No pedestrian can run into this car
+///   while it moves, if it starts safely and stands still for pedestrians that stay near.
 /// - `same_velocity`: where they get to with their present velocity, and only if going on without braking would touch them. It is
 ///   late by design: a pedestrian that turns in the last moment gets hit.
 ///
@@ -27,7 +27,7 @@ pub struct OracleBrake {
     mode: DrivingMode,
 }
 
-/// How far the oracle looks for somebody whom it would touch without braking (s).
+/// How far ahead the oracle looks for a touch without braking (s).
 const HORIZON: f64 = 6.0;
 /// Slack for the car's offset from its lane's centre and the turn within a tick (m).
 const SLACK: f64 = 0.15;
@@ -77,7 +77,7 @@ impl OracleBrake {
                 true => acceleration,
                 false => perception.blueprint.acceleration(Control::FULL_BRAKE, speed),
             };
-            // The world moves the car with the speed of the tick's beginning.
+            // The world moves the car with the speed at the start of the tick.
             along += speed * dt;
             time += dt;
             speed = (speed + gain * dt).max(0.0);

@@ -48,7 +48,7 @@ impl Path {
         self.points.iter()
     }
 
-    /// The first point at least so far (m) from a place, or the last one.
+    /// The first point at least this far (m) from a place, or the last one.
     pub fn ahead(&self, from: Point, distance: f64) -> Option<&RoutePoint> {
         let far = self.points.iter().find(|point| (point.pose.position() - from).norm() >= distance);
         far.or_else(|| self.points.back())

@@ -69,7 +69,7 @@ pub struct Perception<'a> {
     pub ego: Actor,
     /// The speed limit of the ego (m/s).
     pub speed_limit: f64,
-    /// All pedestrians; [`Perception::in_sight`] tells which are hidden.
+    /// All pedestrians; [`Perception::in_sight`] is false for hidden ones.
     pub pedestrians: &'a [Actor],
     /// All other vehicles.
     pub vehicles: &'a [Actor],

@@ -44,7 +44,7 @@ impl RouteTrace {
         }
     }
 
-    /// The pose of a car that has driven so far (m), without its yaw's cost: place and unit vector ahead.
+    /// The place and the unit vector ahead of a car that has driven this far (m).
     pub fn at(&self, along: f64) -> Option<(Point, Vector)> {
         let after = self.stations.partition_point(|station| station.along <= along);
         let station = self.stations.get(after.saturating_sub(1))?;
@@ -66,7 +66,7 @@ impl RouteTrace {
         for (index, station) in self.stations.iter().enumerate() {
             let offset = place - station.place;
             let next = self.stations.get(index + 1).map_or(f64::INFINITY, |next| next.along);
-            // Before its first point the line goes on straight.
+            // Before its first point the line is straight.
             let low = if index == 0 { f64::NEG_INFINITY } else { 0.0 };
             let share = offset.dot(&station.direction).clamp(low, next - station.along);
             let distance = (offset - station.direction * share).norm_squared();

@@ -6,7 +6,7 @@ use crate::seed::Stream;
 use crate::signature::{Arguments, Param, Signature, Type};
 use crate::sim::Control;
 
-/// A driver who sees nobody, guarded by Responsibility-Sensitive Safety: it brakes as soon as both braking as late and as weakly
+/// A driver that ignores all road users, guarded by Responsibility-Sensitive Safety: it brakes as soon as both braking as late and as weakly
 /// as they may could bring car and pedestrian together.
 ///
 /// For pedestrians it asks [`Rss::is_safe`], the rule for unstructured scenes, as if its lane were the path: while their braking sets

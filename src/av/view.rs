@@ -5,7 +5,7 @@ use crate::sim::LightColour;
 /// How far ahead (m) and how far beside the ego's axis (m) a light is looked for.
 const LIGHT_AHEAD: f64 = 60.0;
 const LIGHT_ASIDE: f64 = 6.0;
-/// Every so manieth point of the path is a point of the route: 2 m apart.
+/// Every second point of the path is a point of the route: 2 m apart.
 const STRIDE: usize = 2;
 
 /// What a road user is.
@@ -46,18 +46,18 @@ pub struct View {
     pub ego: Pose,
     /// The ego's speed (m/s).
     pub speed: f64,
-    /// The limit that holds for the ego (m/s).
+    /// The speed limit of the ego (m/s).
     pub speed_limit: f64,
     /// The next light.
     pub light: Option<LightAhead>,
-    /// Whoever is in sight; nothing hidden by a building is here.
+    /// The road users in sight; those hidden by a building are left out.
     pub actors: Vec<Seen>,
     /// The way ahead in the world, 2 m apart, the first point abeam the ego; shorter where the road ends.
     pub route: Vec<Pose>,
 }
 
 impl View {
-    /// Looks again, at no more than so many actors and points of the way.
+    /// Updates the view, with at most this number of actors and of points of the route.
     pub fn look(&mut self, perception: &Perception<'_>, path: &Path, actors: usize, points: usize) {
         let ego = &perception.ego;
         self.ego = ego.pose;

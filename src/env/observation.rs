@@ -12,7 +12,7 @@ pub enum ObservedSpeed {
     Relative,
 }
 
-/// What the pedestrian knows of the ego: the paper's state, in the frame of the pedestrian's heading.
+/// What a pedestrian sees of the ego: the paper's state, in the frame of the pedestrian's heading.
 ///
 /// | paper | field | unit |
 /// |---|---|---|
@@ -28,7 +28,7 @@ pub struct Observation {
     pub distance: f64,
     /// Direction in which the ego moves.
     pub relative_heading: f64,
-    /// Speed, as [`ObservedSpeed`] says.
+    /// The speed that [`ObservedSpeed`] selects.
     pub speed: f64,
 }
 

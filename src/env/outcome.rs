@@ -40,11 +40,11 @@ pub struct Outcome {
     pub reward: f64,
     /// Ticks it lasted.
     pub ticks: u32,
-    /// Time from its beginning to the collision or the end (s).
+    /// Time from its start to the collision or the end (s).
     pub duration: f64,
     /// Least distance from the pedestrian's disc to the ego's box (m); 0 at a collision.
     pub least_gap: f64,
-    /// What the driver was doing at the pedestrian's last decision.
+    /// What the ego's driver was doing at the pedestrians' last decision.
     pub last_mode: DrivingMode,
     /// A digest of every state of the episode: equal digests mean equal episodes.
     pub digest: u64,
@@ -59,7 +59,7 @@ impl Outcome {
         matches!(self.ending, Ending::Collision { .. })
     }
 
-    /// What went wrong with the driver, if that ended the episode.
+    /// The fault of the driver, if that ended the episode.
     pub fn fault(&self) -> Option<Fault> {
         match self.ending {
             Ending::Error(fault) => Some(fault),

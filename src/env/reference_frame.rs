@@ -1,6 +1,6 @@
 use crate::geometry::{Point, Pose};
 
-/// Where the angles of a state or an action are measured from. The paper says "the pedestrian's frame" and no more.
+/// Where the angles of a state or an action are measured from. The paper says only "the pedestrian's frame".
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ReferenceFrame {
     /// The pedestrian's present heading, which turns with every command.

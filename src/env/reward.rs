@@ -4,7 +4,7 @@ use crate::geometry::Pose;
 use crate::signature::{Event, Formula, Variable, VariableId, Vocabulary};
 use crate::units::Dimension;
 
-/// Everything that formulas may speak about, in SI. The order of the fields is the vocabulary's.
+/// The variables of formulas, in SI units. The order of the fields is the vocabulary's.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Situation {
     /// Speed of the ego when it was hit (m/s); only at `hit`.
@@ -29,7 +29,7 @@ pub struct Situation {
     pub turn: f64,
     /// Speed that the last command asked for (m/s).
     pub pace: f64,
-    /// Least distance so far from the pedestrian's disc to the ego's box (m); 0 at a hit.
+    /// Least distance up to now from the pedestrian's disc to the ego's box (m); 0 at a hit.
     pub miss_distance: f64,
 }
 
@@ -51,8 +51,8 @@ const AT_HIT: &[&str] = &[
 const ALWAYS: &[&str] = AT_HIT.split_at(1).1;
 const AT_BEGIN: &[&str] = &["bearing", "distance", "ahead", "aside", "ego_speed", "facing"];
 
-/// What the value of a variable lies between, whatever happens: an episode has at most a million ticks of 0.1 s, no walker is
-/// faster than 40.96 m/s, and no car reaches 1000 m/s. Whoever touches a car is not in its middle.
+/// The bounds of a variable in any episode: an episode has at most a million ticks of 0.1 s, no walker is
+/// faster than 40.96 m/s, and no car reaches 1000 m/s. A pedestrian that touches a car is not in its middle.
 fn bounds_of(name: &str) -> (f64, f64) {
     use std::f64::consts::PI;
     const FASTEST: f64 = 1000.0;
@@ -145,7 +145,7 @@ pub fn vocabulary() -> Vocabulary {
 }
 
 impl Situation {
-    /// The situation before anything has moved.
+    /// The situation at the start of an episode.
     pub(super) fn at_the_beginning(ego: &Pose, ego_speed: f64, pedestrian: &Pose) -> Self {
         let local = ego.to_local(pedestrian.position());
         let seen = pedestrian.to_local(ego.position());
@@ -178,13 +178,13 @@ impl Situation {
         fields[id.0]
     }
 
-    /// Whether a condition holds.
+    /// Whether a condition is true.
     pub fn satisfies(&self, condition: &Formula) -> bool {
         condition.evaluate(&|id| self.value(id)) != 0.0
     }
 }
 
-/// What each event is worth; an event without a formula is worth nothing.
+/// The reward of each event; an event without a formula has none.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RewardRule {
     /// A frontal hit, unless only `hit` is given.
@@ -197,7 +197,7 @@ pub struct RewardRule {
     pub lost: Option<Formula>,
     /// The end of the time.
     pub timeout: Option<Formula>,
-    /// The potential of a state, which shapes what a learner is paid and is no part of the reward.
+    /// The potential of a state, which shapes what a learner is paid and is not part of the reward.
     pub potential: Option<Formula>,
 }
 

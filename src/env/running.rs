@@ -1,15 +1,15 @@
 use crate::sim::WalkCommand;
 
-/// An episode in hand, as far as it has come: enough to walk it again.
+/// A running episode up to now: enough to repeat it.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct RunningEpisode {
-    /// The number of the episode that comes after it; 0 when none has begun.
+    /// The number of the next episode; 0 when none has started.
     pub(super) next_episode: u64,
-    /// How much of the spawn's distances it was drawn from.
+    /// The part of the spawn's distances that it was drawn from.
     pub(super) width: f64,
-    /// The commands so far.
+    /// The commands up to now.
     pub(super) decisions: Vec<WalkCommand>,
-    /// The hash of how it began and of its states, which walking it again must lead to.
+    /// The hash of its start and of its states, which a repetition must reach.
     pub(super) digest: u64,
 }
 

@@ -74,7 +74,7 @@ fn shared() -> Vec<Param> {
     ]
 }
 
-/// The key that says what follows a failure.
+/// The key that decides what follows a failure.
 pub(super) fn after_failure() -> Param {
     Param::with_default(
         "after_failure",

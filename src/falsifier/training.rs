@@ -10,7 +10,7 @@ use crate::seed::Seed;
 /// Why a training ended early.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum TrainError {
-    /// The learner could not go on, or the observer asked to stop.
+    /// The learner could not continue, or the observer asked to stop.
     #[error(transparent)]
     Learner(#[from] rl::TrainError),
     /// The driver failed in too many episodes in a row.
@@ -24,13 +24,13 @@ pub enum TrainError {
 }
 
 impl TrainError {
-    /// Whether it ended because somebody asked to stop.
+    /// Whether it ended because the observer asked to stop.
     pub fn is_stopped(&self) -> bool {
         matches!(self, Self::Learner(rl::TrainError::Stopped { .. }))
     }
 }
 
-/// Trains a pedestrian in so many environments of a scenario, each with its own stream of episodes.
+/// Trains a pedestrian in a number of environments of a scenario, each with its own stream of episodes.
 ///
 /// An episode in which the driver fails is cut off without a reward; ten in a row end the training.
 ///

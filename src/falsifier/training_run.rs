@@ -38,7 +38,7 @@ pub struct TrainingRun {
 }
 
 impl TrainingRun {
-    /// Begins a training in so many environments of a scenario, each with its own stream of episodes.
+    /// Starts a training in a number of environments of a scenario, each with its own stream of episodes.
     ///
     /// # Errors
     /// A first state that is not finite.
@@ -88,7 +88,7 @@ impl TrainingRun {
         self.trainer.is_done()
     }
 
-    /// Returns the reports of all updates so far, in order, those before an interruption included.
+    /// Returns the reports of all updates up to now, in order, including those before an interruption.
     pub fn learning_curve(&self) -> &[UpdateLog] {
         self.trainer.learning_curve()
     }

@@ -63,7 +63,7 @@ pub fn first_touch_of_boxes(
         if distance <= TOUCHING {
             return Some(Touch { fraction, local: here.pose.to_local(there.pose.position()) });
         }
-        // The gap along this direction is a lower bound of the distance, and it shrinks at most so much in a whole tick.
+        // The gap along this direction is a lower bound of the distance; in a whole tick it shrinks by at most `closing`.
         let closing = swings - relative.dot(&apart) / distance;
         if closing <= 0.0 {
             return None;
@@ -80,8 +80,8 @@ fn between(from: &OrientedBox, to: &OrientedBox, share: f64) -> OrientedBox {
     OrientedBox { pose: Pose::new(place.x, place.y, yaw), half: from.half }
 }
 
-/// Finds the time (s) after which a disc touches a box, when it keeps its place and velocity in the frame of the box (m, m/s); none
-/// when that is not within the horizon (s). 0 when it touches already.
+/// Finds the time (s) after which a disc touches a box, from its place (m) and its constant velocity (m/s) in the frame of the box;
+/// none when that is not within the horizon (s). 0 when it touches already.
 pub fn time_to_touch(place: Vector, velocity: Vector, half: Vector, radius: f64, horizon: f64) -> Option<f64> {
     let (reach, end) = (half + Vector::new(radius, radius), place + velocity * horizon);
     if place.x.min(end.x) > reach.x

@@ -16,14 +16,14 @@ const BLOCK: usize = 16;
 /// Lengths and distances are exact to this (m).
 const ROUNDING: f64 = 1e-6;
 
-/// The way of the middle of a car, with its heading, and straight on beyond its end.
+/// The path of the middle of a car, with its heading, and straight on beyond its end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrivenPath {
     vertices: Vec<(f64, Pose)>,
 }
 
 impl DrivenPath {
-    /// Makes a path through the poses, in order; those where the car stood count once.
+    /// Makes a path through the poses, in order; repeated poses of a standing car count once.
     ///
     /// # Panics
     /// Without any pose.
@@ -44,12 +44,12 @@ impl DrivenPath {
         Self { vertices }
     }
 
-    /// Where the path ends and the straight line begins (m).
+    /// Where the path ends and the straight line starts (m).
     pub fn length(&self) -> f64 {
         self.end().0
     }
 
-    /// The pose so far along (m).
+    /// The pose at a length along the path (m).
     pub fn pose(&self, along: f64) -> Pose {
         let next = self.vertices.partition_point(|(at, _)| *at <= along);
         let (before, pose) = self.vertices[next.max(1) - 1];
@@ -63,8 +63,8 @@ impl DrivenPath {
         Pose::new(mix(pose.x, end.x), mix(pose.y, end.y), pose.yaw + wrap_angle(end.yaw - pose.yaw) * share)
     }
 
-    /// The place on the path nearest to a point, looking from so far along (m) onwards; what lies behind is seen from the
-    /// straight line backwards from there.
+    /// The place on the path nearest to a point, from the length `from` (m) onwards; a point behind that is measured from the straight
+    /// line backwards.
     pub fn place(&self, point: Point, from: f64) -> Place {
         let first = self.vertices.partition_point(|(at, _)| *at <= from).max(1) - 1;
         let apart = |(_, pose): &(f64, Pose)| (point - pose.position()).norm_squared();
@@ -93,7 +93,7 @@ impl DrivenPath {
         self.seen_from(index - 1, point)
     }
 
-    /// A point as seen from the piece of the path that begins at a vertex, lengthened both ways.
+    /// A point relative to the piece of the path that starts at a vertex, extended at both ends.
     fn seen_from(&self, index: usize, point: Point) -> Place {
         let (along, pose) = self.vertices[index];
         let start = pose.position();

@@ -5,7 +5,7 @@ use crate::geometry::{OrientedBox, Point, Vector};
 
 /// A pedestrian that has been no danger for this long (s) starts a new approach.
 const FORGETTING: f64 = 1.0;
-/// For how long after the recorded touch the pedestrian goes on (s).
+/// For how long after the recorded touch the pedestrian continues (s).
 const AFTERWARDS: f64 = 5.0;
 
 /// The pedestrian at a tick.
@@ -19,19 +19,19 @@ pub struct Step {
     pub velocity: Vector,
 }
 
-/// The last part of an episode that ended in a touch, from where the danger began: the path of the car, the pedestrian's way
-/// in time, and how fast the car was.
+/// The last part of an episode that ended in a touch, from the start of the danger: the path of the car, the track of the pedestrian
+/// and the speed of the car.
 #[derive(Debug, Clone)]
 pub struct Encounter {
-    /// The way of the car, from the beginning of the episode.
+    /// The path of the car, from the start of the episode.
     pub path: DrivenPath,
-    /// Where the car is on it when the danger begins (m).
+    /// Where the car is on it when the danger starts (m).
     pub start: f64,
-    /// How fast the car was, tick by tick from when the danger begins to the recorded touch, or has been since (m/s).
+    /// The greatest speed of the car since the danger started, tick by tick up to the recorded touch (m/s).
     pub pace: Vec<f64>,
-    /// The pedestrian, tick by tick from when the danger begins.
+    /// The pedestrian, tick by tick from the start of the danger.
     pub steps: Vec<Step>,
-    /// Time from the beginning of the danger to the recorded touch (s).
+    /// Time from the start of the danger to the recorded touch (s).
     pub warning: f64,
     /// The car's speed at the recorded touch (m/s).
     pub impact_speed: f64,
@@ -84,7 +84,7 @@ impl Encounter {
         Some(encounter)
     }
 
-    /// The tick at which the approach began that ended in the touch: the one before the touch at the latest.
+    /// The tick at which the approach started that ended in the touch: at the latest the tick before the touch.
     fn rewind(&self, pair: &Pair<'_>, ways: &[f64]) -> usize {
         let last = pair.len() - 2;
         let patience = (FORGETTING / self.dt).ceil() as usize;
@@ -109,7 +109,7 @@ impl Encounter {
         threat.is_some_and(|threat| threat.is_on_its_way()) && pair.in_sight(frame)
     }
 
-    /// The pedestrian between two ticks as a driver so far along the path (m) sees it; none when it is behind the car.
+    /// The pedestrian between two ticks as a driver sees it who is `way` (m) along the path; none when it is behind the car.
     pub fn threat(&self, from: &Step, to: &Step, share: f64, way: f64) -> Option<Threat> {
         let mix = |a: f64, b: f64| a + (b - a) * share;
         let (along, aside) = (mix(from.place.along, to.place.along), mix(from.place.aside, to.place.aside));
@@ -126,7 +126,7 @@ impl Encounter {
         })
     }
 
-    /// The car so far along the path (m).
+    /// The box of a car that is `way` (m) along the path.
     pub fn outline(&self, way: f64) -> OrientedBox {
         OrientedBox { pose: self.path.pose(way), half: self.half }
     }

@@ -1,21 +1,23 @@
-//! Was it avoidable? Runs each failure again with reference drivers at the pedal.
+//! Was a failure avoidable? Repeats each failure with reference drivers at the brake.
 //!
-//! 1. The recorded episode is rewound to where the danger began ([`Encounter`]): the first instant of the unbroken approach that
-//!    ends in the touch at which the pedestrian can be seen and is in, or moves towards, the path that the car is going to
-//!    sweep. A pedestrian that turned away for longer than a second ended an earlier approach.
-//!    From then on the reference drivers know where it is.
-//! 2. From there the car keeps to the path that it drove, and straight on beyond its end, but another driver decides about
-//!    the brake ([`Trial`]). Until that driver interferes the car drives as fast as it has been in the recording since then: it
-//!    may pull away as the recorded car did, but it does not inherit its braking. Once it has interfered it never accelerates.
-//! 3. The pedestrian is *frozen*: it is where it was at each time, and goes on with its last command after the recorded touch,
-//!    for five seconds at most. It does not react to the other driver; how much an adversary would is not measured.
-//! 4. A driver *avoids* the failure when the car touches nobody while it moves. Who then walks into the standing car is not
-//!    counted, nor who comes from behind.
+//! All of it works on the [`Pair`](crate::env::Pair) of the ego and the pedestrian that it struck.
 //!
-//! Episodes of all kinds are measured for how near they came to a touch ([`NearMiss`]).
+//! 1. The traced episode is rewound to the start of the danger ([`Encounter`]): the first instant of the unbroken approach before
+//!    the touch at which the pedestrian can be seen and is in, or moves towards, the path that the car is going to sweep. A
+//!    pedestrian that turned away for longer than a second ended an earlier approach. From then on the reference drivers know
+//!    where it is.
+//! 2. From there the car follows the path that it drove, and straight on beyond its end, but another driver decides about the
+//!    brake ([`Trial`]). Until that driver interferes the car has the greatest speed that the recorded car has had since then: it
+//!    may accelerate as the recorded car did, but it does not inherit its braking. After it has interfered it never accelerates.
+//! 3. The pedestrian is *frozen*: it is where it was at each time, and continues with its last command after the recorded touch,
+//!    for five seconds at most. It does not react to the other driver; how a pedestrian would react is not measured.
+//! 4. A driver *avoids* the failure when the car does not touch the pedestrian while it moves. A pedestrian that then walks into
+//!    the standing car, or comes from behind, is not counted.
 //!
-//! The labels are explained at [`Label`], the drivers at [`Reference`]. Reference drivers brake as their figures say, whatever
-//! the car's own brake can do.
+//! [`NearMiss`] measures how near any episode came to a touch.
+//!
+//! The labels are explained at [`Label`], the drivers at [`Reference`]. Reference drivers brake with their own figures, not
+//! with those of the car's brake.
 
 mod driven_path;
 mod sight;

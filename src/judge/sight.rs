@@ -1,13 +1,13 @@
 use crate::env::Pair;
 
-/// Whether the pedestrian could be seen from the driver's eye in the last [`Sight::WINDOW`] before the touch, whatever the driver's
-/// sensors are. Only obstacles hide it, not the car itself.
+/// Whether the pedestrian could be seen from the driver's eye in the last [`Sight::WINDOW`] before the touch. The driver's sensors do
+/// not matter; only obstacles hide it, not the car itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sight {
     /// Share of that time, or of as much of it as the episode lasted, in which it was hidden.
     pub hidden: f64,
-    /// For how long before the touch it had been in sight without a break (s), at most [`Sight::WINDOW`]; where the episode is
-    /// shorter, its beginning counts as if it had been in sight before.
+    /// For how long before the touch it was in sight without a break (s), at most [`Sight::WINDOW`]; where the episode is
+    /// shorter, the pedestrian counts as in sight before its start.
     pub seen: f64,
 }
 

@@ -14,7 +14,7 @@ pub(super) const STANDING: f64 = 0.1;
 pub struct Trial {
     /// Speed at which the car touched the pedestrian (m/s); none when it avoided that.
     pub impact_speed: Option<f64>,
-    /// Time from the beginning of the danger to that touch, or to when the car had stopped or passed, or time was up (s).
+    /// Time from the start of the danger to that touch, or until the car had stopped or passed, or the time was up (s).
     pub time: f64,
     /// Least gap between car and pedestrian until the car stood (m); 0 at a touch.
     pub least_gap: f64,
@@ -56,7 +56,7 @@ impl Car {
 }
 
 impl Trial {
-    /// Puts a driver into the seat.
+    /// Lets a reference driver brake in an encounter.
     pub fn new(encounter: &Encounter, driver: &mut dyn ReferenceDriver) -> Self {
         driver.begin();
         let (tick, part) = (encounter.dt, 1.0 / f64::from(STEPS));
@@ -106,7 +106,7 @@ impl Trial {
         Self { impact_speed: None, time: (encounter.steps.len() - 1) as f64 * tick, least_gap }
     }
 
-    /// Whether the car touched nobody while it moved.
+    /// Whether the car did not touch the pedestrian while it moved.
     pub fn is_avoided(&self) -> bool {
         self.impact_speed.is_none()
     }

@@ -3,7 +3,7 @@ use super::{Encounter, Reference, Sight, Trial};
 use crate::env::Pair;
 use crate::sim::Contact;
 
-/// What a failure is, by what reference drivers make of it. The first that holds, in this order:
+/// The label of a failure, from how reference drivers fare. The first that applies, in this order:
 ///
 /// | label | when |
 /// |---|---|
@@ -19,9 +19,9 @@ pub enum Label {
     Standing,
     /// The pedestrian walked into a car whose front had passed.
     WalkedIntoSide,
-    /// A careful human avoids it, however one reads the rule.
+    /// A careful human avoids it, for both readings of the rule.
     Preventable,
-    /// Nobody avoids it by braking.
+    /// No driver avoids it by braking.
     Unpreventable,
     /// Only a machine avoids it.
     MachinePreventable,
@@ -58,12 +58,12 @@ impl Label {
     }
 }
 
-/// What is to be said of a failure.
+/// The judgement of a failure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Verdict {
     /// What it is.
     pub label: Label,
-    /// Time from the beginning of the danger to the touch (s).
+    /// Time from the start of the danger to the touch (s).
     pub warning: f64,
     /// Whether the pedestrian never walked faster than 8 km/h nor sped up by more than 1.65 m/s², as in Euro NCAP's tests.
     /// Turning and stopping are not limited.

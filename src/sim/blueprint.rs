@@ -14,7 +14,7 @@ pub struct ThrottleLine {
 /// Size and dynamics of a model of car.
 ///
 /// Every figure is a parameter because CARLA keeps them in binary assets: sizes were printed by many independent
-/// programs, masses and torques by one, and the braking at low speed is a report that nobody has explained.
+/// programs, masses and torques by one, and the braking at low speed is an unexplained report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VehicleBlueprint {
     /// Half of its length (m).
@@ -33,11 +33,11 @@ pub struct VehicleBlueprint {
     pub throttle: Vec<ThrottleLine>,
     /// Deceleration at full brake (m/s²); linear in the brake.
     pub full_brake: f64,
-    /// Below this speed (m/s) CARLA's cars brake harder than the brake says.
+    /// Below this speed (m/s) CARLA's cars brake harder than the brake pedal asks for.
     pub low_speed: f64,
     /// By this factor.
     pub low_speed_braking: f64,
-    /// How long a car stands after it has appeared at rest (s).
+    /// How long a car stands after it has been placed at rest (s).
     pub start_up_pause: f64,
 }
 
@@ -105,7 +105,7 @@ impl VehicleBlueprint {
         }
     }
 
-    /// What CARLA's cars have in common.
+    /// The figures that all of CARLA's cars share.
     fn carla() -> Self {
         Self {
             greatest_wheel_angle: 70.0_f64.to_radians(),

@@ -11,7 +11,7 @@ pub struct PedestrianBody {
     pub ramp: f64,
     /// Rate at which the velocity turns to a new direction (1/s); infinite for at once.
     pub turning: f64,
-    /// Deceleration when it is told to go slower (m/s²); infinite for at once.
+    /// Deceleration when the command is slower (m/s²); infinite for at once.
     pub stopping: f64,
 }
 
@@ -30,13 +30,13 @@ impl PedestrianBody {
         Self { radius: 0.25, half_height: 0.55, ..Self::adult() }
     }
 
-    /// Obeys its legs at once.
+    /// Reaches every commanded velocity at once.
     pub fn nimble(self) -> Self {
         Self { ramp: 0.0, turning: f64::INFINITY, stopping: f64::INFINITY, ..self }
     }
 }
 
-/// What a pedestrian means to do: a direction and a speed, in the world.
+/// What a pedestrian is to do: a direction and a speed, in the world.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub struct WalkCommand {
     /// Direction (rad).
@@ -65,11 +65,11 @@ impl PedestrianState {
         self.velocity.norm()
     }
 
-    /// Moves on by one tick and slides along whatever it walks into.
+    /// Moves on by one tick and slides along obstacles.
     pub fn step(&self, command: WalkCommand, body: &PedestrianBody, obstacles: &Obstacles, dt: f64) -> Self {
         let wanted = Vector::new(libm::cos(command.heading), libm::sin(command.heading));
         let velocity = body.velocity(self.velocity, wanted, command.speed, dt);
-        // Steps shorter than the body, so that nobody walks through a thin wall.
+        // Steps are shorter than the body, so that no pedestrian walks through a thin wall.
         let steps = (velocity.norm() * dt / body.radius).ceil().max(1.0);
         let (from, part) = (self.pose.position(), velocity * (dt / steps));
         let place = (0..steps as u32).fold(from, |place: Point, _| obstacles.push_out(place + part, body.radius));

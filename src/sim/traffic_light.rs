@@ -11,7 +11,7 @@ pub enum LightColour {
     Red,
 }
 
-/// How long a light shows what, when it is its turn; the others of its group show red meanwhile.
+/// How long a light shows each colour when it has its turn; the others of its group show red in the meantime.
 ///
 /// # Source
 /// CARLA `Traffic/TrafficLightController.h`.
@@ -37,12 +37,12 @@ impl LightCycle {
         self.green + self.yellow + self.red
     }
 
-    /// What a light shows so long (s) after its group's first turn began.
+    /// What a light shows at this time (s) after the first turn of its group started.
     pub fn colour(&self, light: &TrafficLight, time: f64) -> LightColour {
         self.clock(time).colour(light)
     }
 
-    /// The clock of all groups so long (s) after their first turns began.
+    /// The clock of all groups at this time (s) after their first turns started.
     pub fn clock(&self, time: f64) -> LightClock {
         let within = |turns: usize| {
             let period = self.turn() * turns.max(1) as f64;
@@ -57,7 +57,7 @@ impl LightCycle {
 pub struct LightClock {
     cycle: LightCycle,
     time: f64,
-    /// Time within the cycle of a group with so many turns (s).
+    /// Time within the cycle of a group, by its number of turns (s).
     within: [f64; 5],
 }
 

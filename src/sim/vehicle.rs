@@ -1,7 +1,7 @@
 use super::VehicleBlueprint;
 use crate::geometry::{OrientedBox, Pose, wrap_angle};
 
-/// What a driver does with its pedals and its wheel.
+/// Positions of the pedals and the steering wheel.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Control {
     /// Accelerator, 0 to 1.
@@ -37,7 +37,7 @@ impl VehicleState {
     /// Moves on by one tick: a kinematic bicycle about the middle of the wheelbase.
     ///
     /// With slip angle β = atan(tan δ / 2) the position moves along yaw + β and the yaw turns by `v sin β / (L / 2)`;
-    /// position and yaw use the speed at the tick's beginning.
+    /// position and yaw use the speed at the start of the tick.
     ///
     /// # Source
     /// Kong et al., *Kinematic and dynamic vehicle models for autonomous driving control design*, IV 2015, eq. 1.
@@ -55,7 +55,7 @@ impl VehicleState {
         let in_gear = self.age >= blueprint.start_up_pause || self.speed > 0.0;
         let acceleration = if in_gear { blueprint.acceleration(control, self.speed) } else { 0.0 };
         let speed = (self.speed + acceleration * dt).max(0.0);
-        // Whoever has moved is in gear.
+        // A car that has moved is in gear.
         let age = if self.speed > 0.0 { self.age.max(blueprint.start_up_pause) } else { self.age };
         Self { pose, speed, age: age + dt }
     }

@@ -13,7 +13,7 @@ use crate::road::{LaneFilter, RoadOption, RoutePoint};
 use crate::seed::Stream;
 use crate::sim::Control;
 
-/// Towards a turn the agent stays so much below the limit (km/h).
+/// Towards a turn the agent stays this far below the limit (km/h).
 const TURN_BELOW_LIMIT: f64 = 5.0;
 const KMH: f64 = 3.6;
 
@@ -110,7 +110,7 @@ impl BehaviorAgent {
         }
         let cruise = self.profile.max_speed.min(limit - self.profile.below_limit);
         let reach = self.profile.least_reach.max(limit / 3.0);
-        // Most ticks have nobody near, and need no look-up.
+        // In most ticks no road user is near, so no look-up is needed.
         let mut everybody = perception.pedestrians.iter().chain(perception.vehicles);
         if everybody.any(|actor| ego.may_reach(actor, reach))
             && let Some(here) = here()

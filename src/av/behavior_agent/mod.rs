@@ -2,7 +2,7 @@
 //!
 //! A tick is read in `agent`: red light, walkers, vehicles, speed for the road, and one run of the planner. What
 //! differs between CARLA's releases is data in `release`; what looks like an accident can be switched off in
-//! [`Quirks`]. Decisions hang on single bits at times (a pedestrian exactly dead ahead is not seen), so positions and
+//! [`Quirks`]. Decisions sometimes depend on single bits (a pedestrian exactly dead ahead is not seen), so positions and
 //! headings pass through CARLA's left-handed frame and its 32-bit floats (`carla_frame`).
 //!
 //! Without a given plan the agent finds its own way (`way_finding`).

@@ -162,7 +162,7 @@ impl ObstacleTest<'_> {
         nearest
     }
 
-    /// Takes a finding if it beats the best so far; true when the search is over.
+    /// Takes a finding if it beats the best one; true when the search is over.
     fn prefer(&self, best: &mut Option<Hit>, index: usize, obstacle: &Actor, distance: f64) -> bool {
         if best.is_none_or(|best| distance < best.distance) {
             // Half lengths are right only between centres; from the bumper the ego's is one too many.
@@ -277,7 +277,7 @@ fn location(actor: &Actor) -> Location {
 /// Turns pairs of right and left corners into a corridor: all right ones, then all left ones backwards.
 fn straighten(corners: &mut [Corner]) {
     let pairs = corners.len() / 2;
-    // Before each turn the front holds the rights so far, then the lefts so far, then the next pair's right.
+    // Before each turn the front holds the rights up to here, then the lefts, then the next pair's right.
     for pair in 1..pairs {
         corners[pair..=2 * pair].rotate_right(1);
     }

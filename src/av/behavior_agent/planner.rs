@@ -10,7 +10,7 @@ use crate::geometry::Point;
 use crate::road::{RandomWalk, RoadOption, RoutePlanner, RoutePoint, Town, Waypoint};
 use crate::seed::Stream;
 
-/// A walk without destination is refilled by so many points when there are fewer.
+/// A walk without destination is refilled by this number of points when there are fewer.
 const REFILL: usize = 100;
 /// How many destinations are drawn before the agent gives up, where hardly any can be reached.
 const DRAWS: u32 = 100;
@@ -116,7 +116,7 @@ impl Planner {
         self.queue.iter()
     }
 
-    /// The point so many steps ahead, or the last one.
+    /// The point this number of steps ahead, or the last one.
     pub fn ahead(&self, steps: usize) -> Option<&PlannedPoint> {
         self.queue.get(steps).or_else(|| self.queue.back())
     }

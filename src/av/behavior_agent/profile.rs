@@ -18,7 +18,7 @@ pub enum Profile {
 pub(super) struct ProfileTraits {
     /// Never faster than this (km/h).
     pub max_speed: f64,
-    /// Stays so much below the limit (km/h).
+    /// Stays this far below the limit (km/h).
     pub below_limit: f64,
     /// So much slower than a vehicle that is too close (km/h).
     pub speed_decrease: f64,

@@ -5,7 +5,7 @@ use crate::av::{Light, Perception};
 use crate::road::RoadIndex;
 use crate::sim::LightColour;
 
-/// A light counts within so much of the ego's centre (m).
+/// A light counts within this distance of the ego's centre (m).
 const REACH: f64 = 5.0;
 
 /// The driving lane under a light's trigger box.

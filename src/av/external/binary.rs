@@ -16,7 +16,7 @@ pub(super) struct Room {
     pub points: usize,
 }
 
-/// Appends a world to a request; the seed is −1 but at the beginning of an episode.
+/// Appends a world to a request; the seed is −1 except at the start of an episode.
 pub(super) fn write_world(out: &mut Vec<u8>, id: u32, tick: u32, seed: Option<u64>, view: &View, room: Room) {
     let mut put = |number: f64| out.extend_from_slice(&number.to_le_bytes());
     let (light, distance) = view.light.map_or((0.0, 0.0), |light| {
@@ -51,7 +51,7 @@ pub(super) fn write_world(out: &mut Vec<u8>, id: u32, tick: u32, seed: Option<u6
     }
 }
 
-/// Length in bytes of the answer for so many worlds.
+/// Length in bytes of the answer for this number of worlds.
 pub(super) fn answer_length(worlds: usize) -> usize {
     worlds * ACTION * size_of::<f64>()
 }

@@ -18,11 +18,11 @@ pub struct External {
     id: u32,
     path: Path,
     view: View,
-    /// The seed of an episode that the program does not know of yet.
+    /// The seed of an episode that has not been sent to the program.
     seed: Option<u64>,
-    /// Which start of the program the episode began with.
+    /// Which start of the program the episode started with.
     generation: u64,
-    /// The place of the question that has been asked for this tick.
+    /// The place of this tick's question in the session.
     asked: Option<usize>,
     mode: DrivingMode,
     fault: Option<Fault>,
@@ -117,14 +117,14 @@ impl Settings {
     }
 }
 
-/// A session is whole between two calls, whatever became of the thread that made them.
+/// A session is consistent between two calls, even if the thread that made them panicked.
 fn locked(session: &Mutex<Session>) -> MutexGuard<'_, Session> {
     session.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl DrivingPolicy for External {
     fn reset(&mut self, perception: &Perception<'_>, mut stream: Stream) {
-        // So many bits are exact in every language's numbers.
+        // 53 bits are exact in every language's numbers.
         self.seed = Some(stream.next_u64() >> 11);
         self.path.reset(perception, stream);
         self.asked = None;

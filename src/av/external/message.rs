@@ -6,7 +6,7 @@ use crate::av::view::{Kind, View};
 use crate::av::{DrivingMode, Fault, Perception};
 use crate::sim::{Control, LightColour};
 
-/// Name and major version of the protocol. Keys may be added within a version and must be ignored by who does not know them.
+/// Name and major version of the protocol. Keys may be added within a version; a driver must ignore keys that it does not know.
 pub const PROTOCOL: &str = "falsify-av/1";
 
 /// The first message to a driver.
@@ -118,7 +118,7 @@ impl<T, U: Serialize> Serialize for Each<'_, T, U> {
     }
 }
 
-/// Appends a world to a request; `seed` only at the beginning of an episode.
+/// Appends a world to a request; `seed` only at the start of an episode.
 pub(super) fn write_world(out: &mut Vec<u8>, id: u32, tick: u32, seed: Option<u64>, view: &View) {
     let world = World {
         id,
@@ -243,7 +243,7 @@ mod tests {
     use crate::av::view::{LightAhead, Seen};
     use crate::geometry::{Pose, Vector};
 
-    /// Whoever changes this text changes the protocol, and its version or its description with it.
+    /// A change of this text is a change of the protocol and needs a new version or description.
     #[test]
     fn a_world_is_written_as_the_protocol_says() {
         let seen = Seen {

@@ -20,9 +20,9 @@ pub struct Settings {
     pub start_timeout: f64,
     /// Episodes at the same time.
     pub worlds: usize,
-    /// Most road users that it is told of.
+    /// Most road users in a message.
     pub actors: usize,
-    /// Most points of the way that it is told of.
+    /// Most points of the route in a message.
     pub route_points: usize,
 }
 
@@ -85,7 +85,7 @@ impl Session {
         self.refusal = None;
     }
 
-    /// Makes sure that the driver runs, and tells which one since the beginning it is.
+    /// Starts the driver if it does not run; gives the number of times that it has been started.
     pub fn ready(&mut self, perception: &Perception<'_>) -> Result<u64, Fault> {
         if let Some(fault) = self.refusal {
             return Err(fault);
@@ -214,7 +214,7 @@ impl Session {
     }
 }
 
-/// The beginning of what a driver said, fit to be printed.
+/// The start of a driver's answer, in printable characters.
 fn shown(said: &[u8]) -> String {
     let text = String::from_utf8_lossy(&said[..said.len().min(SHOWN)]).replace(char::is_control, " ");
     let dots = if said.len() > SHOWN { "…" } else { "" };

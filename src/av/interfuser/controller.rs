@@ -7,7 +7,7 @@ use super::pid::Pid;
 use super::settings::Settings;
 use crate::sim::Control;
 
-/// Room that is left to whoever is in the way (m).
+/// Room that is left to a road user in the way (m).
 const GAP: f64 = 2.0;
 /// Less room than this (m) is braked for at any speed.
 const LEAST_ROOM: f64 = 3.0;
@@ -68,9 +68,9 @@ pub enum Reason {
     /// It is.
     #[default]
     None,
-    /// Somebody is, or will be, in the way further ahead.
+    /// A road user is, or will be, in the way further ahead.
     Slower,
-    /// Somebody is in the way now.
+    /// A road user is in the way now.
     Blocked,
     /// A red light.
     RedLight,

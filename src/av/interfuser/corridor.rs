@@ -29,7 +29,7 @@ pub(super) struct Corridor {
 }
 
 impl Corridor {
-    /// Makes one for an ego with so much room ahead and aside (m); `overlap` is the share of its box that may be covered.
+    /// Makes one for an ego with this room ahead and aside (m); `overlap` is the share of its box that may be covered.
     pub fn new(margin: [f64; 2], overlap: f64) -> Self {
         Self {
             half: EGO + EgoVector::from(margin),
@@ -58,7 +58,7 @@ impl Corridor {
         self.path.len()
     }
 
-    /// How far (m) the ego can go at each horizon before it would stand in somebody's box; the places are those of all
+    /// How far (m) the ego can go at each horizon before it would stand in another's box; the places are those of all
     /// times, the boxes those of one.
     pub fn safe_distances(&mut self, forecast: &Forecast) -> [f64; HORIZONS.len()] {
         let places = self.path.len() - UNDIRECTED;

@@ -29,7 +29,7 @@ const LIKELY: f64 = 0.4;
 /// The neighbours compared (row, column); the one above to the left is forgotten, as published.
 const NEIGHBOURS: [(isize, isize); 7] = [(0, -1), (0, 1), (1, 1), (-1, 1), (1, -1), (-1, 0), (1, 0)];
 
-/// Finds the cells that count as somebody, in row-major order.
+/// Finds the cells that count as a road user, in row-major order.
 ///
 /// Two certain cells are two detections of one person, and equal neighbours are none.
 ///

@@ -42,7 +42,7 @@ impl Forecast {
         }
     }
 
-    /// The image of a horizon; none when nobody is in it.
+    /// The image of a horizon; none when it is empty.
     pub(super) fn image(&self, horizon: usize) -> Option<&Image> {
         (!self.clear[horizon]).then(|| &self.images[horizon])
     }

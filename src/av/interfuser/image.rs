@@ -6,9 +6,9 @@ const SIZE: i64 = 180;
 const REACH: f64 = 18.0;
 /// Resolution (px/m).
 const PIXELS_PER_METRE: f64 = 5.0;
-/// The part that the planner looks at: so many rows from the top …
+/// The part that the planner uses: this number of rows from the top …
 pub(super) const CROP_ROWS: usize = 100;
-/// … and so many columns …
+/// … and this number of columns …
 const CROP_COLUMNS: u32 = 100;
 /// … from this one on.
 const CROP_LEFT: u32 = 40;
@@ -29,7 +29,7 @@ pub(super) struct Rectangle {
 pub(super) type Corners = [(i64, i64); 4];
 
 impl Rectangle {
-    /// The corners, rounded half to even; the order of the sums is the renderer's, since pixels hang on it.
+    /// The corners, rounded half to even; the order of the sums is the renderer's, since pixels depend on it.
     pub fn corners(&self) -> Corners {
         let along = self.half.x * self.direction;
         let across = self.half.y * EgoVector::new(-self.direction.y, self.direction.x);

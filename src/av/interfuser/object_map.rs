@@ -19,7 +19,7 @@ const ITSELF: f64 = 1.0;
 /// Actors further away (m) are not looked at.
 const FAR: f64 = 21.0 * std::f64::consts::SQRT_2;
 
-/// Somebody else as the ideal map sees him.
+/// Another road user as the ideal map sees it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sighting {
     /// Metres to the right of the ego's middle.
@@ -62,7 +62,7 @@ pub struct Cell {
     pub row: usize,
     /// Its column, 0 to 19; column 0 is 9.5 m to the left.
     pub col: usize,
-    /// How sure it is that somebody is there, 0 to 1.
+    /// Probability that a road user is there, 0 to 1.
     pub existence: f64,
     /// Offset to the right of the cell's centre (m).
     pub dx: f64,
@@ -85,7 +85,7 @@ pub(super) fn centre(row: usize, col: usize) -> (f64, f64) {
 
 /// What the network says about others: 20 × 20 cells of a metre, 18 m ahead, 2 m behind, 10 m to each side.
 ///
-/// Values are kept as the network's channels, since pixels later hang on their last bits.
+/// Values are kept as the network's channels, since later pixels depend on their last bits.
 #[derive(Debug, Clone)]
 pub struct ObjectMap {
     channels: Box<[[f64; 7]; CELLS * CELLS]>,
@@ -190,7 +190,7 @@ impl ObjectMap {
         self.image.pixels()
     }
 
-    /// Describes whoever is nearest to the cell's centre.
+    /// Describes the road user nearest to the cell's centre.
     fn fill_cell(&mut self, row: usize, col: usize) {
         let (right, forward) = centre(row, col);
         let mut nearest: Option<(f64, &Sighting)> = None;
@@ -217,7 +217,7 @@ impl ObjectMap {
 
     /// Clamps all channels to [0, 1], the values that the network can give.
     ///
-    /// Negative offsets become 0: somebody in the left or rear half of a cell is reported on its middle line.
+    /// Negative offsets become 0: a road user in the left or rear half of a cell is reported on its middle line.
     pub fn clamp(&mut self) {
         for &index in &self.filled {
             for channel in &mut self.channels[index] {

@@ -12,7 +12,7 @@ pub struct Settings {
     pub max_speed: f64,
     /// Room that is added to the ego's half length and half width (m).
     pub margin: [f64; 2],
-    /// Share of the ego's box from which on somebody is in the way.
+    /// Share of the ego's box from which a road user is in the way.
     pub overlap: f64,
     /// The most throttle, except while creeping.
     pub max_throttle: f64,

@@ -15,7 +15,7 @@ fn inputs(speed: f64) -> Inputs {
     Inputs { speed, waypoints: straight(), p_not_junction: 0.9, p_red: 0.05, p_no_stop_sign: 0.95 }
 }
 
-/// Somebody in exactly this place, in the cell that he is in.
+/// A pedestrian in exactly this place, in its cell.
 fn someone(forward: f64, right: f64, theta: f64, half: [f64; 2], speed: f64) -> Cell {
     let (row, col) = ((18.0 - forward).floor(), (right + 10.0).floor());
     Cell {
@@ -81,7 +81,7 @@ fn a_person_on_a_cell_corner_is_nobody_and_one_on_a_border_is_two() {
     assert_eq!((count(0.5, 18.6), count(10.6, 7.5), count(0.5, -2.6)), (0, 0, 0), "outside of the map");
 }
 
-/// What the forecast takes for the speed of somebody who walks at 2 m/s, after two seconds; the car stands.
+/// The speed that the forecast gives a pedestrian that walks at 2 m/s, after two seconds; the car stands.
 fn forecast_speed(mode: TrackerMode, theta: f64, start: (f64, f64)) -> f64 {
     let (sin, cos) = libm::sincos(theta * std::f64::consts::PI);
     let mut tracker = Tracker::new(mode);
@@ -102,7 +102,7 @@ fn forecast_speed(mode: TrackerMode, theta: f64, start: (f64, f64)) -> f64 {
 
 #[test]
 fn the_published_tracker_takes_the_heading_for_the_speed() {
-    // Right to left the forecast is about 1 m/s, left to right nobody moves.
+    // Right to left the forecast is about 1 m/s, left to right it is 0.
     for (theta, start, forecast) in [(1.0, (5.0, 8.5), 1.06), (0.0, (-5.0, 8.5), 0.015), (0.5, (0.6, 16.4), 0.51)] {
         let published = forecast_speed(TrackerMode::Published, theta, start);
         assert!((published - (2.0 - forecast)).abs() < 0.04, "{theta}: {published}");
@@ -112,7 +112,7 @@ fn the_published_tracker_takes_the_heading_for_the_speed() {
     }
 }
 
-/// A car at 5 m/s and a person who comes from one side (+1 right, −1 left) and is 0.8 m from the middle line, on his side,
+/// A car at 5 m/s and a pedestrian that comes from one side (+1 right, −1 left) and is 0.8 m from the middle line, on its side,
 /// when the bumper would be there; the speed of the impact (m/s), none when they do not meet.
 fn crossing(mode: TrackerMode, side: f64, walking: f64) -> Option<f64> {
     const DT: f64 = 0.05;

@@ -22,16 +22,16 @@ const FREQUENCY: f64 = 10.0;
 const LOOK_BACK: i64 = 12;
 /// Updates that a track lives without a detection.
 const LIFE: i64 = 6;
-/// A detection belongs to a track at most so far away (m).
+/// A detection belongs to a track at most this far away (m).
 const GATE: f64 = 2.0;
 /// Displacements per update count from this speed on (m/s), and up to this one.
 const SPEEDS: (f64, f64) = (0.2, 7.0);
 /// Weight of the track against the frame, at full confidence.
 const MERGE: f64 = 0.4 * 0.1;
-/// Points that a track keeps: an update a point, and two more for the double updates of an episode's beginning.
+/// Points that a track keeps: an update a point, and two more for the double updates at the start of an episode.
 const KEPT: usize = LOOK_BACK as usize + 4;
 
-/// Where and when somebody was detected; the places are north and east (m).
+/// Where and when a road user was detected; the places are north and east (m).
 #[derive(Debug, Clone)]
 struct Track {
     places: [Vector; KEPT],

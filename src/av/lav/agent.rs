@@ -32,14 +32,14 @@ const GUESSED_SPEED: f64 = 0.5;
 /// ([`BrakeRules`]), within the cameras' 184° and with free sight, behind a first-order filter. **Assumed**: the plan is
 /// the centre line of the route at the training expert's speed, or full braking for a hazard; vehicles in sight are
 /// detected up to where they were labelled, drive where they point, and v1 guesses their speed; a red light's line brakes as
-/// near as somebody standing there would. The wheel was tuned for the Lincoln MKZ.
+/// near as a pedestrian standing there would. The wheel was tuned for the Lincoln MKZ.
 ///
 /// So it never forecasts pedestrians, and brakes with all its force or not at all. Its first tick is empty.
 ///
 /// Closed loop with the MKZ under 30 km/h, which is 6.6 m/s for v1 and 4.0 m/s for v2, and an adult at full speed at once; distances
 /// at the first brake are between middles, gaps between bodies:
 ///
-/// | somebody | v1 | v2 |
+/// | a pedestrian | v1 | v2 |
 /// |---|---|---|
 /// | stands exactly dead ahead | brakes at 5.9 m, stops with a gap of 1.5 m | 6.0 m, 2.9 m |
 /// | stands in the lane, 0.5 m aside | 8.6 m, 4.1 m | 8.6 m, 5.4 m |

@@ -12,7 +12,7 @@ const BEHIND_VEHICLES: f64 = 4.0;
 const EXPERT_GAP: f64 = 6.0;
 /// Walkers count so close to the lane point under the ego (m).
 const NEAR_LANE: f64 = 10.0;
-/// The expert looks so far at least (m); else a third of the limit in km/h.
+/// The expert looks at least this far (m); else a third of the limit in km/h.
 const LEAST_LOOK_AHEAD: f64 = 12.0;
 /// Half of the expert's cone (rad).
 const EXPERT_CONE: f64 = 60.0 * std::f64::consts::PI / 180.0;
@@ -93,7 +93,7 @@ impl BrakeRules {
         local.y.abs() < vehicle.half.y && local.x < vehicle.half.x && local.x > -reach
     }
 
-    /// Whether a red light's line so far ahead of the ego's centre (m) is a hazard: as near as a walker would be. LAV's own
+    /// Whether a red light's line at this distance ahead of the ego's centre (m) is a hazard: as near as a walker would be. LAV's own
     /// distance is not known.
     pub fn at_line(&self, ahead: f64) -> bool {
         ahead > 0.0 && ahead < self.scale * (2.0 * self.ego_half_length + MAP_MARGIN)

@@ -10,7 +10,7 @@ const SPEED_GAINS: Gains = Gains { proportional: 5.0, integral: 0.5, differentia
 const POINTS_PER_SECOND: f64 = 4.0;
 /// A plan slower than this brakes (m/s).
 const STOP_BELOW: f64 = 0.8;
-/// Greatest error that the speed controller is told of (m/s).
+/// Greatest error that the speed controller receives (m/s).
 const GREATEST_ERROR: f64 = 0.25;
 const MAX_THROTTLE: f64 = 0.8;
 /// No throttle above this speed (m/s).
@@ -19,7 +19,7 @@ const THROTTLE_UP_TO: f64 = 35.0 / 3.6;
 const AT_REST: f64 = 0.1;
 /// So many ticks at rest make it creep,
 const PATIENCE: u32 = 600;
-/// for so many ticks,
+/// for this number of ticks,
 const CREEP_FOR: u32 = 20;
 /// with this throttle.
 const CREEP_THROTTLE: f64 = 0.4;

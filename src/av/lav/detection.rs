@@ -5,7 +5,7 @@ use super::version::{Traits, Version};
 const SIDE: f64 = 320.0;
 /// The ego on the map (px).
 const EGO: (f64, f64) = (160.0, 280.0);
-/// A peak is the greatest value so far around it (px).
+/// A peak is the greatest value within this distance (px).
 const PEAK_REACH: f64 = 3.0;
 /// What lies so near to the ego is the ego (px).
 const EGO_RADIUS: f64 = 2.0;
@@ -21,7 +21,7 @@ const LEAST_HALF_WIDTH: f64 = 0.8;
 pub enum BlobKind {
     /// Pedestrians: LAV draws no conclusion from them.
     Pedestrian,
-    /// Vehicles, and who is taken for one.
+    /// Vehicles, and pedestrians that are taken for one.
     Vehicle,
 }
 

@@ -8,7 +8,7 @@ use crate::sim::LightColour;
 /// The cameras (m ahead of the middle), and half of the sector they cover (rad).
 const CAMERAS: f64 = 1.5;
 const SECTOR: f64 = 92.0 * std::f64::consts::PI / 180.0;
-/// The expert compares lanes so far ahead too (points of the path, 1 m apart): five of its waypoints of 4.5 m.
+/// The expert also compares lanes this far ahead (points of the path, 1 m apart): five of its waypoints of 4.5 m.
 const NEXT_LANE: usize = 22;
 /// A light's line crosses the route if it lies so near to a point of it (m), and heads so nearly the same way (rad).
 const LINE_ALONG: f64 = 0.6;

@@ -9,7 +9,7 @@ const BELOW_LIMIT: f64 = 6.0 / 3.6;
 const BELOW_LIMIT_IN_TURNS: f64 = 5.0 / 3.6;
 /// Where a limit is so low that nothing would be left of it, this share of it.
 const LEAST_SHARE: f64 = 0.5;
-/// Points of a plan that stands lie so far apart (m): even then the wheel has something to aim at.
+/// Distance of the points of a plan that stands (m), so that the wheel still has a target.
 const LEAST_SPACING: f64 = 0.01;
 
 /// How fast a plan drives along the route.
@@ -28,7 +28,7 @@ impl Tempo {
         Self::Cruise((limit - below).max(LEAST_SHARE * limit).min(FASTEST))
     }
 
-    /// The way (m) after so long (s).
+    /// The distance (m) after a time (s).
     fn way(self, time: f64) -> f64 {
         match self {
             Self::Cruise(speed) => speed * time,
@@ -40,7 +40,7 @@ impl Tempo {
     }
 }
 
-/// Writes the surrogate's plan: points of the route's centre line, 0.25 s apart, beginning abeam the ego.
+/// Writes the surrogate's plan: points of the route's centre line, 0.25 s apart, starting abeam the ego.
 ///
 /// Where the road ends the plan stands.
 pub(super) fn write_plan(path: &Path, ego: &Pose, tempo: Tempo, plan: &mut [EgoPoint]) {

@@ -30,7 +30,7 @@ pub(super) struct Traits {
     pub brake_score: f64,
     /// Distance of plan and forecast that counts as a collision (m).
     pub collision: f64,
-    /// The same for whoever is predicted to stand.
+    /// The same for road users that are predicted to stand.
     pub collision_standing: f64,
     /// Whether it creeps after a long stop.
     pub creeps: bool,

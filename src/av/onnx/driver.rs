@@ -45,7 +45,7 @@ impl Onnx {
         )
     }
 
-    /// Makes one for so many episodes at the same time.
+    /// Makes one for batches of this number of episodes.
     pub fn new(worlds: usize, model: Arc<Model>) -> Self {
         let shared = Shared { engine: Engine::new(model.clone()), batch: Batch::default(), answered: false };
         Self::within(model, Arc::new(Mutex::new(shared)), worlds)

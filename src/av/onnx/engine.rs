@@ -17,7 +17,7 @@ pub(super) struct Batch {
 ///
 /// The runtime has threads of its own, and a caller on a thread of a campaign would take up other work of the campaign while
 /// it waits for them, so that evaluations nest in each other. This thread is one of the runtime's, the only one of its
-/// pool, and whoever asks it waits idly. Every world is computed by itself: in batches the last bits would hang on the company.
+/// pool, and its caller waits. Every world is computed alone: in batches the last bits would depend on the other worlds.
 pub(super) struct Engine {
     questions: Sender<Batch>,
     answers: Receiver<Batch>,

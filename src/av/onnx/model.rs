@@ -44,7 +44,7 @@ pub enum ModelError {
     Unrunnable(String),
 }
 
-/// What an input of the network is told, with the number of rows.
+/// What an input of the network receives, with the number of rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Input {
     Ego,
@@ -99,7 +99,7 @@ impl Model {
         if [2, 3].contains(&answer.len()) { Ok(this) } else { Err(ModelError::Output(answer.len())) }
     }
 
-    /// The most actors and points of the route that it is told of.
+    /// The most actors and points of the route that it receives.
     pub(super) fn room(&self) -> (usize, usize) {
         let mut room = (0, 0);
         for (_, input) in &self.inputs {
@@ -143,7 +143,7 @@ impl Model {
     }
 }
 
-/// What an input is to be told, by its name and shape.
+/// What an input receives, by its name and shape.
 fn input(network: &rten::Model, id: NodeId) -> Result<Input, ModelError> {
     let info = network.node_info(id);
     let name = info.as_ref().and_then(|info| info.name()).unwrap_or_default().to_string();

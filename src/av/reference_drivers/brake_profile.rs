@@ -20,7 +20,7 @@ impl BrakeProfile {
         Self { wait, ramp: 0.6, full: 0.774 * GRAVITY }
     }
 
-    /// The mean deceleration from `time` to `time + dt` after the beginning of the wait (m/s²).
+    /// The mean deceleration from `time` to `time + dt` after the start of the wait (m/s²).
     pub fn deceleration(&self, time: f64, dt: f64) -> f64 {
         (self.speed_lost(time + dt) - self.speed_lost(time)) / dt
     }

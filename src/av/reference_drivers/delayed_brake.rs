@@ -1,9 +1,9 @@
 use super::{BrakeProfile, GRAVITY, OwnMotion, ReferenceDriver, Threat};
 
-/// Brakes to standstill a fixed time after somebody is on the way into the path, and perhaps near enough.
+/// Brakes to standstill a fixed time after a pedestrian moves into the path, and where wanted only when it is near enough.
 ///
 /// The automatic brake that UN R157 adds for an other that is fully in front is left out: within the careful human's ramp it
-/// changes little, and the ideal brake says what a machine could do.
+/// changes little, and the ideal brake shows what a machine could do.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DelayedBrake {
     /// The clock starts when the time to collision is at most this (s); without it, at once.
@@ -19,7 +19,7 @@ impl DelayedBrake {
         Self { gate, profile, clock: None }
     }
 
-    /// UN R157's careful human, who takes 0.4 s to see the risk and 0.75 s to brake.
+    /// UN R157's careful human, which takes 0.4 s to see the risk and 0.75 s to brake.
     pub fn careful_human() -> Self {
         Self::new(None, BrakeProfile::careful_human(1.15))
     }

@@ -1,4 +1,4 @@
-//! Reference drivers: how others say that a car must brake for somebody in its way, as yardsticks for a car under test.
+//! Reference drivers: published rules for when a car must brake for a pedestrian in its way, as baselines for a car under test.
 //!
 //! They decide about the brake alone, along a path that is given, from a [`Threat`] in the frame of that path; so a failure
 //! can be run again with each of them in the seat, and a driving policy can be built about one.

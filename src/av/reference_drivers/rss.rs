@@ -2,12 +2,12 @@ use super::{OwnMotion, ReferenceDriver, RssLimits, Threat};
 
 /// Responsibility-Sensitive Safety towards a pedestrian: the rule for unstructured scenes.
 ///
-/// Each actor has a set `T_b` of places that it may reach when it brakes after its response time, and `T_f` when it goes on.
+/// Each actor has a set `T_b` of places that it may reach when it brakes after its response time, and `T_f` when it continues.
 /// It is safe when car and pedestrian could both still stop apart: `T_b` misses `T_b`. Otherwise the car brakes, unless at
 /// the last safe instant the pedestrian alone could still have given way (its `T_b` missed the car's `T_f`, while the car's
-/// `T_b` met its `T_f`): then it is the pedestrian's turn, and the car goes on. A danger from the beginning is braked for.
+/// `T_b` met its `T_f`): then it is the pedestrian's turn, and the car continues. The car brakes for a danger that exists from the start.
 ///
-/// That a pedestrian who walks up to the lane was to stop is the rule's opinion, not ours: such a driver hits people.
+/// The rule expects a pedestrian that walks up to the lane to stop; we do not. Such a driver hits pedestrians.
 ///
 /// Simplified: the car keeps to its path, so its sets are stretches of the swept path, and driving away is left out; a
 /// pedestrian's set is a fan of straight ways about its direction, as wide as the permitted turn, instead of arcs; each `T_f` lasts
@@ -48,7 +48,7 @@ impl Rss {
         !self.meet(own, threat, self.car.braking_reach(own.speed), reach)
     }
 
-    /// Whether the pedestrian could stop clear of a car that goes on, and only it.
+    /// Whether the pedestrian could stop clear of a car that continues, and the car could not.
     fn is_others_turn(&self, own: &OwnMotion, threat: &Threat) -> bool {
         let (car, pedestrian) = (&self.car, &self.pedestrian);
         let pace = pace(threat);
@@ -56,7 +56,7 @@ impl Rss {
             && self.meet(own, threat, car.braking_reach(own.speed), pedestrian.forward_reach(pace))
     }
 
-    /// Whether the fan of the pedestrian meets the stretch of the path from the car's rear to so far ahead of its bumper.
+    /// Whether the fan of the pedestrian meets the path from the car's rear to this far (m) ahead of its bumper.
     fn meet(&self, own: &OwnMotion, threat: &Threat, ahead: f64, reach: f64) -> bool {
         let behind = -own.length - threat.length;
         let within = |gap: f64| (behind..=ahead).contains(&gap);
@@ -99,7 +99,7 @@ impl ReferenceDriver for Rss {
             self.safe = Some((*own, *threat));
             return kept;
         }
-        // Whose turn it is hangs on the last safe instant, and is asked only when danger begins.
+        // The last safe instant decides whose turn it is; it is needed only when danger starts.
         if let Some((own, threat)) = self.safe.take() {
             self.others_turn = self.is_others_turn(&own, &threat);
         }
@@ -120,7 +120,7 @@ mod tests {
         let own = OwnMotion { speed: 5.0, acceleration: 0.0, length: 4.5 };
         let standing = |gap| Threat { gap, length: 0.4, aside: 0.0, along: 0.0, towards: 0.0 };
         let mut rss = Rss::default();
-        // 15.78 m of the car and 0.5 m of the pedestrian, who may start towards it.
+        // 15.78 m of the car and 0.5 m of the pedestrian, which may start towards it.
         assert_eq!(rss.brake(&own, Some(&standing(16.3)), 0.05), None);
         assert_eq!(rss.brake(&own, Some(&standing(16.2)), 0.05), Some(4.0));
         assert_eq!(rss.brake(&own, Some(&standing(16.3)), 0.05), Some(0.0), "safe again, it keeps its speed");

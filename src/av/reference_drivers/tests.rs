@@ -7,7 +7,7 @@ const WIDTH: f64 = 1.815;
 /// From the bumper back to the eye (m).
 const EYE: f64 = 1.9;
 
-/// Somebody who crosses the way of the car from the right.
+/// A pedestrian that crosses the path of the car from the right.
 struct Crossing {
     /// Share of the width at which the bumper would meet the reference point.
     impact: f64,
@@ -17,7 +17,7 @@ struct Crossing {
     body: (f64, f64),
     /// Extent along the car's way (m).
     breadth: f64,
-    /// What must be in sight of the eye: so far before the reference point (m); in the open without it.
+    /// How far before the reference point (m) the part is that must be in sight; none in the open.
     hidden: Option<f64>,
 }
 

@@ -9,7 +9,7 @@ pub struct OwnMotion {
     pub length: f64,
 }
 
-/// Somebody who is, or may come, in the way, in the frame of the path that the car follows.
+/// A pedestrian that is, or may come, in the way, in the frame of the path that the car follows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Threat {
     /// Clear distance along the path from the bumper to the near side (m); negative when the bumper is past it.
@@ -24,7 +24,7 @@ pub struct Threat {
     pub towards: f64,
 }
 
-/// Slower than this (m/s) nobody moves towards anything.
+/// A pedestrian slower than this (m/s) does not count as moving towards the path.
 const STILL: f64 = 0.1;
 
 impl Threat {
@@ -40,7 +40,7 @@ impl Threat {
     }
 }
 
-/// Somebody who decides when and how hard to brake.
+/// A driver that decides when and how hard to brake.
 pub trait ReferenceDriver: Send {
     /// Forgets the last encounter.
     fn begin(&mut self);

@@ -39,7 +39,7 @@ pub struct Field {
     pub aside: f64,
     /// How far from the eye (m).
     pub range: f64,
-    /// Where the eye is: so far ahead of the ego's middle (m).
+    /// How far the eye is ahead of the ego's middle (m).
     pub eye: f64,
     /// What is covered; everything around when empty.
     pub sectors: Vec<Sector>,

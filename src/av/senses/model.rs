@@ -12,7 +12,7 @@ pub struct SensorModel {
     pub latency: f64,
     /// Whether beliefs are moved on by their velocities to the time at which the driver gets them.
     pub predicts: bool,
-    /// How long an actor that is no longer found is believed to go on with its last velocity (s).
+    /// How long an actor that is no longer found is believed to keep its last velocity (s).
     pub memory: f64,
     /// Share of an actor that must be visible; at 0 they see through everything.
     pub least_visible: f64,
@@ -50,7 +50,7 @@ pub struct SensorModel {
     pub confusion_adds: bool,
     /// Half extents of the vehicle that it is taken for (m).
     pub confused_half: Vector,
-    /// How many pedestrians appear where nobody is (1/s).
+    /// Rate at which pedestrians appear that do not exist (1/s).
     pub false_alarms: f64,
     /// How long one stays on average (s).
     pub false_alarm_length: f64,
@@ -89,7 +89,7 @@ impl Default for SensorModel {
 }
 
 impl SensorModel {
-    /// The rate at which an actor in the field is missed: at a distance (m), when so much of it is visible, behind a seam
+    /// The rate at which an actor in the field is missed: at a distance (m), with a visible share, behind a seam
     /// of this rate. The three causes are independent.
     pub fn miss_rate(&self, distance: f64, visible: f64, seam: f64) -> f64 {
         let beyond = distance - self.near;

@@ -10,7 +10,7 @@ use crate::sim::{ActorId, Control};
 
 /// A driver that knows of other actors only what its sensors report.
 ///
-/// Actors are told apart by their ids ([`Actor::id`]), whatever their order in the true perception is.
+/// Actors are distinguished by their ids ([`Actor::id`]); their order in the true perception does not matter.
 pub struct Sensing {
     driver: Box<dyn DrivingPolicy>,
     model: Arc<SensorModel>,

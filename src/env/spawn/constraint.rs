@@ -41,10 +41,10 @@ impl Ground {
     }
 }
 
-/// Something a beginning must satisfy, and that sampling cannot make sure of.
+/// A condition on a start that sampling alone cannot ensure.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Constraint {
-    /// The pedestrian's centre is at least so far from every obstacle (m).
+    /// The pedestrian's centre is at least this far from every obstacle (m).
     Clearance(f64),
     /// The pedestrian stands on one of these grounds.
     Ground(Vec<Ground>),
@@ -54,13 +54,13 @@ pub enum Constraint {
     Require {
         /// It must not be 0.
         condition: Formula,
-        /// As the user wrote it.
+        /// The text in the scenario.
         text: String,
     },
 }
 
 impl Constraint {
-    /// Whether a beginning satisfies it.
+    /// Whether a start satisfies it.
     pub fn admits(&self, spawn: &Spawn, town: &Town, obstacles: &Obstacles) -> bool {
         let place = spawn.pedestrian.position();
         match self {
@@ -73,7 +73,7 @@ impl Constraint {
         }
     }
 
-    /// Whether it depends on the pedestrian's place alone, so that it can be asked before the rest is drawn.
+    /// Whether it can be checked before the rest of the start is drawn.
     pub(super) fn is_about_places(&self) -> bool {
         !matches!(self, Self::Require { .. })
     }
@@ -100,7 +100,7 @@ impl fmt::Display for Constraint {
     }
 }
 
-/// A pose at the origin: where nobody stands yet.
+/// A pedestrian at a place, with the ego at the origin: for constraints on the place alone.
 pub(super) fn placed(place: Point) -> Spawn {
     Spawn { ego: Pose::default(), ego_speed: 0.0, pedestrian: Pose::new(place.x, place.y, 0.0) }
 }

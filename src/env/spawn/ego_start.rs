@@ -5,7 +5,7 @@ use crate::geometry::{Pose, wrap_angle};
 use crate::road::{LaneFilter, LaneStretch, Town, Waypoint};
 use crate::seed::Stream;
 
-/// Where the ego begins.
+/// Where the ego starts.
 #[derive(Debug, Clone, PartialEq)]
 pub enum EgoStart {
     /// Anywhere on the driving lanes outside junctions, uniform in length.
@@ -16,16 +16,16 @@ pub enum EgoStart {
     Pieces(Vec<LanePiece>),
 }
 
-/// A piece of a driving lane, known by where it begins.
+/// A piece of a driving lane, given by its start.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LanePiece {
     /// A pose near the middle of the lane and along it.
     pub from: Pose,
-    /// How far it reaches from there, in driving direction (m).
+    /// Its length from there, in driving direction (m).
     pub length: f64,
 }
 
-/// Which stretches of road the ego may begin on.
+/// Which stretches of road the ego may start on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum RoadShape {
     /// All.
@@ -33,11 +33,11 @@ pub enum RoadShape {
     Any,
     /// Where the lane runs straight for the next ten metres.
     Straight,
-    /// Where it does not.
+    /// Where the lane bends.
     Bend,
 }
 
-/// How far ahead the shape of the road is looked at (m).
+/// How far ahead the shape of the road is considered (m).
 pub const LOOK_AHEAD: f64 = 10.0;
 /// The lane turns by less over that length where it is straight (rad).
 const STRAIGHT: f64 = 0.05;
@@ -66,7 +66,7 @@ impl EgoStart {
         }
     }
 
-    /// Makes sure that every pose lies on a driving lane.
+    /// Checks that every pose lies on a driving lane.
     ///
     /// # Errors
     /// Names the first that does not.
@@ -134,7 +134,7 @@ fn room_ahead(town: &Town, from: Waypoint) -> f64 {
     })
 }
 
-/// Makes sure that a car can begin at a pose: near the middle of a driving lane and about along it.
+/// Checks that a car can start at a pose: near the middle of a driving lane and about along it.
 fn on_a_lane(town: &Town, pose: &Pose) -> Result<Waypoint, SpawnError> {
     let lane = lane_of(town, pose).ok_or(SpawnError::NoLane)?;
     let middle = town.pose(lane);

@@ -2,10 +2,10 @@ use std::fmt;
 
 use super::Survey;
 
-/// Why nobody can be placed.
+/// Why no pedestrian can be placed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SpawnError {
-    /// The town has no lane to begin on.
+    /// The town has no lane to start on.
     #[error("the town has no driving lane outside junctions")]
     NoLane,
     /// A listed pose of the ego lies on no lane, or against it.
@@ -34,29 +34,29 @@ pub enum SpawnError {
         /// What there is (m).
         room: f64,
     },
-    /// Too few beginnings satisfy all constraints.
+    /// Too few starts satisfy all constraints.
     #[error("{0}; at least about one in ten thousand must")]
     Crowded(Rarity),
 }
 
-/// How few beginnings satisfy all constraints, and which constraint most of them fail.
+/// How rare starts are that satisfy all constraints, and which constraint most starts fail.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Rarity {
-    /// Beginnings that satisfied all.
+    /// Starts that satisfied all.
     pub accepted: u32,
-    /// Beginnings that were tried.
+    /// Starts that were drawn.
     pub tried: u32,
     /// The constraint that most of them failed.
     pub worst: String,
-    /// Beginnings that satisfied it, of those that were looked at.
+    /// Drawn starts that satisfied it.
     pub worst_passed: u32,
-    /// Whether enough satisfy all when they are drawn in any way, but around most poses of the ego none does; then the numbers
-    /// are those of beginnings that were drawn as episodes draw them, and of the tries that they took.
+    /// Whether enough starts satisfy all when pose and place are drawn together, but none around most poses of the ego. Then the
+    /// numbers count starts that were drawn as episodes draw them, and the tries that they took.
     pub barren: bool,
 }
 
 impl Rarity {
-    /// What a survey has found.
+    /// The numbers of a survey.
     pub(super) fn of(survey: &Survey) -> Self {
         let (worst, worst_passed) = survey.worst().unwrap_or_default();
         let (accepted, tried, worst) = (survey.accepted, survey.tried, worst.to_string());

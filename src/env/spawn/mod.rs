@@ -10,7 +10,7 @@
 //! | pedestrian, [`Measure::Range`] | bearing and distance from their distributions, independent |
 //! | pedestrian, [`Measure::Area`] | uniform over the ground of the sector |
 //!
-//! A pose of the ego is kept until somebody can be placed about it, so crowded places are as likely as free ones.
+//! A pose of the ego is kept until a pedestrian can be placed around it, so crowded places are as likely as free ones.
 
 mod ego_start;
 mod constraint;

@@ -13,11 +13,11 @@ use crate::signature::Distribution;
 pub enum Measure {
     /// The distance follows its distribution: where that is uniform, places near the ego are denser.
     Range,
-    /// The ground: as many places a square metre everywhere in the sector. The distance must be a range.
+    /// The ground: the same number of places per square metre everywhere in the sector. The distance must be a range.
     Area,
 }
 
-/// How an episode begins.
+/// The rule that draws the start of an episode.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpawnRule {
     /// Its name in the scenario.
@@ -28,19 +28,19 @@ pub struct SpawnRule {
     pub distance: Distribution,
     /// What is uniform.
     pub measure: Measure,
-    /// Where the ego begins.
+    /// Where the ego starts.
     pub ego_start: EgoStart,
-    /// On which stretches of road the ego begins.
+    /// On which stretches of road the ego starts.
     pub road_shape: RoadShape,
-    /// How fast the ego begins (m/s).
+    /// Speed of the ego at the start (m/s).
     pub ego_speed: Distribution,
-    /// Heading of the pedestrian from the ego's heading, positive to the left (rad); without it the adversary decides.
+    /// Heading of the pedestrian from the ego's heading, positive to the left (rad); without it the cast decides.
     pub heading: Option<Distribution>,
-    /// What must hold beside all that.
+    /// Further conditions.
     pub constraints: Vec<Constraint>,
 }
 
-/// A concrete beginning.
+/// A concrete start of the ego and the first pedestrian.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Spawn {
     /// Pose of the ego.
@@ -51,40 +51,39 @@ pub struct Spawn {
     pub pedestrian: Pose,
 }
 
-/// Beginnings that must be accepted for [`SpawnRule::probe`] to pass.
+/// Starts that must be accepted for [`SpawnRule::probe`] to pass.
 const ENOUGH: u32 = 4;
 /// Tries within which they are found unless they are rare.
 const FEW_PROBES: u32 = 400;
-/// Beginnings by which their rate is told when they are rare.
+/// Starts by which their rate is measured when they are rare.
 const RARE: u32 = 40;
-/// Most tries for each listed pose of the ego, or in all, and most tries altogether where many poses are listed.
+/// Most tries for each listed pose of the ego, and most tries in total where many poses are listed.
 const MOST_PROBES: u32 = 40_000;
 const ALL_PROBES: u32 = 400_000;
-/// Tries within which a probe that finds enough says nothing of the poses of the ego.
+/// A probe that finds enough within this number of tries does not check the poses of the ego.
 const QUICK_PROBES: u32 = 10 * ENOUGH;
-/// Beginnings that a probe draws where that may take long, and the tries for each of which nothing is said.
+/// Starts that a probe draws where that may take long, and the tries for each that are not reported.
 const DRAWN: u32 = 8;
 const FEW_TRIES: u32 = 2000;
 /// Places that one [`SpawnRule::sample`] tries around one pose of the ego; then the ego moves on.
 const TRIES: u32 = 1000;
-/// Poses of the ego around which one [`SpawnRule::sample`] tries so many; then it moves on with every try.
+/// Poses of the ego around which one [`SpawnRule::sample`] tries this often; then it draws a new pose with every try.
 const EGOS: u32 = 20;
-/// Most tries of those: with one in ten thousand accepted, so many fail once in 10⁴³⁴ beginnings.
+/// Most tries of those: with one in ten thousand accepted, all of them fail once in 10⁴³⁴ starts.
 const LAST_TRIES: u32 = 10_000_000;
 /// Poses that are drawn until one lies on a stretch of road that the rule admits.
 const MOST_POSES: u32 = 1_000_000;
 /// Poses of the ego that one [`SpawnRule::sample_if_easy`] tries.
 const FEW_EGOS: u32 = 10;
-/// The part of the distances, from the nearest, with which a curriculum begins.
+/// The part of the distances, from the nearest, with which a curriculum starts.
 const NEAREST: f64 = 0.1;
 
 impl SpawnRule {
-    /// Makes sure that the rule can place somebody: about one beginning in ten thousand must satisfy all constraints, around
-    /// every pose that is listed, when pedestrians first look there. Gives what is to be said where it is less than about one in a
-    /// hundred.
+    /// Checks that the rule can place a pedestrian: about one start in ten thousand must satisfy all constraints, around every listed
+    /// pose, for this first heading. Gives a report where it is less than about one in a hundred.
     ///
     /// # Errors
-    /// Says what stands in the way.
+    /// Names what prevents it.
     pub fn probe(
         &self,
         town: &Town,
@@ -120,8 +119,8 @@ impl SpawnRule {
         }
     }
 
-    /// What is to be said of a rule that accepts enough when pose and place are drawn together, if most poses of the ego have no
-    /// place around them: each costs a thousand tries.
+    /// A report on a rule that accepts enough starts when pose and place are drawn together, but none around most poses of the ego:
+    /// each such pose costs a thousand tries.
     fn toil(
         &self,
         survey: &Survey,
@@ -141,7 +140,7 @@ impl SpawnRule {
         (tried > DRAWN * FEW_TRIES).then(|| Rarity { accepted, tried, barren: true, ..Rarity::of(survey) })
     }
 
-    /// Whether the ego has somewhere to begin in a town; else nothing can be drawn there.
+    /// Whether the ego has a place to start in a town; else nothing can be drawn there.
     pub fn begins_in(&self, town: &Town) -> bool {
         self.ego_start.check(town).is_ok()
     }
@@ -166,15 +165,15 @@ impl SpawnRule {
         Some(Self { distance, ..self.clone() })
     }
 
-    /// Draws a beginning; the rule must have passed [`SpawnRule::probe`].
+    /// Draws a start; the rule must have passed [`SpawnRule::probe`].
     ///
-    /// The ego's pose is drawn once, so crowded places are as likely as free ones; only where not one of a thousand
-    /// beginnings is accepted it is drawn again. After twenty such poses it is drawn anew for every try.
+    /// The ego's pose is drawn once, so crowded places are as likely as free ones; only when none of a thousand starts is accepted
+    /// it is drawn again. After twenty such poses it is drawn anew for every try.
     pub fn sample(&self, town: &Town, obstacles: &Obstacles, first: FirstHeading, stream: &mut Stream) -> Spawn {
         self.sample_counting(town, obstacles, first, stream).0
     }
 
-    /// Draws a beginning as [`SpawnRule::sample`], and tells how many places were tried.
+    /// Draws a start as [`SpawnRule::sample`], and counts the places that were tried.
     fn sample_counting(
         &self,
         town: &Town,
@@ -188,7 +187,7 @@ impl SpawnRule {
         (beginning.expect("checked: of ten thousand beginnings one is accepted"), tried)
     }
 
-    /// Draws a beginning as [`SpawnRule::sample`], unless none is found about a few poses of the ego.
+    /// Draws a start as [`SpawnRule::sample`]; none when none is found around a few poses of the ego.
     pub fn sample_if_easy(
         &self,
         town: &Town,

@@ -4,21 +4,21 @@ use crate::geometry::{Obstacles, Pose};
 use crate::road::Town;
 use crate::seed::Stream;
 
-/// What became of a number of beginnings, none of them drawn twice.
+/// How many of a number of drawn starts satisfy the constraints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Survey {
-    /// How many were drawn.
+    /// The number of drawn starts.
     pub tried: u32,
-    /// How many satisfied all constraints.
+    /// The number that satisfied all constraints.
     pub accepted: u32,
-    /// Each constraint as the scenario names it, with how many satisfied it, whatever the others said.
+    /// Each constraint as the scenario names it, with the number of starts that satisfied it, whether or not they satisfied others.
     pub constraints: Vec<(String, u32)>,
-    /// Those that satisfied all.
+    /// The starts that satisfied all.
     pub spawns: Vec<Spawn>,
 }
 
 impl Survey {
-    /// The constraint that most beginnings failed, and how many satisfied it.
+    /// The constraint that most starts failed, and the number that satisfied it.
     pub fn worst(&self) -> Option<(&str, u32)> {
         let worst = self.constraints.iter().min_by_key(|(_, passed)| *passed);
         worst.map(|(name, passed)| (name.as_str(), *passed))
@@ -26,7 +26,7 @@ impl Survey {
 }
 
 impl SpawnRule {
-    /// Draws beginnings and asks every constraint about each.
+    /// Draws starts and checks every constraint for each.
     pub fn survey(
         &self,
         town: &Town,
@@ -39,7 +39,7 @@ impl SpawnRule {
         self.survey_from(&mut { each }, town, obstacles, first, (count, count), stream)
     }
 
-    /// Does as [`SpawnRule::survey`], with the ego where it is told; ends early when enough are accepted.
+    /// Does as [`SpawnRule::survey`], with the ego at the given poses; ends early when enough starts are accepted.
     pub(super) fn survey_from(
         &self,
         ego: &mut dyn FnMut(&mut Stream) -> Pose,

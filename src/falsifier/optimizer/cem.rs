@@ -20,7 +20,7 @@ pub struct CrossEntropy {
 }
 
 impl CrossEntropy {
-    /// Begins around a point with one standard deviation for all components. The elite is so many of the population, and
+    /// Starts around a point with one standard deviation for all components. `elite` is the number of best points, and
     /// `smoothing` is the weight of its moments (0 to 1].
     pub fn new(mean: Vec<f64>, sd: f64, population: usize, elite: usize, smoothing: f64) -> Self {
         Self { sd: vec![sd; mean.len()], mean, population, elite: elite.clamp(1, population), smoothing }

@@ -38,7 +38,7 @@ pub struct CmaEs {
 }
 
 impl CmaEs {
-    /// The population that the tutorial recommends for so many dimensions: 4 + ⌊3 ln n⌋.
+    /// The population that the tutorial recommends for n dimensions: 4 + ⌊3 ln n⌋.
     pub fn usual_population(dimensions: usize) -> usize {
         4 + (3.0 * libm::log(dimensions as f64)).floor() as usize
     }
@@ -78,7 +78,7 @@ impl CmaEs {
         }
     }
 
-    /// Takes the covariance apart into its axes, but only as often as it can have changed.
+    /// Decomposes the covariance into its axes, only as often as it can have changed.
     fn decompose(&mut self) {
         let rate = (self.rank_one + self.rank_mu) * self.mean.len() as f64 * 10.0;
         if f64::from(self.generation - self.decomposed) < 1.0 / rate {

@@ -80,7 +80,7 @@ impl Drive {
     }
 }
 
-/// What became of meeting somebody.
+/// The outcome of meeting a pedestrian.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Meeting {
     /// Distance between the middles when the brake was first pressed (m); none if it never was.
@@ -93,7 +93,7 @@ struct Meeting {
     hit: Option<f64>,
 }
 
-/// Meets somebody who begins so far ahead and to the left of the lane's centre (m) and walks on with a velocity (m/s).
+/// Meets a pedestrian that starts this far ahead and to the left of the lane's centre (m) and walks with a velocity (m/s).
 fn meet(version: Version, ahead: f64, left: f64, velocity: Vector, ticks: u32) -> Meeting {
     let town = street();
     let start = Pose::new(40.0, -2.0, 0.0);
