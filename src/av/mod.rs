@@ -2,7 +2,7 @@
 //!
 //! In every tick a policy gets a [`Perception`] and gives a [`Control`](crate::sim::Control); it never sees the world, a
 //! pedestrian's commands or the reward. Any policy can drive any vehicle: a perception is that of one vehicle. A new policy is one file here and one line in the catalogue.
-//! [`senses`] puts imperfect sensors in front of any of them.
+//! [`sensors`] puts imperfect sensors in front of any of them.
 
 mod perception;
 mod driving_policy;
@@ -18,7 +18,7 @@ mod aeb;
 mod rss_guarded;
 mod predictive;
 mod oracle_brake;
-pub mod senses;
+pub mod sensors;
 pub mod behavior_agent;
 pub mod lav;
 pub mod interfuser;
@@ -33,6 +33,6 @@ pub use fault::Fault;
 pub use idm::Idm;
 pub use oracle_brake::OracleBrake;
 pub use path::Path;
-pub use perception::{Actor, Light, Perception, Sensors};
+pub use perception::{Actor, Light, Perception, PerfectSensors};
 pub use predictive::Predictive;
 pub use rss_guarded::RssGuarded;

@@ -101,13 +101,13 @@ impl Perception<'_> {
 
 /// The memory that perceptions borrow from, so that a tick allocates nothing.
 #[derive(Debug, Clone, Default)]
-pub struct Sensors {
+pub struct PerfectSensors {
     pedestrians: Vec<Actor>,
     vehicles: Vec<Actor>,
     lights: Vec<Light>,
 }
 
-impl Sensors {
+impl PerfectSensors {
     /// Perceives a world exactly and at once, as the driver of the vehicle with this number.
     pub fn perceive<'a>(&'a mut self, world: &'a World, vehicle: usize) -> Perception<'a> {
         self.pedestrians.clear();

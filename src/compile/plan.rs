@@ -2,7 +2,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::{Recipe, RunId};
-use crate::av::senses::SensorModel;
+use crate::av::sensors::SensorModel;
 use crate::env::Scenario;
 use crate::falsifier::Falsifier;
 use crate::rl::PpoConfig;

@@ -8,7 +8,7 @@ use super::sensors;
 use crate::av::behavior_agent::BehaviorAgent;
 use crate::av::interfuser::InterFuser;
 use crate::av::lav::Lav;
-use crate::av::senses::Sensing;
+use crate::av::sensors::SensorWrapper;
 use crate::av::{Aeb, Cruise, DrivingPolicy, Idm, OracleBrake, Predictive, RssGuarded};
 use crate::env::PolicyMaker;
 use crate::lang::hir::Declaration;
@@ -85,7 +85,7 @@ pub fn lower(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<P
     }
     let sensors = lowering.program.get(arguments.reference("sensors"));
     let model = Arc::new(sensors::lower(&sensors.block));
-    Some(Arc::new(move || Box::new(Sensing::new(make(), model.clone()))))
+    Some(Arc::new(move || Box::new(SensorWrapper::new(make(), model.clone()))))
 }
 
 /// The signature of a driver's kind.

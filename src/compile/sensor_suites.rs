@@ -5,7 +5,7 @@
 
 use std::f64::consts::PI;
 
-use crate::av::senses::{Seam, Sector};
+use crate::av::sensors::{Seam, Sector};
 
 /// A kind of sensors.
 pub struct Suite {

@@ -1,7 +1,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::sensor_suites::{SUITES, Suite};
-use crate::av::senses::{Field, Seam, Sector, SensorModel};
+use crate::av::sensors::{Field, Seam, Sector, SensorModel};
 use crate::geometry::Vector;
 use crate::lang::hir::Block;
 use crate::signature::{Form, LEAST, MOST, Param, Signature, Type};

@@ -5,7 +5,7 @@ use super::{
     Controller, Driven, Ending, Observation, ObservationSpec, Outcome, RewardRule, Scenario, Situation, Spawn,
     SpawnRule, StateHashes,
 };
-use crate::av::{DrivingMode, DrivingPolicy, Fault, Sensors};
+use crate::av::{DrivingMode, DrivingPolicy, Fault, PerfectSensors};
 use crate::geometry::{Point, Pose, wrap_angle};
 use crate::rl::{Env, Step};
 use crate::seed::Seed;
@@ -24,7 +24,7 @@ pub struct PedestrianEnv {
     world: World,
     /// The drivers of the vehicles, in the order of their numbers.
     policies: Vec<Box<dyn DrivingPolicy>>,
-    sensors: Sensors,
+    sensors: PerfectSensors,
     seed: Seed,
     next_episode: u64,
     episode: Episode,
@@ -126,7 +126,7 @@ impl PedestrianEnv {
             scenario,
             world,
             policies,
-            sensors: Sensors::default(),
+            sensors: PerfectSensors::default(),
             seed,
             next_episode: 0,
             episode,

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
 use falsify::analysis::Approach;
-use falsify::av::{DrivingMode, Sensors};
+use falsify::av::{DrivingMode, PerfectSensors};
 use falsify::compile::{Catalog, Plan, compile};
 use falsify::env::{
     ActionSpec, Controller, EgoStart, Ending, ObservationSpec, Outcome, PedestrianEnv, PedestrianRole, Placed,
@@ -169,7 +169,7 @@ fn drivers_know_the_others_and_their_own_signs_and_lights() {
     let stops = [town.traffic_lights[0].stop, town.traffic_lights[second_light].stop];
     let vehicles = &[at(fast.trigger.pose), at(slow.trigger.pose), at(stops[1])];
     world.begin(&Start { vehicles, pedestrians, light_phase: 0.0 });
-    let mut sensors = Sensors::default();
+    let mut sensors = PerfectSensors::default();
     for (number, (limit, light)) in [(50.0, None), (30.0, None), (30.0, Some(second_light))].into_iter().enumerate() {
         let perception = sensors.perceive(&world, number);
         assert!((perception.speed_limit - limit / 3.6).abs() < 1e-9, "vehicle {number}: {}", perception.speed_limit);

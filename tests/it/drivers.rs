@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
-use falsify::av::{DrivingMode, Sensors};
+use falsify::av::{DrivingMode, PerfectSensors};
 use falsify::compile::{Catalog, Plan, compile};
 use falsify::env::Scenario;
 use falsify::geometry::{Obstacles, Pose};
@@ -52,7 +52,7 @@ fn drive(policy: &str, x: f64, walker: Pose, walking: f64, seconds: f64) -> Driv
     let vehicles = &[ActorStart { pose: Pose::new(x, -1.75, 0.0), speed: 7.5 }];
     world.begin(&Start { vehicles, pedestrians: &[ActorStart::standing(walker)], light_phase: 0.0 });
     let mut driver = (scenario.cast.ego.policy)();
-    let mut sensors = Sensors::default();
+    let mut sensors = PerfectSensors::default();
     driver.reset(&sensors.perceive(&world, 0), Seed::root(1).stream());
     let (mut slowest, mut emergencies, mut contact) = (f64::INFINITY, 0, None);
     while contact.is_none() && world.elapsed() < seconds {

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use falsify::av::interfuser::{InterFuser, Settings};
-use falsify::av::{DrivingMode, DrivingPolicy, Sensors};
+use falsify::av::{DrivingMode, DrivingPolicy, PerfectSensors};
 use falsify::compile::{Catalog, compile};
 use falsify::diagnostic::Sources;
 use falsify::env::Scenario;
@@ -54,7 +54,7 @@ fn world(scenario: &Scenario, lane: usize, pedestrian: Vector) -> World {
 
 /// Drives for some ticks; the pedestrian stands.
 fn drive(world: &mut World, ticks: u32, mut each: impl FnMut(&World, DrivingMode)) -> Option<f64> {
-    let mut sensors = Sensors::default();
+    let mut sensors = PerfectSensors::default();
     let mut driver = InterFuser::new(&Settings::default());
     driver.reset(&sensors.perceive(world, 0), Seed::root(3).stream());
     let standing = WalkCommand { heading: world.pedestrians[0].state.pose.yaw, speed: 0.0 };

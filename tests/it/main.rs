@@ -50,7 +50,7 @@ mod road_reference;
 mod routes_reference;
 mod sb3_curves;
 mod scenarios;
-mod senses;
+mod sensors;
 mod settings;
 mod shaping;
 mod searches;

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::av::{Actor, Light, Sensors};
+use crate::av::{Actor, Light, PerfectSensors};
 use crate::geometry::{Obstacles, OrientedBox, Point, Pose, Vector};
 use crate::road::design::{Node, Street, TownDesign};
 use crate::road::{LaneFilter, Town};
@@ -47,7 +47,7 @@ fn begin(world: &mut World, car: Pose) {
 /// A car on a lane of a town, and a pedestrian far away.
 struct Drive {
     world: World,
-    sensors: Sensors,
+    sensors: PerfectSensors,
     lav: Lav,
 }
 
@@ -62,7 +62,7 @@ impl Drive {
             0.05,
         );
         begin(&mut world, start);
-        let (mut sensors, mut lav) = (Sensors::default(), Lav::new(version, 0.1, 1.0));
+        let (mut sensors, mut lav) = (PerfectSensors::default(), Lav::new(version, 0.1, 1.0));
         lav.reset(&sensors.perceive(&world, 0), Seed::root(seed).stream());
         Self { world, sensors, lav }
     }

@@ -1,6 +1,6 @@
 //! Imperfect sensors in front of any driving policy.
 //!
-//! [`Sensing`] is itself a [`DrivingPolicy`](super::DrivingPolicy): it takes the true perception and hands the policy inside
+//! [`SensorWrapper`] is itself a [`DrivingPolicy`](super::DrivingPolicy): it takes the true perception and hands the policy inside
 //! one whose pedestrians and vehicles are what a [`SensorModel`] believes. Everything else (the road, the ego, the lights)
 //! stays exact.
 //!
@@ -24,10 +24,10 @@ mod sight;
 mod model;
 mod track;
 mod ghost;
-mod sensing;
+mod wrapper;
 
 pub use chance::{Drift, Luck};
 pub use field::{Field, Seam, Sector};
 pub use model::SensorModel;
-pub use sensing::Sensing;
 pub use sight::visible_share;
+pub use wrapper::SensorWrapper;

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::{Arc, LazyLock, Mutex};
 
-use falsify::av::senses::{Field, Seam, Sector, Sensing, SensorModel};
+use falsify::av::sensors::{Field, Seam, Sector, SensorModel, SensorWrapper};
 use falsify::av::{Actor, DrivingMode, DrivingPolicy, Perception};
 use falsify::compile::{Catalog, Plan, compile};
 use falsify::env::{PedestrianEnv, Scenario};
@@ -13,7 +13,7 @@ use falsify::sim::{ActorId, Control};
 use rand::Rng;
 
 fn plan(text: &str) -> Plan {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/senses.scn");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/sensors.scn");
     let read = |path: &Path| if path == root { Ok(text.to_string()) } else { std::fs::read_to_string(path) };
     let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Default::default()).unwrap();
     compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics))
@@ -81,7 +81,7 @@ fn look(model: &SensorModel, walls: &[OrientedBox], people: &[Actor], cars: &[Ac
     let scenario = &*SCENARIO;
     let obstacles = Obstacles::new(walls);
     let seen = Arc::new(Mutex::new(Seen::default()));
-    let mut sensing = Sensing::new(Box::new(Probe(seen.clone())), Arc::new(model.clone()));
+    let mut driver = SensorWrapper::new(Box::new(Probe(seen.clone())), Arc::new(model.clone()));
     let dt = 0.05;
     for tick in 0..ticks {
         let moved = |(id, actor): (ActorId, &Actor)| {
@@ -104,11 +104,11 @@ fn look(model: &SensorModel, walls: &[OrientedBox], people: &[Actor], cars: &[Ac
             affecting_light: None,
         };
         if tick == 0 {
-            sensing.reset(&perception, Seed::root(seed).stream());
+            driver.reset(&perception, Seed::root(seed).stream());
         }
-        sensing.drive(&perception);
+        driver.drive(&perception);
     }
-    drop(sensing);
+    drop(driver);
     Arc::into_inner(seen).unwrap().into_inner().unwrap()
 }
 

@@ -11,7 +11,7 @@ use crate::sim::{ActorId, Control};
 /// A driver that knows of other actors only what its sensors report.
 ///
 /// Actors are distinguished by their ids ([`Actor::id`]); their order in the true perception does not matter.
-pub struct Sensing {
+pub struct SensorWrapper {
     driver: Box<dyn DrivingPolicy>,
     model: Arc<SensorModel>,
     seed: Seed,
@@ -34,7 +34,7 @@ struct Snapshot {
     vehicles: Vec<Actor>,
 }
 
-impl Sensing {
+impl SensorWrapper {
     /// Puts sensors in front of a driver.
     pub fn new(driver: Box<dyn DrivingPolicy>, model: Arc<SensorModel>) -> Self {
         let seed = Seed::root(0);
@@ -139,7 +139,7 @@ fn track_of<'a>(tracks: &'a mut Vec<Track>, id: ActorId, seed: &Seed) -> &'a mut
     &mut tracks[place]
 }
 
-impl DrivingPolicy for Sensing {
+impl DrivingPolicy for SensorWrapper {
     fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
         self.seed = Seed::of(&stream).child("sensors");
         self.people.clear();
