@@ -290,6 +290,11 @@ impl PedestrianEnv {
         self.decisions.extend_from_slice(last);
     }
 
+    /// The command that each pedestrian carries out now.
+    pub fn commands(&self) -> &[WalkCommand] {
+        &self.walks.commands
+    }
+
     /// Lets the drivers prepare for the coming tick, so that drivers of many environments can be asked at once.
     pub fn prepare(&mut self) {
         for (vehicle, policy) in self.policies.iter_mut().enumerate() {

@@ -69,7 +69,7 @@ impl Trace {
         self.watch(world, None, |_| Driven::default());
     }
 
-    /// Notes a decision: one command for each pedestrian.
+    /// Notes a decision: the command that each pedestrian carries out.
     pub fn decide(&mut self, commands: &[WalkCommand]) {
         for (track, command) in self.pedestrians.iter_mut().zip(commands) {
             track.decisions.push(*command);
@@ -96,8 +96,8 @@ impl Trace {
 
     /// Carries a decision out in an environment and notes all of its ticks.
     pub fn watch_decision(&mut self, env: &mut PedestrianEnv, commands: &[WalkCommand]) -> Step {
-        self.decide(commands);
         env.begin_decision(commands);
+        self.decide(env.commands());
         loop {
             if let Some(step) = self.watch_tick(env) {
                 return step;

@@ -69,8 +69,8 @@ struct Place {
 impl Place {
     fn decide(&mut self) {
         self.walker.choose(&self.env, &mut self.commands);
-        self.trace.decide(&self.commands);
         self.env.begin_decision(&self.commands);
+        self.trace.decide(self.env.commands());
     }
 }
 

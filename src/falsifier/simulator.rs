@@ -109,7 +109,7 @@ impl<'a> Simulator<'a> {
         }
         let step = self.env.carry_out(commands);
         self.used += u64::from(self.env.world().ticks - before);
-        self.commands.extend_from_slice(commands);
+        self.commands.extend_from_slice(self.env.commands());
         if let Some(clock) = &mut self.clock {
             clock.push(self.used);
         }

@@ -25,6 +25,7 @@ import "lib/paper.scn"
 import "lib/drivers.scn"
 import "lib/towns.scn"
 town long {
+  lane_width: 3.5 m
   traffic_lights: false
   street long { through: [(0 m, 0 m), (250 m, 0 m), (500 m, 0 m)]  speed_limit: 50 km/h }
 }
@@ -112,11 +113,11 @@ fn a_car_follows_another_and_each_pedestrian_does_what_it_is_told() {
     assert!(ego.iter().any(|frame| frame.driven.mode == DrivingMode::Yield));
     let gap = other[600].state.pose.x - last.state.pose.x;
     assert!(gap > 5.0 && gap < 20.0, "{gap} m behind");
-    for (number, (east, turned)) in [(30.0, 0.0), (-60.0, std::f64::consts::PI)].into_iter().enumerate() {
+    for (number, east) in [30.0, -60.0].into_iter().enumerate() {
         let track = trace.pedestrian(number);
         assert_eq!((track.len(), trace.decisions(number).len()), (601, 30));
         assert!((track[600].pose.x - track[0].pose.x - east).abs() < 1e-6, "pedestrian {number}");
-        assert_eq!(trace.decisions(number), [commands[number]; 30], "it looks {turned} rad");
+        assert_eq!(trace.decisions(number), [commands[number]; 30]);
     }
 }
 
@@ -205,7 +206,7 @@ fn cars_touch_cars_and_the_touch_names_them() {
     assert_eq!(contact.pair, (ActorId::EGO, ActorId::Vehicle(1)));
     let length = 2.0 * scenario.cast.ego.blueprint.half_length;
     assert!((contact.ahead - length).abs() < 1e-3 && contact.aside.abs() < 0.1, "{contact:?}");
-    assert!(contact.impact_speed > 8.0 && contact.is_front(0.1));
+    assert!(contact.impact_speed > 7.0 && contact.is_front(0.1));
     assert_eq!(outcome.ending, Ending::OtherContact);
     assert!(!outcome.is_collision() && outcome.least_gap > 20.0);
     assert_eq!(contact.pedestrian_at_ego(), None);
@@ -265,7 +266,9 @@ fn pedestrians_pass_through_each_other() {
     let apart: Vec<f64> = apart.collect();
     assert!(apart[0] < 0.0 && apart[apart.len() - 1] > 0.0, "they have passed each other");
     assert_eq!(outcome.ending, Ending::Timeout);
-    assert_eq!(trace.pedestrian(1)[1].velocity.norm(), 1.5, "it starts walking");
+    assert!((trace.pedestrian(1)[0].velocity.x - 1.5).abs() < 1e-12, "it starts walking");
+    assert!((trace.pedestrian(1)[1].velocity.x + 1.5).abs() < 1e-9, "and turns at once");
+    assert!(trace.decisions(1).iter().all(|command| *command == west), "it decides for itself");
 }
 
 #[test]
