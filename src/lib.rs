@@ -30,3 +30,5 @@ pub mod store;
 pub mod process;
 pub mod lsp;
 pub mod cli;
+#[cfg(any(fuzzing, test))]
+pub mod fuzzing;

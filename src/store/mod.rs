@@ -17,6 +17,8 @@ mod import;
 mod status;
 
 pub use cell_file::{Found, Header, State};
+#[cfg(any(fuzzing, test))]
+pub use cell_file::{decode, encode, head};
 pub use folder::{Note, Store};
 pub use id::{CODE, Id, Ids, vector_instructions};
 pub use import::Taken;

@@ -1,10 +1,10 @@
 //! Cells that lie in a cache: several folders for reports share it, on whatever file system it is, and none takes another's away.
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 use std::time::Instant;
 
-use crate::program::{error, falsify, falsify_with, report, said};
+use crate::program::{command, error, falsify, falsify_with, report, said};
 
 /// Writes a campaign of two trainings, whose pedestrians and random ones are tried in one town: six cells.
 fn write_campaign(folder: &Path) {
@@ -206,7 +206,7 @@ fn cells_and_reports_may_be_on_two_file_systems_and_a_kill_leaves_whole_reports(
     for (out, cache) in [("near", format!("{there}/cells")), (&*format!("{there}/far"), "cells".into())] {
         let mut kills = 0;
         loop {
-            let mut command = Command::new(env!("CARGO_BIN_EXE_falsify"));
+            let mut command = command();
             command.args(["run", "shared.scn", "--checkpoint", "0.001", "--progress", "none", "--out", out, "--cache"]);
             let mut child = command.arg(&cache).current_dir(here).spawn().unwrap();
             if kills < KILLS {

@@ -1,9 +1,8 @@
 //! Exit codes and messages: bad input gets one clear answer and loses nothing.
 
 use std::path::Path;
-use std::process::Command;
 
-use crate::program::{error, falsify};
+use crate::program::{command, error, falsify};
 
 /// A campaign that runs in a moment.
 fn campaign() -> String {
@@ -323,7 +322,7 @@ fn a_setting_takes_the_place_of_a_matrix() {
 #[cfg(target_os = "linux")]
 fn output_that_is_lost_is_noticed() {
     let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_falsify"));
+    let mut command = command();
     let output = command.args(["explain", "policy"]).stdout(full).output().unwrap();
     assert_eq!(output.status.code(), Some(6), "{output:?}");
 }

@@ -1,7 +1,8 @@
 //! The same files, seed and version give the same bytes, at any number of threads.
 
 use std::path::Path;
-use std::process::Command;
+
+use crate::program::command;
 
 const SCENARIO: &str = r#"
 edition 1
@@ -22,7 +23,7 @@ fn run(threads: &str, seed: &str) -> Vec<(String, Vec<u8>)> {
     let file = folder.path().join("twice.scn");
     std::fs::write(&file, SCENARIO.replace("lib/", &format!("{}/lib/", scenarios.display()))).unwrap();
     let out = folder.path().join("out");
-    let output = Command::new(env!("CARGO_BIN_EXE_falsify"))
+    let output = command()
         .args(["run", "--threads", threads, "--seed", seed, "--out"])
         .arg("out")
         .arg("twice.scn")

@@ -13,6 +13,8 @@ use falsify::falsifier::{Random, TrainError, train, try_walker};
 use falsify::process::ProcessOpener;
 use falsify::seed::Seed;
 
+use crate::program::falsify;
+
 const EPISODES: u32 = 12;
 
 /// The Python that runs the drivers of these tests, if there is one.
@@ -150,10 +152,6 @@ fn a_training_survives_some_faults_and_ends_with_the_cause_of_too_many() {
     };
     assert!(training("crash").is_ok());
     assert_eq!(training("gone").err(), Some(TrainError::Driver { update: 1, fault: Fault::Ended }));
-}
-
-fn falsify(arguments: &[&str], folder: &Path) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_falsify")).args(arguments).current_dir(folder).output().unwrap()
 }
 
 fn said(output: &Output) -> String {

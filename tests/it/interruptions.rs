@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::program::error;
+use crate::program::{self, error};
 
 /// A campaign of all kinds of cells that takes a moment.
 const SCENARIO: &str = r#"
@@ -44,10 +44,9 @@ impl Place {
     }
 
     fn command(&self, more: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_falsify"));
+        let mut command = program::command();
         command.args(["run", "cut.scn", "--out", "out"]).args(more);
         command.current_dir(self.folder.path()).env("FALSIFY_THREADS", "2");
-        command.env_remove("FALSIFY_OUT").env_remove("FALSIFY_CACHE");
         command
     }
 

@@ -2,10 +2,12 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
 use falsify::lsp::{Ending, WireError, serve};
 use serde_json::{Value, json};
+
+use crate::program::command;
 
 /// Where the library is written that somebody reads in.
 fn shelf() -> PathBuf {
@@ -433,7 +435,7 @@ fn the_program_serves_on_its_standard_streams() {
     let mut session = Session::new();
     session.ask("shutdown", Value::Null);
     session.tell("exit", Value::Null);
-    let mut child = Command::new(env!("CARGO_BIN_EXE_falsify"))
+    let mut child = command()
         .args(["lsp", "--stdio"])
         .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")))
         .stdin(Stdio::piped())

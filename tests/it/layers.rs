@@ -61,6 +61,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("store", &["rl", "env", "compile", "falsifier", "record", "campaign"]),
     ("process", &["av"]),
     ("lsp", &["diagnostic", "signature", "units", "lang", "compile", "process"]),
+    ("fuzzing", &["diagnostic", "lang", "road", "rl", "seed", "av", "env", "falsifier", "compile", "record", "store"]),
     (
         "cli",
         &[

@@ -2,7 +2,6 @@
 
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::process::Command;
 
 use falsify::compile::{Catalog, compile};
 use falsify::diagnostic::Sources;
@@ -10,6 +9,8 @@ use falsify::env::Outcome;
 use falsify::falsifier::{Random, try_walker};
 use falsify::lang::Reader;
 use falsify::seed::Seed;
+
+use crate::program::command;
 
 /// Reads one text in place of a file, and files.
 struct With(String);
@@ -56,7 +57,7 @@ fn a_network_drives_and_company_changes_nothing() {
 fn a_campaign_with_a_network_runs_and_the_manifest_names_its_file() {
     let place = tempfile::tempdir().unwrap();
     std::fs::write(place.path().join("learnt.scn"), text(8)).unwrap();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_falsify"));
+    let mut command = command();
     let output = command.args(["run", "--smoke", "learnt.scn"]).current_dir(place.path()).output().unwrap();
     assert!(output.status.success(), "{output:?}");
     let manifest = std::fs::read_to_string(place.path().join("reports/learnt-smoke/manifest.toml")).unwrap();

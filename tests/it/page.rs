@@ -10,6 +10,8 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use serde_json::{Value, json};
 
+use crate::program::command;
+
 /// A campaign in which nobody is trained and somebody is hit, and whose names and words want to break out of the page.
 const SCENARIO: &str = r#"edition 1
 import "std/paper.scn"
@@ -46,7 +48,7 @@ training short = ppo(steps: 1_500, portable_bits: true)
 fn report(out: &Path) -> PathBuf {
     let file = out.join("page.scn");
     std::fs::write(&file, SCENARIO).unwrap();
-    let run = Command::new(env!("CARGO_BIN_EXE_falsify")).arg("run").arg(&file).arg("--out").arg(out).output().unwrap();
+    let run = command().arg("run").arg(&file).arg("--out").arg(out).output().unwrap();
     assert!(run.status.success(), "{run:?}");
     out.join("page")
 }

@@ -4,19 +4,23 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// Runs `falsify` in a folder, whatever the settings of whoever runs the tests.
+/// The program, without the settings of the environment that the tests run in.
+pub fn command() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_falsify"));
+    for name in ["OUT", "CACHE", "THREADS", "SEED", "FORMATS", "FORMAT", "PROGRESS"] {
+        command.env_remove(format!("FALSIFY_{name}"));
+    }
+    command
+}
+
+/// Runs `falsify` in a folder.
 pub fn falsify(arguments: &[&str], folder: &Path) -> Output {
     falsify_with(arguments, folder, &[])
 }
 
 /// The same with variables of the environment.
 pub fn falsify_with(arguments: &[&str], folder: &Path, variables: &[(&str, &str)]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_falsify"));
-    command.args(arguments).current_dir(folder);
-    for name in ["OUT", "CACHE", "THREADS", "SEED", "FORMATS", "FORMAT", "PROGRESS"] {
-        command.env_remove(format!("FALSIFY_{name}"));
-    }
-    command.envs(variables.iter().copied()).output().unwrap()
+    command().args(arguments).current_dir(folder).envs(variables.iter().copied()).output().unwrap()
 }
 
 /// What it said on the error stream.

@@ -1,9 +1,10 @@
 //! Every scenario that is shipped checks without a word and survives a smoke run.
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use crate::shipped::shipped;
+
+use crate::program::command;
 
 #[test]
 fn every_file_checks_without_a_word() {
@@ -14,7 +15,7 @@ fn every_file_checks_without_a_word() {
         if std::fs::read_to_string(file).unwrap().contains("opendrive(") {
             continue;
         }
-        let mut check = Command::new(env!("CARGO_BIN_EXE_falsify"));
+        let mut check = command();
         let output = check.args(["check", "--allow-external"]).arg(file).output().unwrap();
         assert!(output.status.success() && output.stderr.is_empty(), "{}: {output:?}", file.display());
     }
@@ -25,12 +26,7 @@ fn the_main_campaigns_survive_a_smoke_run() {
     let out = tempfile::tempdir().unwrap();
     let top = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");
     let campaigns = shipped("scenarios").into_iter().filter(|path| path.parent() == Some(&top));
-    let output = Command::new(env!("CARGO_BIN_EXE_falsify"))
-        .args(["run", "--smoke", "--out"])
-        .arg(out.path())
-        .args(campaigns)
-        .output()
-        .unwrap();
+    let output = command().args(["run", "--smoke", "--out"]).arg(out.path()).args(campaigns).output().unwrap();
     assert!(output.status.success(), "{output:?}");
     let reports: Vec<PathBuf> = std::fs::read_dir(out.path()).unwrap().map(|entry| entry.unwrap().path()).collect();
     let is_report = |path: &PathBuf| !path.file_name().unwrap().to_string_lossy().starts_with('.');

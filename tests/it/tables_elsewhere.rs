@@ -5,6 +5,8 @@
 use std::path::Path;
 use std::process::Command;
 
+use crate::program::command;
+
 const SCENARIO: &str = r#"
 edition 1
 import "lib/paper.scn"
@@ -34,12 +36,7 @@ fn the_snippets_of_the_report_s_page_run() {
     let scenarios = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");
     let file = folder.path().join("tables.scn");
     std::fs::write(&file, SCENARIO.replace("lib/", &format!("{}/lib/", scenarios.display()))).unwrap();
-    let run = Command::new(env!("CARGO_BIN_EXE_falsify"))
-        .args(["run", "--out"])
-        .arg(folder.path())
-        .arg(&file)
-        .output()
-        .unwrap();
+    let run = command().args(["run", "--out"]).arg(folder.path()).arg(&file).output().unwrap();
     assert!(run.status.success(), "{run:?}");
     let python = std::env::var("FALSIFY_PYTHON").unwrap_or_else(|_| "python3".to_owned());
     for (module, snippet) in snippets {

@@ -1,9 +1,10 @@
 //! What must not drift apart: documents and code.
 
 use std::path::Path;
-use std::process::Command;
 
 use falsify::compile::Catalog;
+
+use crate::program::command;
 
 fn read(path: &str) -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap()
@@ -27,7 +28,7 @@ fn the_language_reference_is_up_to_date() {
 fn the_column_dictionary_names_every_column() {
     let out = tempfile::tempdir().unwrap();
     let scenarios = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");
-    let output = Command::new(env!("CARGO_BIN_EXE_falsify"))
+    let output = command()
         .args(["run", "--smoke", "--out"])
         .arg(out.path())
         .args([scenarios.join("first_look.scn"), scenarios.join("studies/rivals.scn")])

@@ -2,11 +2,11 @@
 
 use std::io::Write;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Output, Stdio};
 
 use serde_json::Value;
 
-use crate::program::falsify;
+use crate::program::{command, falsify};
 
 fn said(output: &Output) -> (String, String) {
     (String::from_utf8(output.stdout.clone()).unwrap(), String::from_utf8(output.stderr.clone()).unwrap())
@@ -33,12 +33,7 @@ fn a_file_is_laid_out_in_place_and_one_with_mistakes_is_left_alone() {
 
 #[test]
 fn an_editor_can_lay_out_what_it_has() {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_falsify"))
-        .args(["fmt", "--stdin"])
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let mut child = command().args(["fmt", "--stdin"]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
     child.stdin.take().unwrap().write_all(b"edition 1\r\n\r\n\r\n\r\nreward r{on hit=>1}").unwrap();
     let output = child.wait_with_output().unwrap();
     assert_eq!(said(&output).0, "edition 1\n\nreward r { on hit => 1 }\n");

@@ -1,0 +1,171 @@
+//! What the fuzz targets of `tests/fuzz` call: each reader of bytes from outside, as a function of any bytes. Only there with
+//! `--cfg fuzzing`, and in tests so that it is compiled.
+
+use std::ops::ControlFlow;
+use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
+use std::path::Path;
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
+
+use crate::av::external::{Link, Opener, Program};
+use crate::av::{Fault, onnx};
+use crate::compile::{Catalog, compile};
+use crate::diagnostic::{Colour, Sources, render};
+use crate::env::{Outcome, Scenario};
+use crate::falsifier::{Random, try_walker};
+use crate::lang;
+use crate::record;
+use crate::rl::{ActorCritic, Trained};
+use crate::road::{Town, opendrive};
+use crate::seed::Seed;
+use crate::store;
+
+/// A scenario: the whole front end, its messages and the layout.
+pub fn front_end(bytes: &[u8]) {
+    let text = String::from_utf8_lossy(bytes).into_owned();
+    let root = Path::new("fuzz.scn");
+    let none = || std::io::Error::from(std::io::ErrorKind::NotFound);
+    let read = |path: &Path| if path == root { Ok(text.clone()) } else { Err(none()) };
+    let mut sources = Sources::default();
+    let Ok(compiled) = compile(&[root.to_path_buf()], &Catalog::builtin(), &read, &mut sources) else { return };
+    for each in compiled.diagnostics.iter().take(20) {
+        render(each, &sources, Colour::Never);
+    }
+    let _ = lang::format(sources.add("", text.as_str()), &text);
+}
+
+/// An OpenDRIVE map: the reader, and the town made of it.
+pub fn map(bytes: &[u8]) {
+    if let Ok(parts) = opendrive::read(&String::from_utf8_lossy(bytes), "fuzz") {
+        Town::new(parts);
+    }
+}
+
+/// What an external driver answers: its greeting, then lines of JSON or binary messages, in one short episode. Returns how the
+/// episode ended.
+pub fn driver(bytes: &[u8]) -> Outcome {
+    static SCENARIO: LazyLock<Arc<Scenario>> = LazyLock::new(scenario);
+    ANSWERS.lock().unwrap_or_else(PoisonError::into_inner).clone_from(&bytes.to_vec());
+    let seed = Seed::root(1);
+    let mut outcomes = try_walker(&mut Random::default(), &SCENARIO, 1, &seed, &seed.child("walker"), &mut |_| {
+        ControlFlow::Continue(())
+    });
+    let outcome = outcomes.remove(0);
+    assert!(outcome.reward.is_finite(), "{outcome:?}");
+    outcome
+}
+
+/// A trained pedestrian or a training in hand (safetensors).
+pub fn policy(bytes: &[u8]) {
+    let trained = Trained::from_safetensors(bytes);
+    if let Ok((actor_critic, metadata)) = ActorCritic::from_safetensors(bytes) {
+        actor_critic.to_safetensors(&metadata);
+    }
+    if let Ok(trained) = trained {
+        let again = trained.to_safetensors();
+        assert!(Trained::from_safetensors(&again).is_ok(), "what was read is written and read again");
+    }
+}
+
+/// A driver's network (ONNX).
+pub fn network(bytes: &[u8]) {
+    quietly(|| onnx::Model::read(bytes.to_vec()).is_ok());
+}
+
+/// A file of the store, with a checksum that fits, and the episodes in it.
+pub fn stored(bytes: &[u8]) {
+    let Some((mut header, start)) = store::head(bytes) else { return };
+    let contents = &bytes[start..];
+    header.length = contents.len() as u64;
+    let file = store::encode(&header, contents);
+    assert!(store::decode(file).is_some_and(|(_, read)| read == contents), "what was written is read again");
+    policy(contents);
+    // The Parquet reader panics on some damaged files; in the store the checksum is before it.
+    if quietly(|| record::decode(contents).is_ok()) == Some(true) {
+        let _ = record::tally(contents);
+    }
+}
+
+/// The answers that are still to come.
+static ANSWERS: Mutex<Vec<u8>> = Mutex::new(Vec::new());
+
+/// Reads the answers.
+struct Answers;
+
+impl Link for Answers {
+    fn send(&mut self, _: &[u8], _: f64) -> Result<(), Fault> {
+        Ok(())
+    }
+
+    fn line(&mut self, line: &mut Vec<u8>, longest: usize) -> Result<(), Fault> {
+        let mut answers = ANSWERS.lock().unwrap_or_else(PoisonError::into_inner);
+        let end = answers.iter().position(|byte| *byte == b'\n').ok_or(Fault::Ended)?;
+        if end > longest {
+            return Err(Fault::Answer("a line that does not end"));
+        }
+        line.extend(answers.drain(..=end).take(end));
+        Ok(())
+    }
+
+    fn exact(&mut self, bytes: &mut [u8]) -> Result<(), Fault> {
+        let mut answers = ANSWERS.lock().unwrap_or_else(PoisonError::into_inner);
+        if answers.len() < bytes.len() {
+            return Err(Fault::Ended);
+        }
+        bytes.copy_from_slice(&answers[..bytes.len()]);
+        answers.drain(..bytes.len());
+        Ok(())
+    }
+}
+
+/// Opens [`Answers`].
+struct Answering;
+
+impl Opener for Answering {
+    fn open(&self, _: &Program) -> Result<Box<dyn Link>, Fault> {
+        Ok(Box::new(Answers))
+    }
+}
+
+/// Ten ticks against an external driver.
+fn scenario() -> Arc<Scenario> {
+    let text = "edition 1
+import \"std/paper.scn\"
+import \"std/towns.scn\"
+policy mine = external(command: \"driver\", worlds: 1)
+episode brief { ticks: 10 }
+campaign fuzz {
+  vehicle: model3 adversary: suicidal spawn: ahead episode: brief
+  evaluate { towns: [harbour] policies: [mine] pedestrians: [random] episodes: 1 }
+}
+";
+    let read = |_: &Path| Ok(text.to_string());
+    let catalog = Catalog::builtin().with_opener(Arc::new(Answering));
+    let compiled = compile(&["fuzz.scn".into()], &catalog, &read, &mut Sources::default()).expect("it is read");
+    let plan = compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));
+    plan.campaigns[0].evaluations[0].scenario.clone()
+}
+
+/// What a function returns, or none if it panics; libFuzzer's hook would end the process before the panic can be caught.
+fn quietly<T>(read: impl FnOnce() -> T) -> Option<T> {
+    let hook = take_hook();
+    set_hook(Box::new(|_| {}));
+    let result = catch_unwind(AssertUnwindSafe(read));
+    set_hook(hook);
+    result.ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_seeds_of_a_driver_drive_and_other_bytes_are_a_fault() {
+        let seeds = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fuzz/seeds/driver");
+        for seed in std::fs::read_dir(seeds).unwrap() {
+            let path = seed.unwrap().path();
+            let bytes = std::fs::read(&path).unwrap();
+            assert_eq!(driver(&bytes).fault(), None, "{}", path.display());
+            assert_eq!(driver(&bytes[..bytes.len() - 1]).fault(), Some(Fault::Ended), "{}", path.display());
+        }
+    }
+}
