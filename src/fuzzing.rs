@@ -1,6 +1,7 @@
 //! What the fuzz targets of `tests/fuzz` call: each reader of bytes from outside, as a function of any bytes. Only there with
 //! `--cfg fuzzing`, and in tests so that it is compiled.
 
+use std::io;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
 use std::path::Path;
@@ -23,8 +24,7 @@ use crate::store;
 pub fn front_end(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes).into_owned();
     let root = Path::new("fuzz.scn");
-    let none = || std::io::Error::from(std::io::ErrorKind::NotFound);
-    let read = |path: &Path| if path == root { Ok(text.clone()) } else { Err(none()) };
+    let read = |path: &Path| if path == root { Ok(text.clone()) } else { Err(absent()) };
     let mut sources = Sources::default();
     let Ok(compiled) = compile(&[root.to_path_buf()], &Catalog::builtin(), &read, &mut sources) else { return };
     for each in compiled.diagnostics.iter().take(20) {
@@ -126,6 +126,11 @@ impl Opener for Answering {
     }
 }
 
+/// The error of a file that is not there; the standard library is inside the program.
+fn absent() -> io::Error {
+    io::ErrorKind::NotFound.into()
+}
+
 /// Ten ticks against an external driver.
 fn scenario() -> Arc<Scenario> {
     let text = "edition 1
@@ -138,7 +143,7 @@ campaign fuzz {
   evaluate { towns: [harbour] policies: [mine] pedestrians: [random] episodes: 1 }
 }
 ";
-    let read = |_: &Path| Ok(text.to_string());
+    let read = |path: &Path| if path == Path::new("fuzz.scn") { Ok(text.to_string()) } else { Err(absent()) };
     let catalog = Catalog::builtin().with_opener(Arc::new(Answering));
     let compiled = compile(&["fuzz.scn".into()], &catalog, &read, &mut Sources::default()).expect("it is read");
     let plan = compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));

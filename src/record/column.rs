@@ -133,10 +133,13 @@ impl<K: Kind> Family<K> {
     }
 }
 
+/// Makes a column of this name from rows.
+type WriteRows<'t, R> = dyn Fn(PlSmallStr, &[R]) -> Series + 't;
+
 /// A column of a table whose rows are of type `R`, with how it is read from a row.
 pub struct Entry<'t, R> {
     reference: ColumnReference,
-    write: Box<dyn Fn(PlSmallStr, &[R]) -> Series + 't>,
+    write: Box<WriteRows<'t, R>>,
     pub(super) metrics: Vec<super::Metric>,
 }
 
