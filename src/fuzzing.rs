@@ -135,6 +135,7 @@ fn absent() -> io::Error {
 fn scenario() -> Arc<Scenario> {
     let text = "edition 1
 import \"std/paper.scn\"
+import \"std/drivers.scn\"
 import \"std/towns.scn\"
 policy mine = external(command: \"driver\", worlds: 1)
 episode brief { ticks: 10 }
