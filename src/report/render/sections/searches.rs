@@ -4,14 +4,15 @@ use crate::report::{Average, MedianTime, SearchCell};
 /// The falsifiers, compared.
 pub fn search_section(cells: &[SearchCell]) -> Section {
     let mut head: Vec<Column> = ["falsifier", "town", "policy"].map(Column::text).into();
+    // Estimates are on the left, so that their numbers are below each other.
     head.extend([
         Column::number("runs × ticks"),
         Column::number("found in"),
-        Column::number("ticks to first failure"),
-        Column::number("failures of episodes").detail(),
-        Column::number("failed starts"),
-        Column::number("kinds of failures"),
-        Column::number("evaluated afterwards"),
+        Column::text("ticks to first failure"),
+        Column::text("failures of episodes").detail(),
+        Column::text("failed starts"),
+        Column::text("kinds of failures"),
+        Column::text("evaluated afterwards"),
     ]);
     let row = |cell: &SearchCell| {
         vec![
