@@ -12,15 +12,11 @@ mod published;
 mod searches;
 mod trainings;
 
-pub use avoidable::avoidable;
 pub use comparisons::comparisons;
-pub use further_trainings::further_trainings;
 pub use names::{place, training};
 pub use published::published_section;
-pub use reference_drivers::reference_drivers;
 pub use results::{errors, results};
 pub use searches::search_section;
-pub use severity::severity;
 pub use trainings::trainings_section;
 pub use transfer::transfer;
 
@@ -42,12 +38,12 @@ pub fn searches_for_terminal(cells: &[SearchCell]) -> String {
 pub fn conclusions(cells: &[Cell], evidence: &Evidence) -> Vec<Section> {
     let both: Vec<_> = cells.iter().zip(&evidence.cells).collect();
     let all = [
-        avoidable(cells),
-        further_trainings(cells, &both),
+        avoidable::avoidable(cells),
+        further_trainings::further_trainings(cells, &both),
         comparisons(evidence),
         transfer(evidence),
-        severity(cells, &both),
-        reference_drivers(cells, &both),
+        severity::severity(cells, &both),
+        reference_drivers::reference_drivers(cells, &both),
     ];
     all.into_iter().flatten().collect()
 }
