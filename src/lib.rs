@@ -28,6 +28,7 @@ pub mod analysis;
 pub mod report;
 pub mod store;
 pub mod process;
+pub mod session;
 pub mod lsp;
 pub mod cli;
 #[cfg(any(fuzzing, test))]

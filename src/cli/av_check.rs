@@ -8,8 +8,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use super::args::AvCheckOptions;
-use super::{ExitCode, front, interrupt};
+use clap::Args;
+
+use super::exit_code::ExitCode;
+use super::seconds::seconds;
+use super::{console, interrupt};
 use crate::av::Fault;
 use crate::av::external::{External, Link, Opener, PROTOCOL, Program, Settings};
 use crate::compile::{Catalog, compile};
@@ -18,6 +21,23 @@ use crate::env::{Outcome, Scenario, Trace};
 use crate::falsifier::{Random, watch_walker};
 use crate::process::ProcessOpener;
 use crate::seed::Seed;
+
+/// Options of `falsify av check`.
+#[derive(Debug, Args)]
+pub struct AvCheckOptions {
+    /// The program and its arguments, after `--`.
+    #[arg(required = true, last = true, value_name = "COMMAND")]
+    pub command: Vec<String>,
+    /// Seconds that it has for the answer to a tick.
+    #[arg(long, default_value_t = 1.0, value_name = "SECONDS", value_parser = seconds)]
+    pub timeout: f64,
+    /// Seconds that it has for its greeting.
+    #[arg(long, default_value_t = 30.0, value_name = "SECONDS", value_parser = seconds)]
+    pub start_timeout: f64,
+    /// Show the first messages.
+    #[arg(long)]
+    pub show: bool,
+}
 
 /// A crossing with lights, and pedestrians that walk at random.
 const PROVING_GROUND: &str = "\
@@ -53,7 +73,7 @@ pub fn check(options: &AvCheckOptions) -> ExitCode {
     let program = Program { words: options.command.clone(), folder: ".".into() };
     let settings =
         Settings { timeout: options.timeout, start_timeout: options.start_timeout, worlds: 1, ..Settings::default() };
-    front::say(&format!("driver {}", options.command.join(" ")));
+    console::say(&format!("driver {}", options.command.join(" ")));
     let opener = Arc::new(Overhearing { inner: ProcessOpener::default(), left: Arc::new(AtomicUsize::new(0)) });
     if options.show {
         opener.left.store(SHOWN, Ordering::Relaxed);
@@ -105,16 +125,16 @@ pub fn check(options: &AvCheckOptions) -> ExitCode {
         ));
     }
     passed(&format!("drives the same way when it is asked about {EPISODES} worlds at once"));
-    front::say(&format!("        {alone:.0} ticks a second alone, {together:.0} with {EPISODES} worlds at once"));
+    console::say(&format!("        {alone:.0} ticks a second alone, {together:.0} with {EPISODES} worlds at once"));
     ExitCode::Done
 }
 
 fn passed(what: &str) {
-    front::say(&format!("  ok    {what}"));
+    console::say(&format!("  ok    {what}"));
 }
 
 fn failed(what: &str) -> ExitCode {
-    front::say(&format!("  FAIL  {what}"));
+    console::say(&format!("  FAIL  {what}"));
     ExitCode::RunFailed
 }
 
@@ -166,12 +186,12 @@ impl Overheard {
         }
         self.left.fetch_sub(1, Ordering::Relaxed);
         if !message.starts_with(b"{") {
-            front::say(&format!("  {arrow} {} bytes", message.len()));
+            console::say(&format!("  {arrow} {} bytes", message.len()));
             return;
         }
         let text = String::from_utf8_lossy(&message[..message.len().min(SHOWN_BYTES)]);
         let dots = if message.len() > SHOWN_BYTES { "…" } else { "" };
-        front::say(&format!("  {arrow} {}{dots}", text.trim_end().replace(char::is_control, " ")));
+        console::say(&format!("  {arrow} {}{dots}", text.trim_end().replace(char::is_control, " ")));
     }
 }
 

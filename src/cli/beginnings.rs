@@ -1,12 +1,12 @@
 //! `falsify check --sample`: where episodes would begin, and what is rejected.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::args::{CheckOptions, Format};
-use super::check::lines;
-use super::{ExitCode, front};
+use super::console;
+use super::exit_code::ExitCode;
 use crate::compile::{Campaign, Plan};
 use crate::env::Scenario;
 use crate::report::{self, WriteError};
@@ -34,37 +34,50 @@ struct Share {
     passed: u32,
 }
 
+/// Which beginnings are drawn, and for whom.
+pub struct Wanted<'a> {
+    /// The number for each spawn in each town.
+    pub count: u32,
+    /// Number from which they follow.
+    pub seed: u64,
+    /// Folder for the pictures.
+    pub out: &'a Path,
+    /// Whether programs read the result.
+    pub json: bool,
+}
+
 /// Draws beginnings of all campaigns.
-pub fn sample(plan: &Plan, count: u32, options: &CheckOptions) -> ExitCode {
+pub fn sample(plan: &Plan, wanted: &Wanted<'_>) -> ExitCode {
     if plan.campaigns.is_empty() {
-        front::fail("the files hold no campaign, so there is nothing to sample");
+        console::fail("the files hold no campaign, so there is nothing to sample");
         return ExitCode::Nothing;
     }
     for campaign in &plan.campaigns {
-        let samples = match survey(campaign, count, options) {
+        let samples = match survey(campaign, wanted) {
             Ok(samples) => samples,
             Err(error) => {
-                front::fail(&error.to_string());
+                console::fail(&error.to_string());
                 return ExitCode::WriteFailed;
             }
         };
-        match options.format {
-            Format::Human => show(campaign, &samples),
-            _ => lines(&samples),
+        if wanted.json {
+            console::say_objects(&samples);
+        } else {
+            show(campaign, &samples);
         }
     }
     ExitCode::Done
 }
 
-fn survey<'a>(campaign: &'a Campaign, count: u32, options: &CheckOptions) -> Result<Vec<Sample<'a>>, WriteError> {
+fn survey<'a>(campaign: &'a Campaign, wanted: &Wanted<'_>) -> Result<Vec<Sample<'a>>, WriteError> {
     let mut samples = Vec::new();
     let begins = |(_, scenario): &(&str, &Arc<Scenario>)| scenario.spawn.begins_in(&scenario.town);
     for (town, scenario) in campaign.beginnings().into_iter().filter(begins) {
         let rule = &scenario.spawn;
-        let mut stream = Seed::root(options.seed).child("sample").child(town).child(&rule.name).stream();
+        let mut stream = Seed::root(wanted.seed).child("sample").child(town).child(&rule.name).stream();
         let first = scenario.cast.pedestrian.first_heading;
-        let survey = rule.survey(&scenario.town, &scenario.obstacles, first, count, &mut stream);
-        let picture = options.out.join(format!("spawn-{}-{}-{town}.svg", campaign.name, rule.name));
+        let survey = rule.survey(&scenario.town, &scenario.obstacles, first, wanted.count, &mut stream);
+        let picture = wanted.out.join(format!("spawn-{}-{}-{town}.svg", campaign.name, rule.name));
         let shown = &survey.spawns[..survey.spawns.len().min(DRAWN)];
         report::write_file(&picture, report::spawn_map(&scenario.town, shown).as_bytes())?;
         let constraints = survey.constraints.into_iter().map(|(constraint, passed)| Share { constraint, passed });
@@ -82,15 +95,15 @@ fn survey<'a>(campaign: &'a Campaign, count: u32, options: &CheckOptions) -> Res
 }
 
 fn show(campaign: &Campaign, samples: &[Sample]) {
-    front::say(&format!("campaign {}", campaign.name));
+    console::say(&format!("campaign {}", campaign.name));
     for sample in samples {
         let Sample { spawn, town, tried, accepted, .. } = sample;
         let share = |passed: u32| 100.0 * f64::from(passed) / f64::from(*tried);
-        let tries = front::count(*tried as usize, "beginning");
-        front::say(&format!("  {spawn} in {town}: {accepted} of {tries} accepted ({:.2} %)", share(*accepted)));
+        let tries = console::count(*tried as usize, "beginning");
+        console::say(&format!("  {spawn} in {town}: {accepted} of {tries} accepted ({:.2} %)", share(*accepted)));
         for Share { constraint, passed } in &sample.constraints {
-            front::say(&format!("    {:>6.2} %  {constraint}", share(*passed)));
+            console::say(&format!("    {:>6.2} %  {constraint}", share(*passed)));
         }
-        front::say(&format!("    {}", sample.picture));
+        console::say(&format!("    {}", sample.picture));
     }
 }

@@ -1,20 +1,54 @@
 use std::collections::BTreeSet;
+use std::path::PathBuf;
 
-use super::args::CellsOptions;
-use super::{ExitCode, front, run};
+use clap::Args;
+
+use super::exit_code::ExitCode;
+use super::{console, failure};
 use crate::store::{Store, StoreError, Wants};
+
+/// Shown after the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  falsify cells                              what is kept in reports/.cells, by campaign
+  falsify cells --prune                      remove what belongs to no campaign as it was run last
+  falsify cells --cache /scratch/cells --prune --gone
+                                             of a shared folder, also what was for reports that are deleted now";
+
+/// Options of `falsify cells`.
+#[derive(Debug, Args)]
+pub struct CellsOptions {
+    /// The folder for reports.
+    #[arg(default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
+    pub out: PathBuf,
+    /// The folder that `run` was given as --cache.
+    #[arg(long, env = "FALSIFY_CACHE", value_name = "DIR")]
+    pub cache: Option<PathBuf>,
+    /// Remove cells that no campaign wanted when it was run last, whichever folder for reports it was run for.
+    #[arg(long)]
+    pub prune: bool,
+    /// Also give up what was run for folders that are not there, or not to be seen from here.
+    #[arg(long, requires = "prune")]
+    pub gone: bool,
+}
 
 /// `falsify cells`
 pub fn cells(options: &CellsOptions) -> ExitCode {
     if let Some(missing) = options.cache.as_ref().filter(|cache| !cache.exists()) {
-        front::fail(&format!("the cache `{}` is not there", missing.display()));
+        console::fail(&format!("the cache `{}` is not there", missing.display()));
         return ExitCode::Usage;
     }
-    let note = Box::new(|text: &str| front::warn(text));
+    let note = Box::new(|text: &str| console::warn(text));
     let (out, cache) = (&options.out, options.cache.as_deref());
     let opened = if options.prune { Store::open(out, cache, note) } else { Store::look(out, cache, note) };
     let told = opened.and_then(|store| tell(&store, options));
-    told.map_or_else(|error| run::no_store(&error), |()| ExitCode::Done)
+    told.map_or_else(
+        |error| {
+            console::fail(&error.to_string());
+            failure::store_code(&error)
+        },
+        |()| ExitCode::Done,
+    )
 }
 
 fn tell(store: &Store, options: &CellsOptions) -> Result<(), StoreError> {
@@ -28,7 +62,7 @@ fn tell(store: &Store, options: &CellsOptions) -> Result<(), StoreError> {
         let there: Vec<u64> = cells.iter().filter_map(|id| sizes.get(id).copied()).collect();
         let of = elsewhere.as_ref().map_or(String::new(), |out| format!(" of `{}`", out.display()));
         let (count, all, size) = (there.len(), cells.len(), megabytes(there.iter().sum()));
-        front::say(&format!("campaign {campaign}{of}: {count} of {all} cells, {size}"));
+        console::say(&format!("campaign {campaign}{of}: {count} of {all} cells, {size}"));
     }
     kept.iter().for_each(|wants| used.extend(&wants.cells));
     let unused: Vec<(&String, &u64)> = sizes.iter().filter(|(id, _)| !used.contains(id)).collect();
@@ -37,12 +71,14 @@ fn tell(store: &Store, options: &CellsOptions) -> Result<(), StoreError> {
     if options.prune {
         gone.iter().try_for_each(|wants| store.give_up(wants))?;
         unused.iter().try_for_each(|(id, _)| store.remove(id))?;
-        front::say(&format!("removed {what}"));
+        console::say(&format!("removed {what}"));
     } else {
-        front::say(&format!("{what}{}", if unused.is_empty() { "" } else { "; --prune removes them" }));
+        console::say(&format!("{what}{}", if unused.is_empty() { "" } else { "; --prune removes them" }));
     }
     if !options.gone && kept.iter().any(Wants::is_gone) {
-        front::say("some folders for reports are not there, or not to be seen from here; --prune --gone gives them up");
+        console::say(
+            "some folders for reports are not there, or not to be seen from here; --prune --gone gives them up",
+        );
     }
     Ok(())
 }

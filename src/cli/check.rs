@@ -1,80 +1,129 @@
-use std::io::Write;
+use std::path::PathBuf;
 
-use serde::Serialize;
+use clap::{Args, ValueEnum};
 
-use super::args::{CheckOptions, Format};
-use super::front::{self, Gathered};
-use super::{ExitCode, beginnings};
-use crate::compile::Overrides;
+use super::exit_code::ExitCode;
+use super::input::{GivenOptions, session};
+use super::{beginnings, console, failure};
+use crate::compile::Plan;
 use crate::diagnostic::{Severity, records, sarif};
 use crate::lang::mistakes::mistakes;
+use crate::session::{Checked, Error};
 
-const PLAIN: &str = "texts and numbers can be written as JSON";
+/// Shown after the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  falsify check my.scn                       draw every mistake under its line
+  falsify check --format json my.scn         one JSON object a line, for programs
+  falsify check --format sarif my.scn        SARIF 2.1.0, which code hosts show beside the lines
+  falsify check --sample 1000 --format json my.scn
+                                             where episodes would begin, for programs
+
+Exit codes: 0 no errors   2 missing file   3 errors";
+
+/// Options of `falsify check`.
+#[derive(Debug, Args)]
+pub struct CheckOptions {
+    /// How mistakes are shown.
+    #[arg(long, value_enum, default_value_t = Format::Human, value_name = "FORMAT")]
+    pub format: Format,
+    /// Scenario files.
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// What replaces parts of the files.
+    #[command(flatten)]
+    pub given: GivenOptions,
+    /// Also draw so many beginnings of every spawn in every town, and say how many satisfy each constraint; also where nobody
+    /// can be placed, to see what stands in the way. Not with SARIF, which has no place for it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    pub sample: Option<u32>,
+    /// Folder for the pictures of `--sample`, `spawn-CAMPAIGN-SPAWN-TOWN.svg`.
+    #[arg(long, short, default_value = ".", value_name = "DIR", requires = "sample")]
+    pub out: PathBuf,
+    /// Number from which the beginnings of `--sample` follow.
+    #[arg(long, default_value_t = 1, value_name = "N", requires = "sample")]
+    pub seed: u64,
+}
+
+/// How mistakes are shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// Drawn under the line, on the error stream.
+    Human,
+    /// One JSON object a line, on the output.
+    Json,
+    /// A SARIF 2.1.0 log, on the output.
+    Sarif,
+}
 
 /// `falsify check`
 pub fn check(options: &CheckOptions) -> ExitCode {
     if options.format == Format::Sarif && options.sample.is_some() {
-        front::fail("SARIF has no place for samples; take `--format json`");
+        console::fail("SARIF has no place for samples; take `--format json`");
         return ExitCode::Usage;
     }
-    let overrides = Overrides { only_checked: true, ..options.given.overrides() };
-    let gathered = match front::gather(&options.files, &options.given, overrides) {
-        Ok(gathered) => gathered,
-        Err(code) => return code,
+    let input = options.given.input(&options.files);
+    let wanted = crate::session::CheckOptions { input, imported_towns: false };
+    let found = match session(options.given.allow_external).check(&wanted) {
+        Ok(found) => found,
+        Err(error) => return failure::failed(&error),
     };
     let checked = match options.format {
-        Format::Human => for_people(&gathered, options),
-        Format::Json => json(&gathered),
-        Format::Sarif => log(&gathered),
+        Format::Human => for_people(&found),
+        Format::Json => json(&found),
+        Format::Sarif => log(&found),
     };
-    let plan = gathered.compiled.plan.as_ref().or(gathered.compiled.unplaced.as_ref());
+    let plan = found.compiled.plan.as_ref().or(found.compiled.unplaced.as_ref());
     let sampled = match options.sample.zip(plan) {
-        Some((count, plan)) => beginnings::sample(plan, count, options),
+        Some((count, plan)) => sample(plan, count, options),
         None => ExitCode::Done,
     };
-    // The program ends here; to take a plan to pieces first is lost time.
-    std::mem::forget(gathered);
+    // The program ends here; to take a plan to pieces first costs time.
+    std::mem::forget(found);
     if checked == ExitCode::Done { sampled } else { checked }
 }
 
-fn for_people(gathered: &Gathered, options: &CheckOptions) -> ExitCode {
-    if let Err(code) = front::tell(gathered, &options.given, "") {
-        return code;
-    }
-    let campaigns = gathered.compiled.plan.as_ref().map_or(0, |plan| plan.campaigns.len());
-    let (files, campaigns) = (front::count(gathered.records.len(), "file"), front::count(campaigns, "campaign"));
-    front::say(&format!("{files} and {campaigns} checked: no errors"));
-    if let Some(plan) = gathered.compiled.plan.as_ref().filter(|plan| plan.campaigns.is_empty())
-        && !plan.imported_campaigns.is_empty()
-    {
-        front::say(&plan.without_campaigns());
+fn sample(plan: &Plan, count: u32, options: &CheckOptions) -> ExitCode {
+    let json = options.format == Format::Json;
+    beginnings::sample(plan, &beginnings::Wanted { count, seed: options.seed, out: &options.out, json })
+}
+
+fn for_people(found: &Checked) -> ExitCode {
+    console::show(&found.compiled.diagnostics, &found.sources);
+    let plan = match found.plan() {
+        Ok(plan) => plan,
+        Err(error @ Error::Scenario { .. }) => {
+            console::fail(&error.to_string());
+            return ExitCode::Scenario;
+        }
+        Err(other) => return failure::failed(&other),
+    };
+    let files = console::count(found.records.len(), "file");
+    let campaigns = console::count(plan.campaigns.len(), "campaign");
+    console::say(&format!("{files} and {campaigns} checked: no errors"));
+    if plan.campaigns.is_empty() && !plan.imported_campaigns.is_empty() {
+        console::say(&plan.without_campaigns());
     }
     ExitCode::Done
 }
 
 /// Prints what was found for programs, one object a line.
-fn json(gathered: &Gathered) -> ExitCode {
-    lines(&records(&gathered.compiled.diagnostics, &gathered.sources));
-    code(gathered)
+fn json(found: &Checked) -> ExitCode {
+    console::say_objects(&records(&found.compiled.diagnostics, &found.sources));
+    code(found)
 }
 
 /// Prints what was found as SARIF.
-fn log(gathered: &Gathered) -> ExitCode {
+fn log(found: &Checked) -> ExitCode {
     let mistakes = mistakes();
     let rules: Vec<(&str, &str)> = mistakes.iter().map(|mistake| (mistake.code, mistake.text)).collect();
-    let records = records(&gathered.compiled.diagnostics, &gathered.sources);
-    front::say(&serde_json::to_string_pretty(&sarif(&records, &rules)).expect(PLAIN));
-    code(gathered)
+    let records = records(&found.compiled.diagnostics, &found.sources);
+    let log = serde_json::to_string_pretty(&sarif(&records, &rules));
+    console::say(&log.expect("texts and numbers have a form in JSON"));
+    code(found)
 }
 
-fn code(gathered: &Gathered) -> ExitCode {
-    let errors = gathered.compiled.diagnostics.iter().any(|each| each.severity == Severity::Error);
+fn code(found: &Checked) -> ExitCode {
+    let errors = found.compiled.diagnostics.iter().any(|each| each.severity == Severity::Error);
     if errors { ExitCode::Scenario } else { ExitCode::Done }
-}
-
-/// Prints objects, one a line; in one piece, since there may be very many.
-pub fn lines(objects: &[impl Serialize]) {
-    let lines: Vec<String> = objects.iter().map(|object| serde_json::to_string(object).expect(PLAIN) + "\n").collect();
-    // A reader that has gone away is no mistake.
-    let _ = std::io::stdout().write_all(lines.concat().as_bytes());
 }

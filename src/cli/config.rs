@@ -1,8 +1,17 @@
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command};
 
+use super::console;
+use super::exit_code::ExitCode;
 use super::settings::{self, FILE, Settings};
-use super::{ExitCode, front};
+
+/// Shown after the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  falsify config                             every setting, its value and where it comes from
+  falsify config --seed 7 > falsify.toml     begin a file of settings
+
+A flag comes before the environment, which comes before falsify.toml, in this folder or the nearest one above.";
 
 /// Gives the command `config` the options that it shows.
 pub fn with_options(command: Command) -> Command {
@@ -12,8 +21,8 @@ pub fn with_options(command: Command) -> Command {
 /// `falsify config`: every setting with its value and where it comes from, in the form of `falsify.toml`.
 pub fn config(matches: &ArgMatches, settings: Option<&Settings>) -> ExitCode {
     match settings {
-        Some(settings) => front::say(&format!("# {}", settings.path.display())),
-        None => front::say(&format!("# no {FILE} here or in a folder above")),
+        Some(settings) => console::say(&format!("# {}", settings.path.display())),
+        None => console::say(&format!("# no {FILE} here or in a folder above")),
     }
     let lines: Vec<(String, String)> = settings::options()
         .iter()
@@ -23,7 +32,7 @@ pub fn config(matches: &ArgMatches, settings: Option<&Settings>) -> ExitCode {
         })
         .collect();
     let width = lines.iter().map(|(line, _)| line.chars().count()).max().unwrap_or(0);
-    lines.iter().for_each(|(line, origin)| front::say(&format!("{line:width$}  # {origin}")));
+    lines.iter().for_each(|(line, origin)| console::say(&format!("{line:width$}  # {origin}")));
     ExitCode::Done
 }
 

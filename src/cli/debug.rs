@@ -1,22 +1,61 @@
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use super::args::{DebugOptions, Tree};
-use super::{ExitCode, front};
+use clap::{Args, ValueEnum};
+
+use super::exit_code::ExitCode;
+use super::input::{GivenOptions, session};
+use super::{console, failure};
 use crate::compile::{Catalog, Plan};
 use crate::diagnostic::{Severity, Sources};
 use crate::env::Scenario;
 use crate::lang::{self, Checked, outline};
 
+/// Shown after the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  falsify debug ast my.scn                   what was written
+  falsify debug hir my.scn                   what is meant: names resolved, SI values, defaults filled in
+  falsify debug plan my.scn                  what would be run, with every figure
+  falsify debug hir --set 'far=20 m' my.scn  the same with another value";
+
+/// Options of `falsify debug`.
+#[derive(Debug, Args)]
+pub struct DebugOptions {
+    /// Which tree.
+    #[arg(value_enum)]
+    pub tree: Tree,
+    /// A scenario file.
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// What replaces parts of the file; maps matter to the plan alone.
+    #[command(flatten)]
+    pub given: GivenOptions,
+}
+
+/// What can be shown of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Tree {
+    /// What was written.
+    Ast,
+    /// What is meant: names resolved, SI values, defaults filled in.
+    Hir,
+    /// What would be run.
+    Plan,
+}
+
 /// `falsify debug`
 pub fn debug(options: &DebugOptions) -> ExitCode {
     match options.tree {
-        Tree::Plan => match front::compile_files(std::slice::from_ref(&options.file), &options.given) {
-            Ok((plan, _)) => {
-                front::say(show_plan(&plan).trim_end());
-                ExitCode::Done
+        Tree::Plan => {
+            let input = options.given.input(std::slice::from_ref(&options.file));
+            match session(options.given.allow_external).plan(&input) {
+                Ok(planned) => {
+                    console::say(show_plan(&planned.plan).trim_end());
+                    ExitCode::Done
+                }
+                Err(error) => failure::failed(&error),
             }
-            Err(code) => code,
-        },
+        }
         tree => show_tree(tree, &options.file, &options.given.set),
     }
 }
@@ -28,7 +67,7 @@ fn show_tree(tree: Tree, file: &Path, settings: &[String]) -> ExitCode {
     let mut loaded = match lang::load(&[file.to_path_buf()], &read, &mut sources) {
         Ok(loaded) => loaded,
         Err(error) => {
-            front::fail(&error.to_string());
+            console::fail(&error.to_string());
             return ExitCode::Usage;
         }
     };
@@ -38,23 +77,23 @@ fn show_tree(tree: Tree, file: &Path, settings: &[String]) -> ExitCode {
     said.extend(lang::apply(&settings, &mut loaded));
     if let Tree::Ast = tree {
         let roots = loaded.files.iter().filter(|file| loaded.roots.contains(&file.source));
-        roots.for_each(|root| front::say(outline(root).trim_end()));
+        roots.for_each(|root| console::say(outline(root).trim_end()));
     } else {
         let catalog = Catalog::builtin();
         // A matrix belongs to the files, not to the program that one of its combinations makes.
         said.extend(lang::matrices(&mut loaded, &catalog.forms, &settings, &sources).1);
         let (program, more) = lang::check(&loaded, &sources, &catalog.forms, &mut Checked::new(&catalog.vocabulary));
         said.extend(more);
-        front::say(outline(&program).trim_end());
+        console::say(outline(&program).trim_end());
     }
-    front::show(&said, &sources);
+    console::show(&said, &sources);
     if said.iter().any(|each| each.severity == Severity::Error) { ExitCode::Scenario } else { ExitCode::Done }
 }
 
 fn show_plan(plan: &Plan) -> String {
     let mut text = String::new();
     for town in &plan.towns {
-        text.push_str(&format!("town {}: {}\n", town.name, front::count(town.town.roads.len(), "road")));
+        text.push_str(&format!("town {}: {}\n", town.name, console::count(town.town.roads.len(), "road")));
     }
     for campaign in &plan.campaigns {
         text.push_str(&format!("campaign {}\n", campaign.name));
@@ -69,7 +108,7 @@ fn show_plan(plan: &Plan) -> String {
         }
         for training in &campaign.trainings {
             let key = &training.key;
-            let environments = front::count(training.environments, "environment");
+            let environments = console::count(training.environments, "environment");
             text.push_str(&format!(
                 "  training: {} in {} against {}, run {}, {environments}\n",
                 key.reward, key.town, key.policy, key.run
@@ -89,7 +128,7 @@ fn show_plan(plan: &Plan) -> String {
                 evaluation.town,
                 evaluation.policy,
                 evaluation.vehicle,
-                front::count(evaluation.episodes as usize, "episode")
+                console::count(evaluation.episodes as usize, "episode")
             ));
             text.push_str(&show_scenario(&evaluation.scenario));
         }

@@ -1,16 +1,36 @@
-use super::args::ExplainOptions;
-use super::{ExitCode, front};
+use clap::Args;
+
+use super::console;
+use super::exit_code::ExitCode;
 use crate::compile::Catalog;
+
+/// Shown after the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  falsify explain                            list everything
+  falsify explain missing-unit               a diagnostic, with a bad and a good example
+  falsify explain policy idm                 the keys of a kind, with types, units and defaults
+  falsify explain training ppo gamma         one key
+  falsify explain matrix                     a word of the language, with an example";
+
+/// Options of `falsify explain`.
+#[derive(Debug, Args)]
+pub struct ExplainOptions {
+    /// A code; a form, a form and a kind, and a key of it; a word such as `param` or `normal`; an event, a variable; or `events`,
+    /// `variables`, `units`.
+    #[arg(value_name = "WORD")]
+    pub words: Vec<String>,
+}
 
 /// `falsify explain`
 pub fn explain(options: &ExplainOptions) -> ExitCode {
     match Catalog::builtin().explain(&options.words) {
         Ok(text) => {
-            front::say(text.trim_end());
+            console::say(text.trim_end());
             ExitCode::Done
         }
         Err(message) => {
-            front::fail(&message);
+            console::fail(&message);
             ExitCode::Usage
         }
     }

@@ -1,10 +1,33 @@
 use std::io::{Read, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use super::args::FmtOptions;
-use super::{ExitCode, front};
+use clap::Args;
+
+use super::console;
+use super::exit_code::ExitCode;
 use crate::diagnostic::Sources;
 use crate::lang;
+
+/// Shown after the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  falsify fmt my.scn                         lay the file out anew
+  falsify fmt --check scenarios/*.scn        only say which files are not laid out; exit code 3 if any is not
+  falsify fmt --stdin < my.scn               for editors: from the input to the output";
+
+/// Options of `falsify fmt`.
+#[derive(Debug, Args)]
+pub struct FmtOptions {
+    /// Scenario files.
+    #[arg(required_unless_present = "stdin", value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Change nothing; name the files that would change.
+    #[arg(long)]
+    pub check: bool,
+    /// Read from the input and write to the output.
+    #[arg(long, conflicts_with = "files")]
+    pub stdin: bool,
+}
 
 /// `falsify fmt`
 pub fn fmt(options: &FmtOptions) -> ExitCode {
@@ -25,7 +48,7 @@ fn file(path: &Path, check: bool) -> ExitCode {
     let text = match std::fs::read_to_string(path) {
         Ok(text) => text,
         Err(error) => {
-            front::fail(&format!("cannot read `{}`: {}", path.display(), lang::reason(&error)));
+            console::fail(&format!("cannot read `{}`: {}", path.display(), lang::reason(&error)));
             return ExitCode::Usage;
         }
     };
@@ -37,13 +60,13 @@ fn file(path: &Path, check: bool) -> ExitCode {
         return ExitCode::Done;
     }
     if check {
-        front::say(&path.display().to_string());
+        console::say(&path.display().to_string());
         return ExitCode::Scenario;
     }
     match write(path, &laid_out) {
         Ok(()) => ExitCode::Done,
         Err(error) => {
-            front::fail(&format!("cannot write `{}`: {error}", path.display()));
+            console::fail(&format!("cannot write `{}`: {error}", path.display()));
             ExitCode::WriteFailed
         }
     }
@@ -52,7 +75,7 @@ fn file(path: &Path, check: bool) -> ExitCode {
 fn input(check: bool) -> ExitCode {
     let mut text = String::new();
     if let Err(error) = std::io::stdin().read_to_string(&mut text) {
-        front::fail(&format!("cannot read the input: {}", lang::reason(&error)));
+        console::fail(&format!("cannot read the input: {}", lang::reason(&error)));
         return ExitCode::Usage;
     }
     match lay_out(Path::new("<input>"), &text) {
@@ -76,8 +99,8 @@ fn lay_out(path: &Path, text: &str) -> Result<String, ExitCode> {
     let mut sources = Sources::default();
     let source = sources.add(path, text.strip_prefix('\u{feff}').unwrap_or(text));
     lang::format(source, text).map_err(|said| {
-        front::show(&said, &sources);
-        front::fail(&format!("`{}` cannot be read and was left alone", path.display()));
+        console::show(&said, &sources);
+        console::fail(&format!("`{}` cannot be read and was left alone", path.display()));
         ExitCode::Scenario
     })
 }

@@ -1,74 +1,75 @@
-//! What makes a run pass or fail, and what a server of continuous integration is told.
+//! Conditions under which a run fails, and what a server of continuous integration reads.
 
-use std::sync::{Mutex, PoisonError};
+use std::path::PathBuf;
 
-use super::repeat_args::GateOptions;
-use super::{ExitCode, front};
-use crate::report::{self, Gate, Judged, Manifest, Metrics, Suite};
+use clap::Args;
 
-/// The gates of a run, and what they have seen.
-pub struct Gates<'a> {
-    options: &'a GateOptions,
-    gates: Vec<Gate>,
-    suites: Mutex<Vec<Suite>>,
+use super::console;
+use super::exit_code::ExitCode;
+use crate::report::{self, Gate, Judged, Suite};
+use crate::session::{CampaignReport, RunReport};
+
+/// Options that make a run pass or fail.
+#[derive(Debug, Default, Args)]
+pub struct GateOptions {
+    /// Fail (exit code 7) when a cell is so, as 'preventable_rate > 0.05' or 'collision_rate_wilson_low > 0.2 and town == village':
+    /// columns of the table `cells`; may be given several times.
+    #[arg(long, value_name = "CONDITION")]
+    pub fail_if: Vec<String>,
+    /// Also write what came out as JUnit XML, one test case for each cell.
+    #[arg(long, value_name = "FILE")]
+    pub junit: Option<PathBuf>,
 }
 
-impl<'a> Gates<'a> {
-    /// Reads the gates, before anything is run.
+impl GateOptions {
+    /// Reads the conditions.
     ///
     /// # Errors
     /// The exit code, after the reason has been printed.
-    pub fn new(options: &'a GateOptions) -> Result<Self, ExitCode> {
-        let gates = options.fail_if.iter().map(|text| Gate::parse(text)).collect::<Result<_, _>>();
-        let gates = gates.map_err(|error| {
-            front::fail(&format!("--fail-if: {error}"));
+    pub fn gates(&self) -> Result<Vec<Gate>, ExitCode> {
+        self.fail_if.iter().map(|text| Gate::parse(text)).collect::<Result<_, _>>().map_err(|error| {
+            console::fail(&format!("--fail-if: {error}"));
             ExitCode::Usage
-        })?;
-        Ok(Self { options, gates, suites: Mutex::default() })
-    }
-
-    /// Judges the cells of a campaign and says which gates are broken; whether none is.
-    pub fn judge(&self, manifest: &Manifest, metrics: &Metrics) -> bool {
-        if self.gates.is_empty() && self.options.junit.is_none() {
-            return true;
-        }
-        let cells = metrics.cells().unwrap_or_default();
-        let mut passed = true;
-        let judge = |gate: &Gate| (gate.clone(), gate.judge(&metrics.cells));
-        let gates: Vec<(Gate, Vec<Judged>)> = self.gates.iter().map(judge).collect();
-        for (gate, judged) in &gates {
-            for (cell, judged) in cells.iter().zip(judged) {
-                let cell = format!("{}, {}", manifest.campaign, cell.key.in_full());
-                match judged {
-                    Judged::Broken(values) => {
-                        passed = false;
-                        front::fail(&format!("--fail-if {}: {} in {cell}", gate.text(), report::shown(values)));
-                    }
-                    Judged::Missing(column) => {
-                        front::warn(&format!("--fail-if {}: there is no {column} in {cell}", gate.text()));
-                    }
-                    Judged::Passed | Judged::Elsewhere => {}
-                }
-            }
-            if judged.iter().all(|judged| *judged == Judged::Elsewhere) {
-                front::warn(&format!("--fail-if {}: it speaks of no cell of {}", gate.text(), manifest.campaign));
-            }
-        }
-        self.suites.lock().unwrap_or_else(PoisonError::into_inner).push(Suite {
-            manifest: manifest.clone(),
-            cells,
-            gates,
-        });
-        passed
+        })
     }
 
     /// Writes the JUnit file, if one is wanted.
     ///
     /// # Errors
-    /// The message to print.
-    pub fn write(&self) -> Result<(), String> {
-        let Some(path) = &self.options.junit else { return Ok(()) };
-        let page = report::junit(&self.suites.lock().unwrap_or_else(PoisonError::into_inner));
-        report::write_file(path, page.as_bytes()).map_err(|error| error.to_string())
+    /// The exit code, after the reason has been printed.
+    pub fn write(&self, run: &RunReport) -> Result<(), ExitCode> {
+        let Some(path) = &self.junit else { return Ok(()) };
+        let suite = |report: &CampaignReport| Suite {
+            manifest: report.manifest.clone(),
+            cells: report.cells.clone(),
+            gates: report.gates.clone(),
+        };
+        let suites: Vec<Suite> = run.reports().map(suite).collect();
+        report::write_file(path, report::junit(&suites).as_bytes()).map_err(|error| {
+            console::fail(&error.to_string());
+            ExitCode::WriteFailed
+        })
+    }
+}
+
+/// Reports which conditions are true of which cells of a campaign, and which cannot be judged.
+pub fn show(report: &CampaignReport) {
+    let campaign = &report.manifest.campaign;
+    for (gate, judged) in &report.gates {
+        for (cell, judged) in report.cells.iter().zip(judged) {
+            let cell = format!("{campaign}, {}", cell.key.in_full());
+            match judged {
+                Judged::Broken(values) => {
+                    console::fail(&format!("--fail-if {}: {} in {cell}", gate.text(), report::shown(values)));
+                }
+                Judged::Missing(column) => {
+                    console::warn(&format!("--fail-if {}: there is no {column} in {cell}", gate.text()));
+                }
+                Judged::Passed | Judged::Elsewhere => {}
+            }
+        }
+        if judged.iter().all(|judged| *judged == Judged::Elsewhere) {
+            console::warn(&format!("--fail-if {}: it speaks of no cell of {campaign}", gate.text()));
+        }
     }
 }

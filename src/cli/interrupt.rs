@@ -1,32 +1,34 @@
 //! Ctrl-C: the first one asks for a clean end, the second one ends at once.
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, LazyLock};
 
-use super::{ExitCode, front};
+use super::console;
+use super::exit_code::ExitCode;
+use crate::session::Stop;
 
-static ASKED: AtomicUsize = AtomicUsize::new(0);
-static HELD: AtomicBool = AtomicBool::new(false);
+static STOP: LazyLock<Arc<Stop>> = LazyLock::new(Arc::default);
 
-/// While held, a second Ctrl-C waits: a report is being put in its place.
-pub fn hold(held: bool) {
-    HELD.store(held, Ordering::Relaxed);
+/// The flag that the first Ctrl-C raises.
+pub fn stop() -> Arc<Stop> {
+    STOP.clone()
 }
 
-/// Begins to listen.
+/// Starts to listen.
 pub fn listen() {
     // Without the handler Ctrl-C ends the program at once, which loses the campaign in hand and nothing else.
     let _ = ctrlc::set_handler(|| {
-        if ASKED.fetch_add(1, Ordering::Relaxed) > 0 {
-            if HELD.load(Ordering::Relaxed) {
+        if STOP.ask() {
+            // A second one waits while a report is put in its place.
+            if STOP.is_placing() {
                 return;
             }
             end_at_once();
         }
-        front::note("\nstopping after the work in hand; once more to stop at once");
+        console::note("\nstopping after the work in hand; once more to stop at once");
     });
 }
 
-/// Begins to listen, for commands that have nothing to lose: the first Ctrl-C ends the program.
+/// Starts to listen, for commands that have nothing to lose: the first Ctrl-C ends the program.
 pub fn end_when_asked() {
     let _ = ctrlc::set_handler(|| end_at_once());
 }
@@ -35,9 +37,4 @@ pub fn end_when_asked() {
 fn end_at_once() -> ! {
     crate::process::end_all();
     std::process::exit(ExitCode::Interrupted as i32)
-}
-
-/// Whether the user asked to stop.
-pub fn asked() -> bool {
-    ASKED.load(Ordering::Relaxed) > 0
 }

@@ -3,12 +3,20 @@
 use clap::error::Error;
 use clap::{ArgMatches, Args, Command, FromArgMatches};
 
-use super::args::{
-    CellsOptions, CheckOptions, DebugOptions, ExplainOptions, FmtOptions, MapOptions, MergeOptions, NewOptions,
-    RunOptions, StatusOptions,
-};
+use super::cells::CellsOptions;
+use super::check::CheckOptions;
 use super::config;
-use super::repeat_args::{RenderOptions, ReplayOptions, VerifyOptions};
+use super::debug::DebugOptions;
+use super::explain::ExplainOptions;
+use super::fmt::FmtOptions;
+use super::map::MapOptions;
+use super::merge::MergeOptions;
+use super::new::NewOptions;
+use super::render::RenderOptions;
+use super::replay::ReplayOptions;
+use super::run::RunOptions;
+use super::status::StatusOptions;
+use super::verify::VerifyOptions;
 
 /// Makes the options of a command.
 type Make = fn(Command) -> Command;

@@ -1,21 +1,19 @@
-use super::front;
-use crate::campaign::{Cell, cells};
-use crate::compile::{Campaign, Pedestrian};
-use crate::store::{Ids, Index, Known, Store};
+use super::console;
+use crate::campaign::Cell;
+use crate::compile::Pedestrian;
+use crate::session::Listing;
+use crate::store::Known;
 
-/// Says what a campaign would run and why, and what is there already.
-pub fn list(campaign: &Campaign, name: &str, store: &Store, seed: u64, fresh: bool) {
-    let (ids, index) = (Ids::new(campaign, seed), Index::read(store, name));
-    let known = |cell| match fresh {
-        true => Known::Missing("--fresh"),
-        false => index.look(store, campaign, cell, &ids, seed),
-    };
-    front::say(&format!("campaign {name}"));
+/// Prints what a run would do for a campaign and why, and what is there already.
+pub fn list(listing: &Listing) {
+    let Listing { name, campaign, tasks } = listing;
+    let known = |cell| tasks[&cell].clone();
+    console::say(&format!("campaign {name}"));
     for (number, training) in campaign.trainings.iter().enumerate() {
         let key = &training.key;
         let decisions = training.config.total_steps;
         let state = told(&known(Cell::Training(number)), "updates");
-        front::say(&format!(
+        console::say(&format!(
             "  train  {} in {} against {}, run {}: {decisions} decisions [{state}]",
             key.reward, key.town, key.policy, key.run
         ));
@@ -29,7 +27,7 @@ pub fn list(campaign: &Campaign, name: &str, store: &Store, seed: u64, fresh: bo
             other => format!("{} ({}, run {})", other.name(), key.reward, key.run),
         };
         let chunks = (0..evaluation.chunks()).map(|chunk| known(Cell::Chunk { evaluation: number, chunk }));
-        front::say(&format!(
+        console::say(&format!(
             "  try    {who} in {} against {}: {} episodes [{}]",
             evaluation.town,
             evaluation.policy,
@@ -40,14 +38,14 @@ pub fn list(campaign: &Campaign, name: &str, store: &Store, seed: u64, fresh: bo
     for (number, search) in campaign.searches.iter().enumerate() {
         let key = &search.key;
         let state = told(&known(Cell::Search(number)), "episodes");
-        front::say(&format!(
+        console::say(&format!(
             "  search {} in {} against {}, run {}: {} ticks [{state}]",
             key.falsifier, key.town, key.policy, key.run, search.budget
         ));
     }
-    let all = cells(campaign).count();
-    let there = cells(campaign).filter(|cell| known(*cell) == Known::Finished).count();
-    front::say(&format!("  {} of {all} cells to run, {there} to reuse", all - there));
+    let all = tasks.len();
+    let there = tasks.values().filter(|known| **known == Known::Finished).count();
+    console::say(&format!("  {} of {all} cells to run, {there} to reuse", all - there));
 }
 
 fn told(known: &Known, unit: &str) -> String {

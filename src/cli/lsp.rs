@@ -1,7 +1,13 @@
 use std::path::PathBuf;
 
-use super::{ExitCode, front};
+use super::console;
+use super::exit_code::ExitCode;
 use crate::lsp::{Ending, serve};
+
+/// Shown after the help.
+pub const EXAMPLES: &str = "\
+Examples (see grammar/README.md for editors' settings):
+  falsify lsp                                an editor starts it and speaks to it";
 
 /// The user's folder for what can be made again.
 ///
@@ -20,7 +26,7 @@ pub fn lsp() -> ExitCode {
         Ok(Ending::Orderly) => ExitCode::Done,
         Ok(Ending::Abrupt) => ExitCode::Internal,
         Err(error) => {
-            front::fail(&error.to_string());
+            console::fail(&error.to_string());
             ExitCode::Usage
         }
     }

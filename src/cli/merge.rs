@@ -1,127 +1,129 @@
-//! `falsify merge`: the report of a campaign whose cells were made apart.
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use std::sync::Arc;
 
-use std::collections::{BTreeMap, BTreeSet};
+use clap::Args;
 
-use rayon::prelude::*;
-
-use super::args::{MergeOptions, Output};
-use super::progress::Event;
-use super::{ExitCode, front, interrupt, run};
-use crate::campaign::{self, Cell, cells};
+use super::exit_code::ExitCode;
+use super::input::session;
+use super::run::{RunOptions, RunReporter, ended, finished};
+use super::{console, failure, interrupt};
+use crate::campaign::{self, Cell};
 use crate::compile::Campaign;
-use crate::store::{Ids, Store, StoreError, Taken, cell_name};
+use crate::diagnostic::{Diagnostic, Sources};
+use crate::session::{self, CampaignOutcome, Incomplete, Notice, Observer};
+use crate::store::Taken;
 
 /// Most cells that are named one by one.
 const SHOWN: usize = 10;
 
+/// Shown after the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  falsify run --shard 0/2 --out a my.scn     on one machine
+  falsify run --shard 1/2 --out b my.scn     on another one
+  falsify merge my.scn --from a b --out reports --shards 2
+                                             the report that one machine would have written, byte for byte
+  falsify merge my.scn --out shared          when all shards wrote to one folder
+
+Exit codes: 0 done   9 cells are missing, which are named, with the shards that make them   others as of `run`";
+
+/// Options of `falsify run` that say how to work, which a merge does not.
+const IDLE: [&str; 7] = ["list", "fresh", "shard", "only", "checkpoint", "cell_time", "max_ticks"];
+
+/// Options of `falsify merge`. What means nothing there is left out of the help.
+#[derive(Debug, Args)]
+#[command(mut_args(|arg| if IDLE.contains(&arg.get_id().as_str()) { arg.hide(true) } else { arg }))]
+pub struct MergeOptions {
+    /// What was run.
+    #[command(flatten)]
+    pub run: RunOptions,
+    /// Folders with the cells of shards, their --out or their --cache, beside those that are in the folder for the reports already.
+    #[arg(long, num_args = 1.., value_name = "DIR")]
+    pub from: Vec<PathBuf>,
+    /// How many shards there were, to be told which of them to do again.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub shards: Option<u32>,
+    /// Write what is there as NAME-partial even if something is missing.
+    #[arg(long)]
+    pub partial: bool,
+}
+
 /// `falsify merge`
 pub fn merge(options: &MergeOptions) -> ExitCode {
-    let code = put_together(options);
-    if options.run.format == Output::Json {
-        Event::RunEnded { exit_code: code as u8 }.tell();
-    }
-    code
+    ended(options.run.format, put_together(options).unwrap_or_else(|code| code))
 }
 
-fn put_together(options: &MergeOptions) -> ExitCode {
-    let work = &options.run;
-    if work.shard.is_some() || work.list || work.fresh {
-        front::fail("a merge does nothing but put together; leave --shard, --list and --fresh to `falsify run`");
-        return ExitCode::Usage;
+fn put_together(options: &MergeOptions) -> Result<ExitCode, ExitCode> {
+    let run = &options.run;
+    if run.shard.is_some() || run.list || run.fresh {
+        console::fail("a merge does nothing but put together; leave --shard, --list and --fresh to `falsify run`");
+        return Err(ExitCode::Usage);
     }
-    let mut plan = match front::compile_files(&work.files, &work.given) {
-        Ok((plan, _)) => plan,
-        Err(code) => return code,
-    };
-    if work.smoke {
-        plan.campaigns.iter_mut().for_each(campaign::smoke);
+    let wanted = session::MergeOptions { run: run.wanted()?, from: options.from.clone(), partial: options.partial };
+    let reporter = MergeReporter { inner: run.reporter(), shards: options.shards };
+    let session = session(run.given.allow_external).with_observer(Arc::new(reporter));
+    match session.merge(&wanted).map_err(|error| failure::failed(&error))? {
+        Some(report) => finished(run, &report),
+        None if interrupt::stop().is_asked() => Ok(ExitCode::Interrupted),
+        None => Ok(ExitCode::Incomplete),
     }
-    if let Some(missing) = options.from.iter().find(|folder| !folder.is_dir()) {
-        front::fail(&format!("there is no folder `{}`", missing.display()));
-        return ExitCode::Usage;
-    }
-    // What is damaged is told below, with what to do about it.
-    let store = match Store::open(&work.out, work.cache.as_deref(), Box::new(|_| {})) {
-        Ok(store) => store,
-        Err(error) => return run::no_store(&error),
-    };
-    let others: Vec<Store> = options.from.iter().map(|folder| Store::within(folder, Box::new(|_| {}))).collect();
-    for (folder, _) in options.from.iter().zip(&others).filter(|(_, store)| !store.is_there()) {
-        let folder = folder.display();
-        front::warn(&format!("there are no cells in `{folder}`; where a shard was given --cache, name that folder"));
-    }
-    let pool = match run::pool(work.threads) {
-        Ok(pool) => pool,
-        Err(code) => return code,
-    };
-    interrupt::listen();
-    let mut whole = true;
-    for campaign in &plan.campaigns {
-        match pool.install(|| gather(campaign, options, &store, &others)) {
-            Ok(there) => whole &= there,
-            Err(error) => {
-                front::fail(&run::kept(&error.to_string(), &work.out));
-                return ExitCode::WriteFailed;
-            }
-        }
-        if interrupt::asked() {
-            return ExitCode::Interrupted;
-        }
-    }
-    drop(store);
-    if whole || options.partial { run::report(work) } else { ExitCode::Incomplete }
 }
 
-/// Takes all cells of a campaign over; says what is missing, and whether nothing is.
-fn gather(campaign: &Campaign, options: &MergeOptions, store: &Store, others: &[Store]) -> Result<bool, StoreError> {
-    let ids = Ids::new(campaign, options.run.seed);
-    let take = |cell: Cell| {
-        if interrupt::asked() {
-            return Ok((cell, Taken::Missing));
-        }
-        let amount = match cell {
-            Cell::Chunk { evaluation, chunk } => Some(campaign.evaluations[evaluation].chunk(chunk).len() as u64),
-            _ => None,
-        };
-        store.take(ids.get(cell), amount, others).map(|taken| (cell, taken))
-    };
-    let all: Vec<Cell> = cells(campaign).collect();
-    let taken: Vec<(Cell, Taken)> = all.par_iter().map(|cell| take(*cell)).collect::<Result<_, StoreError>>()?;
-    if interrupt::asked() {
-        return Ok(false);
-    }
-    let lacking: Vec<&(Cell, Taken)> =
-        taken.iter().filter(|(_, taken)| !matches!(taken, Taken::Whole | Taken::Failed(_))).collect();
-    if lacking.is_empty() {
-        return Ok(true);
-    }
-    front::fail(&lack(campaign, options, &lacking, all.len()));
-    Ok(false)
+/// Reports as a run does, and which shards make what is missing.
+struct MergeReporter {
+    inner: RunReporter,
+    shards: Option<u32>,
 }
 
-/// Says what is lacking, and what would make it.
-fn lack(campaign: &Campaign, options: &MergeOptions, lacking: &[&(Cell, Taken)], all: usize) -> String {
+impl Observer for MergeReporter {
+    fn diagnostics(&self, diagnostics: &[Diagnostic], sources: &Sources) {
+        self.inner.diagnostics(diagnostics, sources);
+    }
+
+    fn notice(&self, notice: &Notice) {
+        match notice {
+            Notice::Incomplete(incomplete) => console::fail(&lack(incomplete, self.shards)),
+            other => self.inner.notice(other),
+        }
+    }
+
+    fn begun(&self) {
+        self.inner.begun();
+    }
+
+    fn campaign<'a>(&self, campaign: &'a Campaign, tasks: &[Cell]) -> Box<dyn campaign::Observer + 'a> {
+        self.inner.campaign(campaign, tasks)
+    }
+
+    fn ended(&self, outcome: &CampaignOutcome) {
+        self.inner.ended(outcome);
+    }
+}
+
+/// What is missing, and what would make it.
+fn lack(incomplete: &Incomplete, shards: Option<u32>) -> String {
+    let Incomplete { campaign, tasks, all } = incomplete;
     let mut text =
-        format!("{} of the {all} cells of `{}` are not there as they should be:", lacking.len(), campaign.name);
-    for (cell, taken) in lacking.iter().take(SHOWN) {
-        let why = match taken {
-            Taken::Part(done) => format!("unfinished, {done} {}", unit(*cell)),
+        format!("{} of the {all} cells of `{}` are not there as they should be:", tasks.len(), campaign.name);
+    for missing in tasks.iter().take(SHOWN) {
+        let why = match &missing.found {
+            Taken::Part(done) => format!("unfinished, {done} {}", unit(missing.task)),
             Taken::Damaged(path) => format!("`{}` is damaged", path.display()),
             Taken::Differ(one, other) => {
                 format!("`{}` and `{}` differ, so one is not what it says; remove it", one.display(), other.display())
             }
             _ => "missing".into(),
         };
-        text.push_str(&format!("\n  {}: {why}", cell_name(campaign, *cell)));
+        text.push_str(&format!("\n  {}: {why}", missing.name));
     }
-    if lacking.len() > SHOWN {
-        text.push_str(&format!("\n  … and {} more", lacking.len() - SHOWN));
+    if tasks.len() > SHOWN {
+        text.push_str(&format!("\n  … and {} more", tasks.len() - SHOWN));
     }
-    match options.shards {
+    match shards {
         Some(count) => {
-            let deal: BTreeMap<Cell, u32> = campaign::deal(campaign, count).into_iter().collect();
-            let shards: BTreeSet<u32> = lacking.iter().map(|(cell, _)| deal[cell]).collect();
-            text.push_str(&format!("\n  do again, of {count} shards: {}", ranges(&shards)));
+            let shards = ranges(&incomplete.shards(count));
+            text.push_str(&format!("\n  do again, of {count} shards: {shards}"));
         }
         None => text
             .push_str("\n  `falsify run` with the same files does only these; give --shards to see which shards would"),

@@ -2,9 +2,12 @@
 
 mod args;
 mod later;
-mod repeat_args;
 mod exit_code;
-mod front;
+mod console;
+mod failure;
+mod input;
+mod output;
+mod seconds;
 mod interrupt;
 mod progress;
 mod settings;
@@ -16,7 +19,7 @@ mod status;
 mod list;
 mod cells;
 mod gate;
-mod repeat;
+mod episode;
 mod replay;
 mod render;
 mod verify;
@@ -40,11 +43,11 @@ use clap::{ArgMatches, Command, CommandFactory, FromArgMatches};
 /// Runs the program with the arguments of the process. A bug ends in [`ExitCode::Internal`].
 pub fn main() -> ExitCode {
     let code = std::panic::catch_unwind(run_command).unwrap_or_else(|_| {
-        front::fail("this is a bug in falsify; what was finished before is not lost");
+        console::fail("this is a bug in falsify; what was finished before is not lost");
         ExitCode::Internal
     });
-    if matches!(code, ExitCode::Done) && front::lost() {
-        front::fail("the output cannot be written");
+    if matches!(code, ExitCode::Done) && console::lost() {
+        console::fail("the output cannot be written");
         return ExitCode::WriteFailed;
     }
     code
@@ -97,7 +100,7 @@ fn run_command() -> ExitCode {
         args::Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut command(), "falsify", &mut script);
-            front::say(String::from_utf8_lossy(&script).trim_end());
+            console::say(String::from_utf8_lossy(&script).trim_end());
             ExitCode::Done
         }
     }

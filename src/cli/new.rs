@@ -1,8 +1,25 @@
 use std::fs::File;
 use std::io::{ErrorKind, Write};
+use std::path::PathBuf;
 
-use super::args::NewOptions;
-use super::{ExitCode, front};
+use clap::Args;
+
+use super::console;
+use super::exit_code::ExitCode;
+
+/// Shown after the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  falsify new                                write scenario.scn
+  falsify new night.scn && falsify run --smoke night.scn";
+
+/// Options of `falsify new`.
+#[derive(Debug, Args)]
+pub struct NewOptions {
+    /// The file; one that exists is never replaced.
+    #[arg(default_value = "scenario.scn", value_name = "PATH")]
+    pub path: PathBuf,
+}
 
 /// What a new scenario begins as.
 const STARTER: &str = include_str!("starter.scn");
@@ -13,15 +30,15 @@ pub fn new(options: &NewOptions) -> ExitCode {
     // Never over a file that is there.
     match File::create_new(path).and_then(|mut file| file.write_all(STARTER.as_bytes())) {
         Ok(()) => {
-            front::say(&format!("{0} is written; next: falsify run {0}", path.display()));
+            console::say(&format!("{0} is written; next: falsify run {0}", path.display()));
             ExitCode::Done
         }
         Err(error) if error.kind() == ErrorKind::AlreadyExists => {
-            front::fail(&format!("`{}` is there already and was left alone", path.display()));
+            console::fail(&format!("`{}` is there already and was left alone", path.display()));
             ExitCode::Usage
         }
         Err(error) => {
-            front::fail(&format!("cannot write `{}`: {error}", path.display()));
+            console::fail(&format!("cannot write `{}`: {error}", path.display()));
             ExitCode::WriteFailed
         }
     }

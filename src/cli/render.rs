@@ -1,43 +1,50 @@
 use std::path::PathBuf;
 
-use super::repeat::{self, Repeated};
-use super::repeat_args::RenderOptions;
-use super::{ExitCode, front};
-use crate::report;
+use clap::Args;
+
+use super::episode::NameOptions;
+use super::exit_code::ExitCode;
+use super::input::session;
+use super::{console, failure};
+use crate::session::{Animation, Export, Strip};
+
+/// Shown after the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  falsify render 1a2b3c4d:17                 1a2b3c4d-17.svg: six frames, and the speeds of both
+  falsify render 1a2b3c4d:17 --animate -o hit.svg
+                                             a picture that moves; open it in a browser
+
+Exit codes: as those of `falsify replay`";
+
+/// Options of `falsify render`.
+#[derive(Debug, Args)]
+pub struct RenderOptions {
+    /// Which episode.
+    #[command(flatten)]
+    pub which: NameOptions,
+    /// The picture; by default RUN-EPISODE.svg in this folder.
+    #[arg(long, short, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// One picture that moves, instead of six that stand.
+    #[arg(long)]
+    pub animate: bool,
+}
 
 /// `falsify render`
 pub fn render(options: &RenderOptions) -> ExitCode {
     let name = options.which.name;
-    let repeated = repeat::find(&options.which)
-        .and_then(|report| repeat::open(report, &options.which.repeat))
-        .and_then(|source| source.repeat(name));
-    let repeated = match repeated {
-        Ok(repeated) => repeated,
-        Err(code) => return code,
-    };
-    let Repeated { scenario, trace, verdict, title, .. } = &repeated;
-    let draw = if options.animate { report::animation } else { report::strip };
-    let page = draw(scenario, trace, verdict.as_ref(), &headline(&repeated), title);
     let path = options.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}-{}.svg", name.run, name.number)));
-    if let Err(error) = report::write_file(&path, page.as_bytes()) {
-        front::fail(&error.to_string());
-        return ExitCode::WriteFailed;
-    }
-    front::say(&path.display().to_string());
-    if repeated.differences.is_empty() {
+    let writer: &dyn Export =
+        if options.animate { &Animation { path: path.clone() } } else { &Strip { path: path.clone() } };
+    let replay = match session(options.which.repeat.allow_external).export(&options.which.replay(), writer) {
+        Ok(replay) => replay,
+        Err(error) => return failure::failed(&error),
+    };
+    console::say(&path.display().to_string());
+    if replay.episode.differences.is_empty() {
         return ExitCode::Done;
     }
-    front::fail(&format!("{name} came out differently than in its report; `falsify replay {name}` says where"));
+    console::fail(&format!("{name} came out differently than in its report; `falsify replay {name}` says where"));
     ExitCode::Differs
-}
-
-/// What is to be seen, in a line.
-fn headline(repeated: &Repeated) -> String {
-    let what = match (repeated.outcome.impact_speed(), &repeated.verdict) {
-        (Some(speed), Some(verdict)) => {
-            format!("hit at {speed:.1} m/s, {}", verdict.label.name().replace('_', " "))
-        }
-        _ => format!("no hit, least gap {:.2} m", repeated.outcome.least_gap),
-    };
-    format!("{}: {what}", repeated.name)
 }

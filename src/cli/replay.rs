@@ -1,67 +1,103 @@
+use std::path::PathBuf;
+
+use clap::Args;
 use serde_json::json;
 
-use super::repeat::{self, Repeated, Source};
-use super::repeat_args::ReplayOptions;
-use super::{ExitCode, front};
+use super::episode::NameOptions;
+use super::exit_code::ExitCode;
+use super::input::session;
+use super::{console, failure};
 use crate::report::{self, Narrative};
+use crate::session::{Replay, TickTable, reasons};
+
+/// Shown after the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  falsify replay 1a2b3c4d:17                 repeat an episode of a report in reports/, tell what happened
+  falsify replay 1a2b3c4d:17 --report nightly/first_look
+                                             of that report
+  falsify replay 1a2b3c4d:17 --ticks way.csv
+                                             also write every tick as a table, .csv or .parquet
+
+Names of failures are in failure_modes.csv (`example`), episodes.csv (`run_id`, `episode`) and search_failures.csv (`run_id`, `failure`).
+
+Exit codes: 0 it came out as in the report   2 no such episode, or a file is missing   3 errors in a scenario
+  6 a file cannot be written   8 it came out differently, or a scenario file is another one now";
+
+/// Options of `falsify replay`.
+#[derive(Debug, Args)]
+pub struct ReplayOptions {
+    /// Which episode.
+    #[command(flatten)]
+    pub which: NameOptions,
+    /// Write every tick as a table; the end of the name says whether as .csv or .parquet.
+    #[arg(long, value_name = "FILE", value_parser = table_file)]
+    pub ticks: Option<PathBuf>,
+    /// Tell it as one JSON object, for programs.
+    #[arg(long)]
+    pub json: bool,
+}
+
+fn table_file(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let known = path.extension().is_some_and(|extension| extension == "csv" || extension == "parquet");
+    if known { Ok(path) } else { Err("the name must end in .csv or .parquet".into()) }
+}
 
 /// `falsify replay`
 pub fn replay(options: &ReplayOptions) -> ExitCode {
-    let repeated = repeat::find(&options.which)
-        .and_then(|report| repeat::open(report, &options.which.repeat))
-        .and_then(|source| source.repeat(options.which.name).map(|repeated| (source, repeated)));
-    let (source, repeated) = match repeated {
-        Ok(repeated) => repeated,
-        Err(code) => return code,
+    let (session, which) = (session(options.which.repeat.allow_external), options.which.replay());
+    let replay = match &options.ticks {
+        Some(path) => session.export(&which, &TickTable { path: path.clone() }),
+        None => session.replay(&which),
     };
-    let Repeated { name, scenario, outcome, trace, verdict, .. } = &repeated;
-    if let Some(path) = &options.ticks {
-        let table = report::ticks(name.run, name.number, scenario, trace);
-        if let Err(error) = report::write_table(path, &table) {
-            front::fail(&error.to_string());
-            return ExitCode::WriteFailed;
-        }
-    }
-    let narrative = report::narrative(scenario, outcome, trace, verdict.as_ref());
+    let replay = match replay {
+        Ok(replay) => replay,
+        Err(error) => return failure::failed(&error),
+    };
+    let episode = &replay.episode;
+    let narrative = report::narrative(&episode.scenario, &episode.outcome, &episode.trace, episode.verdict.as_ref());
     if options.json {
-        front::say(&as_json(&source, &repeated, &narrative).to_string());
+        console::say(&as_json(&replay, &narrative).to_string());
     } else {
-        tell(&source, &repeated, &narrative);
+        tell(&replay, &narrative);
     }
-    if repeated.differences.is_empty() { ExitCode::Done } else { ExitCode::Differs }
+    if episode.differences.is_empty() { ExitCode::Done } else { ExitCode::Differs }
 }
 
 /// Tells it for people.
-fn tell(source: &Source, repeated: &Repeated, narrative: &Narrative) {
-    let manifest = source.report.manifest();
+fn tell(replay: &Replay, narrative: &Narrative) {
+    let Replay { report, episode: repeated } = replay;
+    let manifest = report.manifest();
     let smoke = if manifest.smoke { ", a trial of the machinery" } else { "" };
-    front::say(&format!("{}  {}", repeated.name, repeated.title));
-    front::say(&format!("of {}, seed {}{smoke}\n", source.report.folder().display(), manifest.seed));
+    console::say(&format!("{}  {}", repeated.name, repeated.title));
+    console::say(&format!("of {}, seed {}{smoke}\n", report.folder().display(), manifest.seed));
     for (time, text) in &narrative.events {
-        front::say(&format!("{time:7.2} s  {text}"));
+        console::say(&format!("{time:7.2} s  {text}"));
     }
     if !narrative.verdict.is_empty() {
-        front::say("");
-        narrative.verdict.iter().for_each(|line| front::say(line));
+        console::say("");
+        narrative.verdict.iter().for_each(|line| console::say(line));
     }
-    front::say("");
+    console::say("");
     if repeated.differences.is_empty() {
-        front::say(&format!("digest {:016x}: as in the report, in every column", repeated.outcome.digest));
+        console::say(&format!("digest {:016x}: as in the report, in every column", repeated.outcome.digest));
         return;
     }
-    front::fail(&format!("{} came out differently", repeated.name));
+    console::fail(&format!("{} came out differently", repeated.name));
     for difference in &repeated.differences {
-        front::say(&format!("  {} was {}, and is {}", difference.column, difference.stored, difference.again));
+        console::say(&format!("  {} was {}, and is {}", difference.column, difference.stored, difference.again));
     }
     match &repeated.parting {
-        Some(parting) => front::say(&format!("it parts {parting}")),
-        None => front::say("where it parts is not known; `falsify run --ticks failures` keeps what tells"),
+        Some(parting) => console::say(&format!("it parts {parting}")),
+        None => console::say("where it parts is not known; `falsify run --ticks failures` keeps what tells"),
     }
-    repeat::reasons(manifest).iter().for_each(|reason| front::say(&format!("perhaps {reason}")));
+    reasons(manifest).iter().for_each(|reason| console::say(&format!("perhaps {reason}")));
 }
 
 /// Tells it for programs.
-fn as_json(source: &Source, repeated: &Repeated, narrative: &Narrative) -> serde_json::Value {
+fn as_json(replay: &Replay, narrative: &Narrative) -> serde_json::Value {
+    let Replay { report, episode: repeated } = replay;
     let outcome = &repeated.outcome;
     let events = narrative.events.iter().map(|(time, text)| json!({ "time_s": time, "text": text }));
     let differences = repeated.differences.iter().map(
@@ -72,8 +108,8 @@ fn as_json(source: &Source, repeated: &Repeated, narrative: &Narrative) -> serde
     json!({
         "name": repeated.name.to_string(),
         "what": repeated.title,
-        "report": source.report.folder().display().to_string(),
-        "seed": source.report.manifest().seed,
+        "report": report.folder().display().to_string(),
+        "seed": report.manifest().seed,
         "equal": repeated.differences.is_empty(),
         "differences": differences.collect::<Vec<_>>(),
         "parting": repeated.parting,

@@ -1,320 +1,290 @@
-use std::path::Path;
-use std::time::{Duration, Instant};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
 
-use super::args::{Output, RunOptions, TableFormat};
-use super::gate::Gates;
-use super::progress::{Event, Progress};
-use super::repeat_args::TickChoice;
-use super::{ExitCode, front, interrupt, list, shard};
-use crate::campaign::{self, Cell, Finished};
+use clap::{Args, ValueEnum};
+
+use super::exit_code::ExitCode;
+use super::gate::GateOptions;
+use super::input::{GivenOptions, session};
+use super::output::Output;
+use super::progress::{Event, Progress, Showing};
+use super::seconds::seconds;
+use super::shard::NamedShard;
+use super::{console, failure, gate, interrupt, list};
+use crate::campaign::{self, Cell, Shard};
 use crate::compile::Campaign;
-use crate::report::{
-    self, Episodes, FailureModes, FileRecord, Formats, Gathered, Manifest, Metrics, ReportFolder, TrainingRecord,
-    Wanted, WriteError,
+use crate::diagnostic::{Diagnostic, Sources};
+use crate::report::{self, Formats};
+use crate::session::{
+    self, CampaignOutcome, CampaignReport, Error, Notice, Observer, RunReport, Session, ShardOptions, ShardReport,
+    Ticks,
 };
-use crate::seed::Seed;
-use crate::store::{CODE, Ids, Index, Kept, Limits, Note, Store, StoreError, vector_instructions};
+use crate::store::Limits;
+
+/// Options of `falsify run`.
+#[derive(Debug, Args)]
+pub struct RunOptions {
+    /// Scenario files; their campaigns are run in order.
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// What replaces parts of the files.
+    #[command(flatten)]
+    pub given: GivenOptions,
+    /// Folder for the reports, one folder in it for each campaign.
+    #[arg(long, short, default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
+    pub out: PathBuf,
+    /// Folder for finished and half-finished work, which several folders for reports may share. Without it, OUT/.cells.
+    #[arg(long, env = "FALSIFY_CACHE", value_name = "DIR")]
+    pub cache: Option<PathBuf>,
+    /// Number from which everything random follows.
+    #[arg(long, default_value_t = 1, env = "FALSIFY_SEED", value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    pub seed: u64,
+    /// Threads that work; results do not depend on it. 0: one for every core.
+    #[arg(long, short = 'j', default_value_t = 0, env = "FALSIFY_THREADS", value_name = "N", value_parser = clap::value_parser!(u16).range(..=256), allow_negative_numbers = true)]
+    pub threads: u16,
+    /// Files that each table of a report is written as.
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [TableFormat::Csv, TableFormat::Parquet], env = "FALSIFY_FORMATS", value_name = "FORMATS")]
+    pub formats: Vec<TableFormat>,
+    /// What the output is for; `json` is one event a line (reports/README.md).
+    #[arg(long, value_enum, default_value_t = Output::Human, env = "FALSIFY_FORMAT", value_name = "FORMAT")]
+    pub format: Output,
+    /// How progress is shown on the error stream.
+    #[arg(long, value_enum, default_value_t = Showing::Auto, env = "FALSIFY_PROGRESS", value_name = "HOW")]
+    pub progress: Showing,
+    /// Say what would be run and why, and what is there already; then stop.
+    #[arg(long)]
+    pub list: bool,
+    /// Run only enough to see that everything works: one run, two updates, five episodes. Reports go to NAME-smoke.
+    #[arg(long)]
+    pub smoke: bool,
+    /// Do everything again, whatever is there.
+    #[arg(long)]
+    pub fresh: bool,
+    /// Do one of several parts, as 3/16, and write no report; `auto/16` takes the number from SLURM_ARRAY_TASK_ID or JOB_COMPLETION_INDEX.
+    #[arg(long, value_name = "I/N", conflicts_with_all = ["fresh", "list", "ticks", "fail_if", "junit"])]
+    pub shard: Option<NamedShard>,
+    /// Of a shard, do only these; other shards then find them.
+    #[arg(long, value_enum, value_name = "CELLS", requires = "shard")]
+    pub only: Option<Only>,
+    /// Seconds after which what is under way is saved, so that no more is lost when the program is killed.
+    #[arg(long, default_value_t = 5.0, value_name = "SECONDS", value_parser = seconds)]
+    pub checkpoint: f64,
+    /// Give a training, 10,000 episodes or a search up after so many seconds; it is an error then, and goes on in the next run. With 0 it
+    /// gets no further than one update or episode.
+    #[arg(long, value_name = "SECONDS")]
+    pub cell_time: Option<u64>,
+    /// Give them up after so many simulator ticks.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub max_ticks: Option<u64>,
+    /// Which episodes are also written tick by tick, as ticks.parquet; they are simulated once more for it.
+    #[arg(long, value_enum, default_value_t = TickChoice::None, value_name = "WHICH")]
+    pub ticks: TickChoice,
+    /// What makes it pass or fail.
+    #[command(flatten)]
+    pub gate: GateOptions,
+}
+
+/// What of a shard is done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Only {
+    /// Its trainings, each by one shard.
+    Trainings,
+}
+
+/// What a table is written as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum TableFormat {
+    /// Comma-separated values.
+    Csv,
+    /// Apache Parquet.
+    Parquet,
+}
+
+/// Which episodes a report holds tick by tick.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum TickChoice {
+    /// None.
+    None,
+    /// The collisions.
+    Failures,
+    /// All.
+    All,
+}
+
+impl RunOptions {
+    /// The same for a session.
+    ///
+    /// # Errors
+    /// The exit code, after the reason has been printed.
+    pub fn wanted(&self) -> Result<session::RunOptions, ExitCode> {
+        let named = |format| self.formats.contains(&format);
+        Ok(session::RunOptions {
+            input: self.given.input(&self.files),
+            out: self.out.clone(),
+            cache: self.cache.clone(),
+            seed: self.seed,
+            threads: self.threads,
+            formats: Formats { csv: named(TableFormat::Csv), parquet: named(TableFormat::Parquet) },
+            smoke: self.smoke,
+            fresh: self.fresh,
+            limits: Limits {
+                checkpoint: Duration::from_secs_f64(self.checkpoint),
+                seconds: self.cell_time,
+                ticks: self.max_ticks,
+            },
+            ticks: match self.ticks {
+                TickChoice::None => Ticks::None,
+                TickChoice::Failures => Ticks::Failures,
+                TickChoice::All => Ticks::All,
+            },
+            gates: self.gate.gates()?,
+            command: command_line(),
+        })
+    }
+
+    /// What listens to a run with these options.
+    pub fn reporter(&self) -> RunReporter {
+        RunReporter { output: self.format, showing: self.progress }
+    }
+}
+
+/// The command of this process as a user would type it again.
+fn command_line() -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./=:,@%+".contains(c);
+    let quoted = |word: String| {
+        if !word.is_empty() && word.chars().all(plain) { word } else { format!("'{}'", word.replace('\'', "'\\''")) }
+    };
+    let words = std::env::args().skip(1).map(quoted);
+    std::iter::once("falsify".to_string()).chain(words).collect::<Vec<_>>().join(" ")
+}
 
 /// `falsify run`
 pub fn run(options: &RunOptions) -> ExitCode {
-    let code = run_or_report(options, Work::All);
-    if options.format == Output::Json {
+    ended(options.format, run_or_list(options).unwrap_or_else(|code| code))
+}
+
+/// Tells programs with which exit code a command ends.
+pub fn ended(output: Output, code: ExitCode) -> ExitCode {
+    if output == Output::Json {
         Event::RunEnded { exit_code: code as u8 }.tell();
     }
     code
 }
 
-/// Writes the reports of what is there already.
-pub fn report(options: &RunOptions) -> ExitCode {
-    run_or_report(options, Work::None)
+fn run_or_list(options: &RunOptions) -> Result<ExitCode, ExitCode> {
+    let wanted = options.wanted()?;
+    let session = session(options.given.allow_external).with_observer(Arc::new(options.reporter()));
+    let failed = |error: Error| failure::failed(&error);
+    if options.list {
+        session.list(&wanted).map_err(failed)?.iter().for_each(list::list);
+        return Ok(ExitCode::Done);
+    }
+    let Some(shard) = options.shard else {
+        let run = session.run(&wanted).map_err(failed)?;
+        return finished(options, &run);
+    };
+    let shard = shard.resolve(|name| std::env::var(name).ok()).map_err(|error| {
+        console::fail(&error.to_string());
+        ExitCode::Usage
+    })?;
+    run_shard(options, &session, &wanted, shard).map_err(failed)
 }
 
-/// How much is to be done.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Work {
-    All,
-    None,
-}
-
-/// Starts threads that work, 0 for one a core.
+/// Writes what a server of continuous integration reads, and chooses the exit code of a run.
 ///
 /// # Errors
 /// The exit code, after the reason has been printed.
-pub fn pool(threads: u16) -> Result<rayon::ThreadPool, ExitCode> {
-    rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build().map_err(|error| {
-        front::fail(&format!("cannot start {threads} threads: {error}"));
-        ExitCode::Usage
+pub fn finished(options: &RunOptions, run: &RunReport) -> Result<ExitCode, ExitCode> {
+    options.gate.write(run)?;
+    if run.interrupted {
+        return Ok(ExitCode::Interrupted);
+    }
+    let codes = run.campaigns.iter().map(|outcome| match outcome {
+        CampaignOutcome::Empty { interrupted: true, .. } => ExitCode::Interrupted,
+        CampaignOutcome::Empty { interrupted: false, .. } => ExitCode::RunFailed,
+        CampaignOutcome::Reported(report) if !report.is_sound() => ExitCode::RunFailed,
+        CampaignOutcome::Reported(report) if !report.passes() => ExitCode::GateFailed,
+        CampaignOutcome::Reported(_) => ExitCode::Done,
+    });
+    // The last campaign that did not pass decides.
+    Ok(codes.filter(|code| *code != ExitCode::Done).last().unwrap_or(ExitCode::Done))
+}
+
+fn run_shard(
+    options: &RunOptions,
+    session: &Session,
+    wanted: &session::RunOptions,
+    shard: Shard,
+) -> Result<ExitCode, Error> {
+    let part = ShardOptions { shard, only_trainings: options.only == Some(Only::Trainings) };
+    let reports = session.run_shard(wanted, &part)?;
+    let whole = reports.iter().all(|report| report.finished == report.all);
+    Ok(match (interrupt::stop().is_asked(), whole) {
+        (true, _) => ExitCode::Interrupted,
+        (false, true) => ExitCode::Done,
+        (false, false) => ExitCode::RunFailed,
     })
 }
 
-fn run_or_report(options: &RunOptions, work: Work) -> ExitCode {
-    let gates = match Gates::new(&options.gate) {
-        Ok(gates) => gates,
-        Err(code) => return code,
-    };
-    let (mut plan, files) = match front::compile_files(&options.files, &options.given) {
-        Ok(compiled) => compiled,
-        Err(code) => return code,
-    };
-    if plan.campaigns.is_empty() {
-        front::fail(&plan.without_campaigns());
-        return ExitCode::Nothing;
+/// Shows how far a run is, what is wrong and which reports there are.
+#[derive(Debug)]
+pub struct RunReporter {
+    output: Output,
+    showing: Showing,
+}
+
+impl Observer for RunReporter {
+    fn diagnostics(&self, diagnostics: &[Diagnostic], sources: &Sources) {
+        console::show(diagnostics, sources);
     }
-    if options.smoke {
-        plan.campaigns.iter_mut().for_each(campaign::smoke);
-    }
-    let note: Note = Box::new(front::warn);
-    if options.list {
-        let store = match Store::look(&options.out, options.cache.as_deref(), note) {
-            Ok(store) => store,
-            Err(error) => return no_store(&error),
-        };
-        for campaign in &plan.campaigns {
-            list::list(campaign, &name(campaign, options), &store, options.seed, options.fresh);
+
+    fn notice(&self, notice: &Notice) {
+        failure::notice(notice);
+        if let (Output::Json, Notice::Unpaid { campaign, .. } | Notice::EpisodesInError { campaign, .. }) =
+            (self.output, notice)
+        {
+            Event::Warning { campaign, message: &notice.to_string() }.tell();
         }
-        return ExitCode::Done;
     }
-    let shard = match options.shard.map(|named| named.resolve(|name| std::env::var(name).ok())).transpose() {
-        Ok(shard) => shard,
-        Err(message) => {
-            front::fail(&message);
-            return ExitCode::Usage;
-        }
-    };
-    let pool = match pool(options.threads) {
-        Ok(pool) => pool,
-        Err(code) => return code,
-    };
-    let store = match Store::open(&options.out, options.cache.as_deref(), note) {
-        Ok(store) => store,
-        Err(error) => return no_store(&error),
-    };
-    if work == Work::All {
+
+    fn begun(&self) {
         interrupt::listen();
     }
-    let mut worst = ExitCode::Done;
-    for campaign in &plan.campaigns {
-        let carry_out = || match shard {
-            Some(shard) => shard::carry_out(campaign, options, shard, &store),
-            None => carry_out(campaign, options, &files, &store, &gates, work),
-        };
-        match pool.install(carry_out) {
-            Ok(ExitCode::Done) => {}
-            Ok(code) => worst = code,
-            Err(message) => {
-                front::fail(&message);
-                return ExitCode::WriteFailed;
+
+    fn campaign<'a>(&self, campaign: &'a Campaign, tasks: &[Cell]) -> Box<dyn campaign::Observer + 'a> {
+        Box::new(Progress::new(campaign, tasks, self.showing, self.output, interrupt::stop()))
+    }
+
+    fn shard_ended(&self, report: &ShardReport) {
+        if self.output == Output::Human {
+            let ShardReport { shard: Shard { index, count }, name, finished, all } = report;
+            console::say(&format!("{name}, shard {index} of {count}: {finished} of {all} cells are there"));
+        }
+    }
+
+    fn ended(&self, outcome: &CampaignOutcome) {
+        match outcome {
+            CampaignOutcome::Empty { .. } => console::fail("nothing was finished, so there is no report"),
+            CampaignOutcome::Reported(report) => self.reported(report),
+        }
+    }
+}
+
+impl RunReporter {
+    /// Prints the cells of a report for people, narrow enough for a terminal, or its place for programs.
+    fn reported(&self, report: &CampaignReport) {
+        let CampaignReport { name, folder, manifest, .. } = report;
+        match self.output {
+            Output::Human => {
+                console::say(report::results_for_terminal(&manifest.campaign, &report.cells).trim_end());
+                if !report.searches.is_empty() {
+                    console::say(report::searches_for_terminal(&report.searches).trim_end());
+                }
+                console::say(&folder.join("report.html").display().to_string());
             }
+            Output::Json => Event::ReportWritten { campaign: name, folder, complete: manifest.complete }.tell(),
         }
-        if interrupt::asked() {
-            worst = ExitCode::Interrupted;
-            break;
-        }
+        gate::show(report);
     }
-    if let Err(message) = gates.write() {
-        front::fail(&message);
-        return ExitCode::WriteFailed;
-    }
-    worst
-}
-
-/// The name of a campaign's report. A trial of the machinery never replaces results.
-pub fn name(campaign: &Campaign, options: &RunOptions) -> String {
-    if options.smoke { format!("{}-smoke", campaign.name) } else { campaign.name.clone() }
-}
-
-/// Runs a campaign and writes its report; the error is the message to print.
-fn carry_out(
-    campaign: &Campaign,
-    options: &RunOptions,
-    files: &[FileRecord],
-    store: &Store,
-    gates: &Gates<'_>,
-    work: Work,
-) -> Result<ExitCode, String> {
-    let (name, seed) = (name(campaign, options), options.seed);
-    let failed = |error: StoreError| kept(&error.to_string(), &options.out);
-    let folder = ReportFolder::begin(&options.out, &name, &store.drafts().map_err(failed)?);
-    let folder = folder.map_err(|error| error.to_string())?.in_formats(formats(options));
-    let began = Instant::now();
-    let mut index = Index::read(store, &name);
-    if work == Work::All {
-        index.command = front::command_line();
-    }
-    if options.fresh {
-        store.forget(&Ids::new(campaign, seed), campaign).map_err(failed)?;
-    }
-    index.write(store, &name, campaign, seed).map_err(failed)?;
-    let keeper = Kept::new(store, campaign, seed, limits(options));
-    let finished = match work {
-        Work::All => {
-            let wanted: Vec<Cell> = campaign::cells(campaign).collect();
-            let progress = Progress::new(campaign, &wanted, options);
-            let finished = campaign::run(campaign, &Seed::root(seed), &keeper, &progress);
-            progress.finish(wanted.len());
-            finished
-        }
-        Work::None => campaign::collect(campaign, &keeper),
-    };
-    if let Some(error) = keeper.failure() {
-        return Err(kept(&error, &options.out));
-    }
-    index.write(store, &name, campaign, seed).map_err(failed)?;
-    let written = |error: WriteError| kept(&error.to_string(), &options.out);
-    let mut modes = FailureModes::new(campaign, &finished.trainings, &Seed::root(seed));
-    let gathered =
-        report::gather(&folder, &Episodes::new(campaign, &keeper), &mut modes, &Seed::root(seed)).map_err(written)?;
-    if gathered.episodes == 0
-        && finished.searches.is_empty()
-        && finished.trainings.iter().all(|training| training.result.is_err())
-    {
-        front::fail("nothing was finished, so there is no report");
-        return Ok(if finished.interrupted { ExitCode::Interrupted } else { ExitCode::RunFailed });
-    }
-    say_errors(&gathered, &name, options.format);
-    let times = (keeper.training_seconds(), began.elapsed().as_secs_f64());
-    let manifest = manifest(campaign, options, files, &finished, &gathered, times);
-    report::write(&folder, campaign, &finished, &gathered, modes, &manifest).map_err(written)?;
-    if options.ticks != TickChoice::None {
-        let all = options.ticks == TickChoice::All;
-        let wanted = Wanted::of(&Episodes::new(campaign, &keeper), &finished, all).map_err(written)?;
-        report::write_ticks(&folder, &Seed::root(seed), &wanted).map_err(written)?;
-    }
-    interrupt::hold(true);
-    let place = {
-        let _door = store.door();
-        folder.finish(manifest.complete).map_err(written)
-    };
-    interrupt::hold(false);
-    let place = place?;
-    let metrics = cells(campaign, &finished, &gathered, options.format).map_err(|error| error.to_string())?;
-    match options.format {
-        Output::Human => front::say(&place.join("report.html").display().to_string()),
-        Output::Json => Event::ReportWritten { campaign: &name, folder: &place, complete: manifest.complete }.tell(),
-    }
-    let passed = gates.judge(&manifest, &metrics);
-    let failed = finished.trainings.iter().any(|training| training.result.is_err())
-        || finished.searches.iter().any(|search| search.error.is_some());
-    let whole = manifest.complete || finished.interrupted;
-    Ok(match (failed || !whole || manifest.errors > 0, passed) {
-        (true, _) => ExitCode::RunFailed,
-        (false, false) => ExitCode::GateFailed,
-        (false, true) => ExitCode::Done,
-    })
-}
-
-/// What tables are written as.
-fn formats(options: &RunOptions) -> Formats {
-    let named = |format| options.formats.contains(&format);
-    Formats { csv: named(TableFormat::Csv), parquet: named(TableFormat::Parquet) }
-}
-
-/// What a cell may take.
-pub fn limits(options: &RunOptions) -> Limits {
-    Limits {
-        checkpoint: Duration::from_secs_f64(options.checkpoint),
-        seconds: options.cell_time,
-        ticks: options.max_ticks,
-    }
-}
-
-/// Says why there is no store.
-pub fn no_store(error: &StoreError) -> ExitCode {
-    front::fail(&error.to_string());
-    if error.is_misuse() { ExitCode::Usage } else { ExitCode::WriteFailed }
-}
-
-/// What is to be said when something cannot be written.
-pub fn kept(error: &str, out: &Path) -> String {
-    let again = "what was finished before is kept; run the same command again to go on";
-    format!("{error}\n  {again} (`{}`)", out.display())
-}
-
-/// Says what went wrong in episodes: how often, and the first time how.
-fn say_errors(gathered: &Gathered, campaign: &str, format: Output) {
-    let say = |message: &str| {
-        front::fail(message);
-        if format == Output::Json {
-            Event::Warning { campaign, message }.tell();
-        }
-    };
-    if let Some(first) = &gathered.first_unpaid {
-        say(&format!("a reward was no number in {} episodes; the first: {first}", gathered.unpaid));
-    }
-    if let Some(first) = &gathered.first_error {
-        let Gathered { errors, untried, episodes, .. } = gathered;
-        let untried = if *untried > 0 { format!(", {untried} of them not tried") } else { String::new() };
-        say(&format!(
-            "{errors} of {episodes} episodes are in error{untried} and count for nothing; the first is {first}"
-        ));
-    }
-}
-
-fn manifest(
-    campaign: &Campaign,
-    options: &RunOptions,
-    files: &[FileRecord],
-    finished: &Finished,
-    gathered: &Gathered,
-    (training_seconds, wall_time_s): (Vec<f64>, f64),
-) -> Manifest {
-    let trainings = finished.trainings.iter().map(|training| {
-        let place = campaign.trainings.iter().position(|planned| planned.key == training.key).unwrap_or(0);
-        let key = &training.key;
-        let curve = training.result.as_ref().ok().and_then(|trained| trained.learning_curve.last());
-        TrainingRecord {
-            town: key.town.clone(),
-            policy: key.policy.clone(),
-            reward: key.reward.clone(),
-            run: key.run,
-            decisions: curve.map_or(0, |log| log.steps),
-            wall_time_s: training_seconds[place],
-            pedestrian: if training.result.is_ok() {
-                report::pedestrian_file(key, "safetensors")
-            } else {
-                String::new()
-            },
-            error: training.result.as_ref().err().map_or(String::new(), ToString::to_string),
-        }
-    });
-    let trained = finished.trainings.iter().filter(|training| training.result.is_ok()).count();
-    Manifest {
-        version: env!("CARGO_PKG_VERSION").into(),
-        code: CODE.into(),
-        campaign: campaign.name.clone(),
-        seed: options.seed,
-        call: front::call(&options.files, &options.given),
-        settings: campaign.settings.clone(),
-        smoke: options.smoke,
-        complete: trained == campaign.trainings.len()
-            && gathered.all_tried
-            && gathered.untried == 0
-            && gathered.unpaid == 0
-            && gathered.every_driver_drove
-            && finished.searches.len() == campaign.searches.len()
-            && finished.searches.iter().all(|search| search.error.is_none() && !search.spent.stopped),
-        stopped: finished.interrupted,
-        threads: rayon::current_num_threads(),
-        evaluation_ticks: gathered.ticks,
-        search_ticks: finished.searches.iter().map(|search| search.spent.ticks).sum(),
-        errors: gathered.errors,
-        wall_time_s,
-        files: files.to_vec(),
-        vector_instructions: vector_instructions().into(),
-        trainings: trainings.collect(),
-    }
-}
-
-/// Works the cells out, and prints them for people, narrow enough for a terminal.
-fn cells(campaign: &Campaign, finished: &Finished, gathered: &Gathered, format: Output) -> Result<Metrics, WriteError> {
-    let failed = |source| WriteError::Table { name: "cells".into(), source };
-    let metrics = Metrics::of_runs(gathered.runs.clone()).map_err(failed)?;
-    if format == Output::Human {
-        let cells = metrics.cells().map_err(failed)?;
-        front::say(report::results_for_terminal(&campaign.name, &cells).trim_end());
-        if !finished.searches.is_empty() {
-            front::say(report::searches_for_terminal(&report::search_cells(&finished.searches)).trim_end());
-        }
-    }
-    Ok(metrics)
 }

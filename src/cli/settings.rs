@@ -11,8 +11,9 @@ use clap::error::{ContextKind, ContextValue};
 use clap::{Arg, ArgAction, Args, Command, ValueHint};
 use toml::de::{DeTable, DeValue};
 
-use super::args::RunOptions;
-use super::{ExitCode, front};
+use super::console;
+use super::exit_code::ExitCode;
+use super::run::RunOptions;
 use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
 use crate::lang::{nearest, reason};
 
@@ -77,13 +78,13 @@ pub fn find(folder: &Path) -> Result<Option<Settings>, ExitCode> {
         return Ok(None);
     };
     let text = std::fs::read_to_string(&path).map_err(|error| {
-        front::fail(&format!("cannot read `{}`: {}", path.display(), reason(&error)));
+        console::fail(&format!("cannot read `{}`: {}", path.display(), reason(&error)));
         ExitCode::Usage
     })?;
     let mut sources = Sources::default();
     let source = sources.add(&path, text.as_str());
     read(&path, &text, source).map(Some).map_err(|diagnostics| {
-        front::show(&diagnostics, &sources);
+        console::show(&diagnostics, &sources);
         ExitCode::Usage
     })
 }

@@ -1,165 +1,69 @@
-//! `falsify status`: how far campaigns are, running or dead.
-
+use std::path::PathBuf;
 use std::time::{Duration, SystemTime};
 
+use clap::Args;
 use indicatif::FormattedDuration;
-use serde::Serialize;
 
-use super::args::{Output, StatusOptions};
-use super::{ExitCode, front, run};
-use crate::store::{CampaignStatus, CellStatus, Store};
-
-/// Kinds of cells: the first word of what they are, and what to call several of them.
-const KINDS: [(&str, &str); 3] = [("train", "trainings"), ("try", "evaluations"), ("search", "searches")];
+use super::exit_code::ExitCode;
+use super::input::session;
+use super::output::Output;
+use super::{console, failure};
+use crate::session::{self, CampaignProgress, CampaignState};
+use crate::store::CellStatus;
 
 /// Most cells under way that are named.
 const SHOWN: usize = 8;
 
-/// How far a campaign is, for programs.
-#[derive(Debug, Serialize)]
-struct Summary<'a> {
-    campaign: &'a str,
-    /// `finished`, `running` or `stopped`.
-    state: &'static str,
-    /// Processes at work on the folder.
-    processes: usize,
-    cells: Vec<Kind>,
-    in_hand: Vec<&'a str>,
-    /// Work that is left, as one thread would take it (s); none before there is something of every kind to measure.
-    left_thread_s: Option<f64>,
-    /// The same without the kinds of which there is nothing yet.
-    #[serde(skip)]
-    measured: Left,
-    /// Time that is left with as many cells in hand as now (s); none when nobody is at work.
-    left_s: Option<f64>,
-    last_error: Option<&'a str>,
-    command: &'a str,
-}
+/// Shown after the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  falsify status                             the campaigns of reports/
+  falsify status --format json shared        one JSON object for each campaign, for programs
 
-/// How far the cells of a kind are.
-#[derive(Debug, Serialize)]
-struct Kind {
-    kind: &'static str,
-    finished: usize,
-    all: usize,
-    /// Share of the work that is there, of cells in part too.
-    share: f64,
-}
+Exit codes: 0 finished or at work   2 nothing was run there   9 something is missing and nobody is at work on it";
 
-/// Work that is left as one thread would take it.
-#[derive(Debug)]
-struct Left {
-    /// That of which there is something to measure (s).
-    seconds: f64,
-    /// The kinds of which there is nothing.
-    unknown: Vec<&'static str>,
+/// Options of `falsify status`.
+#[derive(Debug, Args)]
+pub struct StatusOptions {
+    /// The folder for the reports.
+    #[arg(default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
+    pub out: PathBuf,
+    /// The folder that `run` was given as --cache.
+    #[arg(long, env = "FALSIFY_CACHE", value_name = "DIR")]
+    pub cache: Option<PathBuf>,
+    /// What the output is for; `json` is one object for each campaign.
+    #[arg(long, value_enum, default_value_t = Output::Human, env = "FALSIFY_FORMAT", value_name = "FORMAT")]
+    pub format: Output,
 }
 
 /// `falsify status`
 pub fn status(options: &StatusOptions) -> ExitCode {
-    let store = match Store::look(&options.out, options.cache.as_deref(), Box::new(front::warn)) {
-        Ok(store) => store,
-        Err(error) => return run::no_store(&error),
+    let wanted = session::StatusOptions { out: options.out.clone(), cache: options.cache.clone() };
+    let campaigns = match session(false).status(&wanted) {
+        Ok(campaigns) => campaigns,
+        Err(error) => return failure::failed(&error),
     };
-    let campaigns = store.campaigns();
-    if campaigns.is_empty() {
-        let out = options.out.display();
-        let cache = options.cache.as_ref().map(|cache| cache.display());
-        front::fail(&match cache {
-            Some(cache) => format!("no campaign was run for `{out}` with the cache `{cache}`"),
-            None => format!("no campaign was run in `{out}`; if it was run with --cache, name that folder here, too"),
-        });
-        return ExitCode::Usage;
-    }
-    let processes = store.processes();
-    let mut code = ExitCode::Done;
-    for name in campaigns {
-        let campaign = store.status(&name);
-        let summary = summary(&campaign, processes);
+    for campaign in &campaigns {
         match options.format {
             Output::Json => {
-                front::say(&serde_json::to_string(&summary).expect("texts and numbers have a form in JSON"));
+                console::say(&serde_json::to_string(campaign).expect("texts and numbers have a form in JSON"));
             }
-            Output::Human => tell(&summary, &campaign),
-        }
-        if summary.state == "stopped" {
-            code = ExitCode::Incomplete;
+            Output::Human => tell(campaign),
         }
     }
-    code
+    let stopped = campaigns.iter().any(|campaign| campaign.state == CampaignState::Stopped);
+    if stopped { ExitCode::Incomplete } else { ExitCode::Done }
 }
 
-fn summary(campaign: &CampaignStatus, processes: usize) -> Summary<'_> {
-    let cells = &campaign.cells;
-    let in_hand: Vec<&str> = cells.iter().filter(|cell| cell.is_in_hand).map(|cell| cell.what.as_str()).collect();
-    let state = match cells.iter().all(CellStatus::is_finished) {
-        true => "finished",
-        false if processes > 0 => "running",
-        false => "stopped",
-    };
-    let measured = left(cells);
-    let left = measured.unknown.is_empty().then_some(measured.seconds);
-    let failed = |cell: &CellStatus| {
-        Some((cell.written?, cell.header.as_ref().filter(|head| !head.error.is_empty())?.error.clone()))
-    };
-    let last = cells.iter().filter_map(|cell| failed(cell).map(|(when, _)| (when, cell))).max_by_key(|(when, _)| *when);
-    Summary {
-        campaign: &campaign.name,
-        state,
-        processes,
-        cells: KINDS.iter().filter_map(|(word, kind)| count(cells, word, kind)).collect(),
-        left_thread_s: left,
-        measured,
-        left_s: left.filter(|_| !in_hand.is_empty()).map(|left| left / in_hand.len() as f64),
-        in_hand,
-        last_error: last.and_then(|(_, cell)| cell.header.as_ref()).map(|header| header.error.as_str()),
-        command: &campaign.command,
-    }
-}
-
-fn of_kind<'a>(cells: &'a [CellStatus], word: &str) -> impl Iterator<Item = &'a CellStatus> {
-    cells.iter().filter(move |cell| cell.what.split(' ').next() == Some(word))
-}
-
-fn count(cells: &[CellStatus], word: &str, kind: &'static str) -> Option<Kind> {
-    let all = of_kind(cells, word).count();
-    let amount: u64 = of_kind(cells, word).map(|cell| cell.amount).sum();
-    let done: u64 = of_kind(cells, word).map(CellStatus::done).sum();
-    let finished = of_kind(cells, word).filter(|cell| cell.is_finished()).count();
-    (all > 0).then(|| Kind { kind, finished, all, share: done as f64 / amount.max(1) as f64 })
-}
-
-/// Work that is left as one thread would take it, from what the cells took that are there.
-fn left(cells: &[CellStatus]) -> Left {
-    let mut all = Left { seconds: 0.0, unknown: Vec::new() };
-    for (word, kind) in KINDS {
-        let left: u64 = of_kind(cells, word).map(|cell| cell.amount - cell.done()).sum();
-        if left == 0 {
-            continue;
-        }
-        let done: u64 = of_kind(cells, word).map(CellStatus::done).sum();
-        let took: f64 = of_kind(cells, word)
-            .filter(|cell| cell.done() > 0)
-            .filter_map(|cell| Some(cell.header.as_ref()?.seconds))
-            .sum();
-        if done == 0 {
-            all.unknown.push(kind);
-        } else {
-            all.seconds += took / done as f64 * left as f64;
-        }
-    }
-    all
-}
-
-fn tell(summary: &Summary<'_>, campaign: &CampaignStatus) {
-    let processes = match summary.processes {
+fn tell(campaign: &CampaignProgress) {
+    let processes = match campaign.processes {
         0 => String::new(),
         1 => ", one process is at work on the folder".into(),
         several => format!(", {several} processes are at work on the folder"),
     };
-    front::say(&format!("{}: {}{processes}", summary.campaign, summary.state));
-    for kind in &summary.cells {
-        front::say(&format!(
+    console::say(&format!("{}: {}{processes}", campaign.campaign, campaign.state.name()));
+    for kind in &campaign.kinds {
+        console::say(&format!(
             "  {:11} {:>width$} of {} cells, {:.0} % of the work",
             kind.kind,
             kind.finished,
@@ -168,31 +72,31 @@ fn tell(summary: &Summary<'_>, campaign: &CampaignStatus) {
             width = kind.all.to_string().len()
         ));
     }
-    for cell in campaign.cells.iter().filter(|cell| cell.is_in_hand).take(SHOWN) {
-        front::say(&format!("  in hand: {}{}", cell.what, saved(cell)));
+    for cell in campaign.under_way.iter().take(SHOWN) {
+        console::say(&format!("  in hand: {}{}", cell.what, saved(cell)));
     }
-    if summary.in_hand.len() > SHOWN {
-        front::say(&format!("  … and {} more in hand", summary.in_hand.len() - SHOWN));
+    if campaign.in_hand.len() > SHOWN {
+        console::say(&format!("  … and {} more in hand", campaign.in_hand.len() - SHOWN));
     }
-    if let Some(error) = summary.last_error {
-        front::say(&format!("  last error: {error}"));
+    if let Some(error) = &campaign.last_error {
+        console::say(&format!("  last error: {error}"));
     }
-    if summary.state == "finished" {
+    if campaign.state == CampaignState::Finished {
         return;
     }
-    match (summary.left_s, summary.left_thread_s) {
+    match (campaign.left_s, campaign.left_thread_s) {
         (Some(left), _) => {
-            front::say(&format!("  about {} left with {} cells in hand", clock(left), summary.in_hand.len()));
+            console::say(&format!("  about {} left with {} cells in hand", clock(left), campaign.in_hand.len()));
         }
-        (None, Some(left)) => front::say(&format!("  about {} left for one thread", clock(left))),
-        (None, None) if summary.measured.seconds > 0.0 => {
-            let (known, unknown) = (clock(summary.measured.seconds), summary.measured.unknown.join(" and "));
-            front::say(&format!("  about {known} left for one thread, and the {unknown}, of which none is done yet"));
+        (None, Some(left)) => console::say(&format!("  about {} left for one thread", clock(left))),
+        (None, None) if campaign.measured_s > 0.0 => {
+            let (known, unknown) = (clock(campaign.measured_s), campaign.unmeasured.join(" and "));
+            console::say(&format!("  about {known} left for one thread, and the {unknown}, of which none is done yet"));
         }
-        (None, None) => front::say("  too little is done to say how long the rest will take"),
+        (None, None) => console::say("  too little is done to say how long the rest will take"),
     }
-    if summary.state == "stopped" && !summary.command.is_empty() {
-        front::say(&format!("  go on with: {}", summary.command));
+    if campaign.state == CampaignState::Stopped && !campaign.command.is_empty() {
+        console::say(&format!("  go on with: {}", campaign.command));
     }
 }
 

@@ -1,125 +1,88 @@
-use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
 
-use rand::seq::index::sample;
-use rayon::prelude::*;
+use clap::Args;
 
-use super::repeat::{self, Source};
-use super::repeat_args::{Name, VerifyOptions};
-use super::{ExitCode, front};
-use crate::campaign::{self, InMemory, Silent};
-use crate::compile::{Campaign, Training};
-use crate::report::StoredReport;
-use crate::seed::Seed;
+use super::episode::RepeatOptions;
+use super::exit_code::ExitCode;
+use super::input::session;
+use super::{console, failure};
+use crate::session::{self, Repeated, reasons};
 
 /// Most differences that are shown.
 const SHOWN: usize = 10;
 
+/// Shown after the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  falsify verify reports/first_look          repeat 100 episodes, compare every column byte for byte
+  falsify verify --all reports/first_look    all of them
+  falsify verify --trainings reports/first_look
+                                             also train every pedestrian again
+
+Exit codes: 0 all are equal   2 no report   3 errors in a scenario   8 something came out differently";
+
+/// Options of `falsify verify`.
+#[derive(Debug, Args)]
+pub struct VerifyOptions {
+    /// A report.
+    #[arg(value_name = "DIR")]
+    pub report: PathBuf,
+    /// How many episodes and failures of searches are repeated.
+    #[arg(long, default_value_t = 100, value_name = "N")]
+    pub sample: usize,
+    /// Repeat all of them.
+    #[arg(long, conflicts_with = "sample")]
+    pub all: bool,
+    /// Train every pedestrian again, too, and compare its networks.
+    #[arg(long)]
+    pub trainings: bool,
+    /// Number from which the choice of the sample follows.
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub seed: u64,
+    /// How they are repeated.
+    #[command(flatten)]
+    pub repeat: RepeatOptions,
+}
+
 /// `falsify verify`
 pub fn verify(options: &VerifyOptions) -> ExitCode {
-    let source = StoredReport::open(&options.report)
-        .map_err(|error| repeat::unreadable(&error))
-        .and_then(|report| repeat::open(report, &options.repeat));
-    let source = match source {
-        Ok(source) => source,
-        Err(code) => return code,
+    let wanted = session::VerifyOptions {
+        report: options.report.clone(),
+        sample: (!options.all).then_some(options.sample),
+        trainings: options.trainings,
+        seed: options.seed,
+        repeat: options.repeat.repeat(),
     };
-    let names = match chosen(&source, options) {
-        Ok(names) => names,
-        Err(code) => return code,
+    let verified = match session(options.repeat.allow_external).verify(&wanted) {
+        Ok(verified) => verified,
+        Err(error) => return failure::failed(&error),
     };
-    let unequal = match repeat_all(&source, &names) {
-        Ok(unequal) => unequal,
-        Err(code) => return code,
-    };
-    front::say(&format!(
-        "episodes and failures of searches: {} repeated, {} equal",
-        names.len(),
-        names.len() - unequal
-    ));
-    let mut differ = unequal > 0;
-    if options.trainings {
-        let (trained, equal) = trainings(&source);
-        front::say(&format!("trainings: {trained} repeated, {equal} equal"));
-        differ |= equal < trained;
+    let (repeated, different) = (verified.repeated, &verified.different);
+    show(different);
+    let equal = repeated - different.len();
+    console::say(&format!("episodes and failures of searches: {repeated} repeated, {equal} equal"));
+    if let Some(trainings) = &verified.trainings {
+        for key in &trainings.different {
+            let who = format!("{} in {} against {}, run {}", key.reward, key.town, key.policy, key.run);
+            console::fail(&format!("the training of {who} came out differently"));
+        }
+        let equal = trainings.repeated - trainings.different.len();
+        console::say(&format!("trainings: {} repeated, {equal} equal", trainings.repeated));
     }
-    if differ {
-        repeat::reasons(source.report.manifest()).iter().for_each(|reason| front::say(&format!("perhaps {reason}")));
-        return ExitCode::Differs;
+    if verified.is_equal() {
+        return ExitCode::Done;
     }
-    ExitCode::Done
+    reasons(verified.report.manifest()).iter().for_each(|reason| console::say(&format!("perhaps {reason}")));
+    ExitCode::Differs
 }
 
-/// The episodes and failures that are to be repeated, in the order of the tables.
-fn chosen(source: &Source, options: &VerifyOptions) -> Result<Vec<Name>, ExitCode> {
-    let unreadable = |error| repeat::unreadable(&error);
-    let mut all = source.report.index().map_err(unreadable)?;
-    all.extend(source.report.search_failures().map_err(unreadable)?);
-    let places: BTreeSet<usize> = if options.all || options.sample >= all.len() {
-        (0..all.len()).collect()
-    } else {
-        let mut stream = Seed::root(options.seed).child("verify").stream();
-        sample(&mut stream, all.len(), options.sample).into_iter().collect()
-    };
-    let name = |place: usize| {
-        let (run, number) = &all[place];
-        let name = format!("{run}:{number}").parse();
-        name.map_err(|_| {
-            front::fail(&format!("`{run}:{number}` in a table is no name of an episode"));
-            ExitCode::Usage
-        })
-    };
-    places.into_iter().map(name).collect()
-}
-
-/// Repeats them, run by run; says what differs and gives how many do.
-fn repeat_all(source: &Source, names: &[Name]) -> Result<usize, ExitCode> {
-    let mut runs: BTreeMap<_, Vec<Name>> = BTreeMap::new();
-    for name in names {
-        runs.entry(name.run).or_default().push(*name);
-    }
-    let runs: Vec<Vec<Name>> = runs.into_values().collect();
-    let repeated: Vec<Result<Vec<_>, ExitCode>> = runs
-        .par_iter()
-        .map(|run| run.iter().map(|name| source.repeat(*name)).collect::<Result<Vec<_>, _>>())
-        .map(|run| run.map(|all| all.into_iter().filter(|repeated| !repeated.differences.is_empty()).collect()))
-        .collect();
-    let mut unequal = Vec::new();
-    for run in repeated {
-        unequal.extend(run?);
-    }
-    for repeated in unequal.iter().take(SHOWN) {
+fn show(different: &[Repeated]) {
+    for repeated in different.iter().take(SHOWN) {
         let columns: Vec<&str> = repeated.differences.iter().map(|difference| difference.column.as_str()).collect();
         let parting = repeated.parting.as_ref().map_or(String::new(), |parting| format!("; it parts {parting}"));
-        front::fail(&format!("{} came out differently: {}{parting}", repeated.name, columns.join(", ")));
+        console::fail(&format!("{} came out differently: {}{parting}", repeated.name, columns.join(", ")));
     }
-    if unequal.len() > SHOWN {
-        front::fail(&format!("… and {} more", unequal.len() - SHOWN));
+    if different.len() > SHOWN {
+        console::fail(&format!("… and {} more", different.len() - SHOWN));
     }
-    Ok(unequal.len())
-}
-
-/// Trains all pedestrians of the report again; gives how many, and how many are equal to the bit.
-fn trainings(source: &Source) -> (usize, usize) {
-    let of_report = |training: &&Training| source.report.pedestrian(&training.key).is_ok();
-    let trainings: Vec<&Training> = source.campaign.trainings.iter().filter(of_report).collect();
-    let alone = Campaign {
-        trainings: trainings.iter().map(|training| (*training).clone()).collect(),
-        evaluations: Vec::new(),
-        searches: Vec::new(),
-        ..source.campaign.clone()
-    };
-    let finished = campaign::run(&alone, &source.seed, &InMemory::default(), &Silent);
-    let mut equal = 0;
-    for training in &finished.trainings {
-        let key = &training.key;
-        let again = training.result.as_ref().ok().map(|trained| trained.actor_critic.to_safetensors(&BTreeMap::new()));
-        let stored = source.report.pedestrian(key).ok().map(|stored| stored.to_safetensors(&BTreeMap::new()));
-        if again.is_some() && again == stored {
-            equal += 1;
-        } else {
-            let who = format!("{} in {} against {}, run {}", key.reward, key.town, key.policy, key.run);
-            front::fail(&format!("the training of {who} came out differently"));
-        }
-    }
-    (trainings.len(), equal)
 }

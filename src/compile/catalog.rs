@@ -69,6 +69,11 @@ impl Catalog {
         Self { opener: Some(opener), ..self }
     }
 
+    /// Whether scenarios may start programs.
+    pub fn starts_programs(&self) -> bool {
+        self.opener.is_some()
+    }
+
     /// The same with one more kind of driving policy, which scenarios then name as they name the built-in ones.
     ///
     /// # Errors

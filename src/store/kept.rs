@@ -73,8 +73,8 @@ impl<'a> Kept<'a> {
     }
 
     /// Why something could not be kept, if so.
-    pub fn failure(&self) -> Option<String> {
-        lock(&self.failed).as_ref().map(ToString::to_string)
+    pub fn take_failure(&self) -> Option<StoreError> {
+        lock(&self.failed).take()
     }
 
     fn fail(&self, error: StoreError) {

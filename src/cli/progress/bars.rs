@@ -5,9 +5,9 @@ use std::time::Duration;
 
 use indicatif::{FormattedDuration, HumanCount, MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::super::front;
 use super::board::Board;
 use super::piece::Piece;
+use crate::cli::console;
 
 /// Most pieces that have a bar at a time.
 const MOST: usize = 12;
@@ -72,7 +72,7 @@ impl Bars {
 
     /// Says something above the bars.
     pub fn say(&self, line: &str) {
-        self.screen.suspend(|| front::note(line));
+        self.screen.suspend(|| console::note(line));
     }
 
     /// Removes the bars.

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::board::Board;
 use super::piece::{Kind, Piece};
-use crate::cli::front;
+use crate::cli::console;
 
 /// What happened.
 #[derive(Debug, Serialize)]
@@ -147,6 +147,6 @@ impl<'a> Event<'a> {
 
     /// Prints it.
     pub fn tell(&self) {
-        front::say(&serde_json::to_string(self).expect("texts and numbers have a form in JSON"));
+        console::say(&serde_json::to_string(self).expect("texts and numbers have a form in JSON"));
     }
 }

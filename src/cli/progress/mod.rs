@@ -1,5 +1,6 @@
 //! Progress for people and programs: bars on a terminal, a line for each finished piece in a log, events as JSON.
 
+mod showing;
 mod piece;
 mod board;
 mod bars;
@@ -9,3 +10,4 @@ mod observer;
 
 pub use events::Event;
 pub use observer::Progress;
+pub use showing::Showing;

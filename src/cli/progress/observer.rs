@@ -1,17 +1,19 @@
 use std::io::IsTerminal;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
-use super::super::front;
 use super::bars::Bars;
 use super::board::Board;
 use super::events::Event;
 use super::lines::line;
 use super::piece::{Kind, Piece, amount};
+use super::showing::Showing;
 use crate::campaign::{Cell, CellError, Observer, SearchResult, TrainingResult};
-use crate::cli::args::{Output, RunOptions, Showing};
-use crate::cli::interrupt;
+use crate::cli::console;
+use crate::cli::output::Output;
 use crate::compile::{Campaign, Evaluation, Training};
 use crate::rl::UpdateLog;
+use crate::session::Stop;
 
 /// Least time between two looks at how far everything is (ms).
 const GLANCE: u64 = 200;
@@ -24,6 +26,8 @@ pub struct Progress<'a> {
     bars: Option<Bars>,
     lines: bool,
     events: bool,
+    stop: Arc<Stop>,
+    tasks: usize,
     reused: AtomicUsize,
     glances: AtomicU64,
     /// Time of the next glance, since the campaign began (ms).
@@ -32,33 +36,22 @@ pub struct Progress<'a> {
 
 impl<'a> Progress<'a> {
     /// Gets ready for some cells of a campaign.
-    pub fn new(campaign: &'a Campaign, wanted: &[Cell], options: &RunOptions) -> Self {
+    pub fn new(campaign: &'a Campaign, wanted: &[Cell], showing: Showing, output: Output, stop: Arc<Stop>) -> Self {
         let board = Board::new(campaign, wanted, rayon::current_num_threads());
         let terminal = std::io::stderr().is_terminal();
-        let showing = match options.progress {
+        let showing = match showing {
             Showing::Auto if terminal => Showing::Bars,
             Showing::Auto => Showing::Lines,
             chosen => chosen,
         };
-        let events = options.format == Output::Json;
+        let events = output == Output::Json;
         if events {
             Event::campaign_begun(&board).tell();
         }
         let bars = (showing == Showing::Bars).then(|| Bars::new(&board));
         let lines = showing == Showing::Lines;
         let (reused, glances, next) = (AtomicUsize::new(0), AtomicU64::new(0), AtomicU64::new(0));
-        Self { board, bars, lines, events, reused, glances, next }
-    }
-
-    /// Removes the bars, and says how much was there before; all of it is `cells`.
-    pub fn finish(self, cells: usize) {
-        if let Some(bars) = &self.bars {
-            bars.clear();
-        }
-        let reused = self.reused.into_inner();
-        if reused > 0 && (self.lines || self.bars.is_some()) {
-            front::note(&format!("{reused} of {cells} cells were there already"));
-        }
+        Self { board, bars, lines, events, stop, tasks: wanted.len(), reused, glances, next }
     }
 
     /// The piece of a cell, which is begun now if it was not before.
@@ -98,7 +91,7 @@ impl<'a> Progress<'a> {
             return;
         }
         let error = piece.error();
-        if interrupt::asked() && error.is_none() && piece.done() < piece.total {
+        if self.stop.is_asked() && error.is_none() && piece.done() < piece.total {
             return;
         }
         if self.events {
@@ -109,10 +102,23 @@ impl<'a> Progress<'a> {
         match &self.bars {
             // On a terminal the many evaluations would push everything else away.
             Some(bars) if error.is_some() || (piece.kind != Kind::Evaluation && !quiet) => bars.say(&line()),
-            None if error.is_some() || (self.lines && !quiet) => front::note(&line()),
+            None if error.is_some() || (self.lines && !quiet) => console::note(&line()),
             _ => {}
         }
         self.glance();
+    }
+}
+
+impl Drop for Progress<'_> {
+    /// Removes the bars, and reports how much was there before.
+    fn drop(&mut self) {
+        if let Some(bars) = &self.bars {
+            bars.clear();
+        }
+        let reused = *self.reused.get_mut();
+        if reused > 0 && (self.lines || self.bars.is_some()) {
+            console::note(&format!("{reused} of {} cells were there already", self.tasks));
+        }
     }
 }
 
@@ -164,9 +170,5 @@ impl Observer for Progress<'_> {
             None => Ok(format!("{} failures in {} episodes", spent.failures.len(), spent.episodes)),
         };
         self.end(Cell::Search(search), told);
-    }
-
-    fn stop(&self) -> bool {
-        interrupt::asked()
     }
 }

@@ -1,0 +1,61 @@
+//! What a command is given to read, and the session that reads it.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use clap::Args;
+
+use super::{console, failure, interrupt};
+use crate::compile::Catalog;
+use crate::diagnostic::{Diagnostic, Sources};
+use crate::process::ProcessOpener;
+use crate::session::{Input, Notice, Observer, Session};
+
+/// Options that replace parts of the files.
+#[derive(Debug, Default, Args)]
+pub struct GivenOptions {
+    /// Take the roads of a town from an OpenDRIVE map instead; buildings are kept.
+    #[arg(long, value_name = "TOWN=FILE", value_parser = town_and_file)]
+    pub map: Vec<(String, PathBuf)>,
+    /// Give a parameter or a key of a declaration another value, as `far=20 m` or `ppo_paper.steps=1000`.
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
+    /// Let scenarios name programs as drivers, which `run` starts; give it only with files that you trust.
+    #[arg(long)]
+    pub allow_external: bool,
+}
+
+impl GivenOptions {
+    /// These files, with what replaces parts of them.
+    pub fn input(&self, files: &[PathBuf]) -> Input {
+        Input { files: files.to_vec(), maps: self.map.clone(), settings: self.set.clone() }
+    }
+}
+
+fn town_and_file(text: &str) -> Result<(String, PathBuf), String> {
+    let (town, file) = text.split_once('=').ok_or("write TOWN=FILE")?;
+    Ok((town.to_string(), PathBuf::from(file)))
+}
+
+/// A session that reports on the error stream and stops at Ctrl-C.
+pub fn session(allow_external: bool) -> Session {
+    let catalog = match allow_external {
+        true => Catalog::builtin().with_opener(Arc::new(ProcessOpener::default())),
+        false => Catalog::builtin(),
+    };
+    Session::default().with_catalog(catalog).with_observer(Arc::new(Reporter)).with_stop(interrupt::stop())
+}
+
+/// Reports diagnostics and notices on the error stream.
+#[derive(Debug)]
+pub struct Reporter;
+
+impl Observer for Reporter {
+    fn diagnostics(&self, diagnostics: &[Diagnostic], sources: &Sources) {
+        console::show(diagnostics, sources);
+    }
+
+    fn notice(&self, notice: &Notice) {
+        failure::notice(notice);
+    }
+}

@@ -1,0 +1,14 @@
+use clap::ValueEnum;
+
+/// How progress is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Showing {
+    /// Bars on a terminal, lines elsewhere.
+    Auto,
+    /// Bars for what is under way, with rates and the time left.
+    Bars,
+    /// A line for each piece that is finished.
+    Lines,
+    /// Not at all.
+    None,
+}

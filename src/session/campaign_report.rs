@@ -1,0 +1,68 @@
+use std::path::PathBuf;
+
+use crate::report::{Cell, Gate, Judged, Manifest, SearchCell};
+
+/// What a run made of the campaigns.
+#[derive(Debug)]
+pub struct RunReport {
+    /// The campaigns that were run, in order.
+    pub campaigns: Vec<CampaignOutcome>,
+    /// Whether the run was stopped, so that later campaigns are missing.
+    pub interrupted: bool,
+}
+
+impl RunReport {
+    /// The reports that were written.
+    pub fn reports(&self) -> impl Iterator<Item = &CampaignReport> {
+        self.campaigns.iter().filter_map(|outcome| match outcome {
+            CampaignOutcome::Reported(report) => Some(report.as_ref()),
+            CampaignOutcome::Empty { .. } => None,
+        })
+    }
+}
+
+/// What a run made of a campaign.
+#[derive(Debug)]
+pub enum CampaignOutcome {
+    /// A report.
+    Reported(Box<CampaignReport>),
+    /// No task was finished, so there is no report.
+    Empty {
+        /// The name that the report would have.
+        name: String,
+        /// Whether it was stopped.
+        interrupted: bool,
+    },
+}
+
+/// A report, with what people look at first.
+#[derive(Debug)]
+pub struct CampaignReport {
+    /// The name of the report.
+    pub name: String,
+    /// Its folder.
+    pub folder: PathBuf,
+    /// How it came about.
+    pub manifest: Manifest,
+    /// Means and intervals of each cell of the grid, in the order of the table `cells`.
+    pub cells: Vec<Cell>,
+    /// Means of the searches, in the order of the table `search_cells`.
+    pub searches: Vec<SearchCell>,
+    /// The gates, each with its judgement of each cell.
+    pub gates: Vec<(Gate, Vec<Judged>)>,
+    /// Whether a training or a search failed.
+    pub failed: bool,
+}
+
+impl CampaignReport {
+    /// Whether nothing failed, and everything that was planned is there or the run was stopped.
+    pub fn is_sound(&self) -> bool {
+        let whole = self.manifest.complete || self.manifest.stopped;
+        !self.failed && whole && self.manifest.errors == 0
+    }
+
+    /// Whether no gate is broken.
+    pub fn passes(&self) -> bool {
+        !self.gates.iter().flat_map(|(_, judged)| judged).any(|judged| matches!(judged, Judged::Broken(_)))
+    }
+}

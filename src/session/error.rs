@@ -1,0 +1,184 @@
+use std::path::PathBuf;
+
+use super::EpisodeName;
+use crate::lang::Unreadable;
+use crate::report::{ReadError, WriteError};
+use crate::store::StoreError;
+
+/// Why a call of a session has no result.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// Named scenario files cannot be read.
+    #[error("{}", lines(files))]
+    Unreadable {
+        /// The files, each with the reason.
+        files: Vec<Unreadable>,
+    },
+    /// The scenario files have errors; the observer has the diagnostics.
+    #[error("{} found", if *errors == 1 { "1 error".into() } else { format!("{errors} errors") })]
+    Scenario {
+        /// The number of diagnostics that are errors.
+        errors: usize,
+    },
+    /// A map is given for a town that no file declares.
+    #[error("a map is given for the town `{town}`, which nothing uses")]
+    UnusedMap {
+        /// The name of the town.
+        town: String,
+    },
+    /// The files hold no campaign.
+    #[error("{advice}")]
+    NoCampaign {
+        /// What to write or to name instead.
+        advice: String,
+    },
+    /// Threads cannot be started.
+    #[error("cannot start {threads} threads: {source}")]
+    Threads {
+        /// The number that was asked for; 0 for one a core.
+        threads: u16,
+        /// Why.
+        source: rayon::ThreadPoolBuildError,
+    },
+    /// There is no store to work with.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// Something could not be written while a campaign was run; what was finished before is kept.
+    #[error("{source}\n  what was finished before is kept; run the same command again to go on (`{out}`)", out = out.display())]
+    Keep {
+        /// The folder for reports.
+        out: PathBuf,
+        /// What could not be written.
+        source: KeepError,
+    },
+    /// A file or a table cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// A report cannot be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// A folder to merge from does not exist.
+    #[error("there is no folder `{folder}`", folder = folder.display())]
+    NoFolder {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// No campaign was run for a folder.
+    #[error("no campaign was run in `{out}`", out = out.display())]
+    NothingRun {
+        /// The folder for reports.
+        out: PathBuf,
+        /// The cache that was named.
+        cache: Option<PathBuf>,
+    },
+    /// A folder holds no report.
+    #[error("there is no report in `{folder}`", folder = folder.display())]
+    NoReport {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// No report of a folder has the run of an episode.
+    #[error("no report in `{folder}` has a run `{}`", name.run, folder = folder.display())]
+    NoRun {
+        /// The folder.
+        folder: PathBuf,
+        /// The episode.
+        name: EpisodeName,
+    },
+    /// A report has the run, but not the episode or the failure.
+    #[error("`{report}` has no {what} {} of {}", name.number, name.run, report = report.display())]
+    NoEpisode {
+        /// The report.
+        report: PathBuf,
+        /// `episode`, or `failure` of a search.
+        what: &'static str,
+        /// Its name.
+        name: EpisodeName,
+    },
+    /// A table names an episode in a way that is not one.
+    #[error("`{name}` in a table is no name of an episode")]
+    BadName {
+        /// The text.
+        name: String,
+    },
+    /// The row of an episode in a report cannot be compared with the one that came out now.
+    #[error("the row of {name} cannot be compared: {reason}")]
+    Incomparable {
+        /// The episode.
+        name: EpisodeName,
+        /// What the table library reports.
+        reason: String,
+    },
+    /// Scenario files are not those that were run.
+    #[error("{}", lines(changes))]
+    Changed {
+        /// What differs.
+        changes: Vec<Change>,
+    },
+    /// The files do not hold the campaign of the report.
+    #[error("the files hold no campaign `{campaign}` any more")]
+    CampaignGone {
+        /// Its name.
+        campaign: String,
+    },
+    /// The campaign does not have the run of an episode.
+    #[error("the campaign `{campaign}` has no run `{}` any more", name.run)]
+    RunGone {
+        /// The name of the campaign.
+        campaign: String,
+        /// The episode.
+        name: EpisodeName,
+    },
+    /// The stored commands of a failure do not end its episode.
+    #[error("the commands of {name} do not lead to the end of an episode any more")]
+    CommandsDiffer {
+        /// The failure.
+        name: EpisodeName,
+    },
+}
+
+/// What could not be written while a campaign was run.
+#[derive(Debug, thiserror::Error)]
+pub enum KeepError {
+    /// A task.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// A part of the report.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+}
+
+/// A difference between the files of a report and those of today.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum Change {
+    /// A file was read for the report and is not read now.
+    #[error("`{path}` was read then, and is not now")]
+    Gone {
+        /// The file.
+        path: String,
+    },
+    /// A file has other contents.
+    #[error(
+        "`{path}` has changed since then: its hash was {}…, and is {}…",
+        then.get(..12).unwrap_or_default(),
+        now.get(..12).unwrap_or_default()
+    )]
+    Contents {
+        /// The file.
+        path: String,
+        /// Its hash then, BLAKE3 in hexadecimal digits.
+        then: String,
+        /// Its hash now.
+        now: String,
+    },
+    /// A file is read now and was not read for the report.
+    #[error("`{path}` is read now, and was not")]
+    New {
+        /// The file.
+        path: String,
+    },
+}
+
+fn lines<T: std::fmt::Display>(all: &[T]) -> String {
+    all.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
+}

@@ -1,0 +1,91 @@
+//! What a report says about how it came about, and when it is complete.
+
+use super::{Input, RunOptions, Session};
+use crate::campaign::{Finished, TrainingResult};
+use crate::compile::Campaign;
+use crate::report::{Call, FileRecord, Gathered, Manifest, TrainingRecord, pedestrian_file};
+use crate::store::{CODE, vector_instructions};
+
+/// Wall times of a run (s).
+pub struct Times {
+    /// Of each training of the plan, whenever it was done.
+    pub trainings: Vec<f64>,
+    /// Of the whole run.
+    pub run: f64,
+}
+
+/// Whether everything that was planned is there: all trainings, all episodes that the plan or a stopping rule asks for, each with a reward that is a
+/// number, an episode of each driver in each town that reached its end, and all searches to the end of their budgets.
+fn is_complete(campaign: &Campaign, finished: &Finished, gathered: &Gathered) -> bool {
+    let trained = finished.trainings.iter().filter(|training| training.result.is_ok()).count();
+    trained == campaign.trainings.len()
+        && gathered.all_tried
+        && gathered.untried == 0
+        && gathered.unpaid == 0
+        && gathered.every_driver_drove
+        && finished.searches.len() == campaign.searches.len()
+        && finished.searches.iter().all(|search| search.error.is_none() && !search.spent.stopped)
+}
+
+impl Session {
+    /// The manifest of a campaign that was run.
+    pub(super) fn manifest(
+        &self,
+        campaign: &Campaign,
+        options: &RunOptions,
+        files: &[FileRecord],
+        finished: &Finished,
+        gathered: &Gathered,
+        times: &Times,
+    ) -> Manifest {
+        Manifest {
+            version: env!("CARGO_PKG_VERSION").into(),
+            code: CODE.into(),
+            campaign: campaign.name.clone(),
+            seed: options.seed,
+            call: self.call(&options.input),
+            settings: campaign.settings.clone(),
+            smoke: options.smoke,
+            complete: is_complete(campaign, finished, gathered),
+            stopped: finished.interrupted,
+            threads: rayon::current_num_threads(),
+            evaluation_ticks: gathered.ticks,
+            search_ticks: finished.searches.iter().map(|search| search.spent.ticks).sum(),
+            errors: gathered.errors,
+            wall_time_s: times.run,
+            files: files.to_vec(),
+            vector_instructions: vector_instructions().into(),
+            trainings: finished.trainings.iter().map(|training| record(training, campaign, times)).collect(),
+        }
+    }
+
+    /// What the session was given, for a later repetition.
+    fn call(&self, input: &Input) -> Call {
+        Call {
+            folder: std::env::current_dir().map_or_else(|_| String::new(), |folder| folder.display().to_string()),
+            scenarios: input.files.iter().map(|path| path.display().to_string()).collect(),
+            maps: input.maps.iter().map(|(town, file)| format!("{town}={}", file.display())).collect(),
+            set: input.settings.clone(),
+            allow_external: self.catalog.starts_programs(),
+        }
+    }
+}
+
+fn record(training: &TrainingResult, campaign: &Campaign, times: &Times) -> TrainingRecord {
+    let place = campaign.trainings.iter().position(|planned| planned.key == training.key).unwrap_or(0);
+    let key = &training.key;
+    let last = training.result.as_ref().ok().and_then(|trained| trained.learning_curve.last());
+    TrainingRecord {
+        town: key.town.clone(),
+        policy: key.policy.clone(),
+        reward: key.reward.clone(),
+        run: key.run,
+        decisions: last.map_or(0, |log| log.steps),
+        wall_time_s: times.trainings[place],
+        pedestrian: match training.result {
+            Ok(_) => pedestrian_file(key, "safetensors"),
+            Err(_) => String::new(),
+        },
+        error: training.result.as_ref().err().map_or(String::new(), ToString::to_string),
+    }
+}

@@ -1,0 +1,115 @@
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+
+use rayon::prelude::*;
+
+use super::run::{Work, pool};
+use super::{Error, Notice, RunOptions, RunReport, Session};
+use crate::campaign::{Cell, cells, deal};
+use crate::compile::Campaign;
+use crate::store::{Ids, Store, Taken, cell_name};
+
+/// Options of [`Session::merge`].
+#[derive(Debug, Clone, Default)]
+pub struct MergeOptions {
+    /// What was run. How it was run (`fresh`, `limits`, `command`) has no meaning here.
+    pub run: RunOptions,
+    /// Folders with the tasks of shards, beside the store of the reports.
+    pub from: Vec<PathBuf>,
+    /// Whether reports of what is there are written even when something is missing.
+    pub partial: bool,
+}
+
+/// A campaign of which tasks are missing.
+#[derive(Debug)]
+pub struct Incomplete {
+    /// The campaign.
+    pub campaign: Campaign,
+    /// The tasks that are not finished, in the plan's order.
+    pub tasks: Vec<Missing>,
+    /// The number of all its tasks.
+    pub all: usize,
+}
+
+/// A task that is not finished.
+#[derive(Debug)]
+pub struct Missing {
+    /// The task.
+    pub task: Cell,
+    /// What it is, for people.
+    pub name: String,
+    /// What the stores have of it.
+    pub found: Taken,
+}
+
+impl Incomplete {
+    /// The shards, of this number, that would make what is missing.
+    pub fn shards(&self, count: u32) -> BTreeSet<u32> {
+        let deal: BTreeMap<Cell, u32> = deal(&self.campaign, count).into_iter().collect();
+        self.tasks.iter().map(|missing| deal[&missing.task]).collect()
+    }
+}
+
+impl Session {
+    /// Takes the tasks of shards over, and writes the reports when all are there; the observer hears of what is missing. None when reports were
+    /// not written: tasks are missing, or the session was stopped.
+    ///
+    /// # Errors
+    /// Those of [`Session::run`], and a folder that does not exist.
+    pub fn merge(&self, options: &MergeOptions) -> Result<Option<RunReport>, Error> {
+        let planned = self.campaigns(&options.run)?;
+        if let Some(missing) = options.from.iter().find(|folder| !folder.is_dir()) {
+            return Err(Error::NoFolder { folder: missing.clone() });
+        }
+        // What is damaged is reported with what to do about it.
+        let store = Store::open(&options.run.out, options.run.cache.as_deref(), Box::new(|_| {}))?;
+        let others: Vec<Store> = options.from.iter().map(|folder| Store::within(folder, Box::new(|_| {}))).collect();
+        for (folder, _) in options.from.iter().zip(&others).filter(|(_, store)| !store.is_there()) {
+            self.observer.notice(&Notice::NoTasks { folder: folder.clone() });
+        }
+        let pool = pool(options.run.threads)?;
+        self.observer.begun();
+        let mut whole = true;
+        for campaign in &planned.plan.campaigns {
+            let incomplete = pool.install(|| self.take_over(campaign, &options.run, &store, &others))?;
+            if self.stop.is_asked() {
+                return Ok(None);
+            }
+            if let Some(incomplete) = incomplete {
+                whole = false;
+                self.observer.notice(&Notice::Incomplete(Box::new(incomplete)));
+            }
+        }
+        drop((store, pool));
+        if whole || options.partial { self.run_plan(&options.run, &planned, Work::None).map(Some) } else { Ok(None) }
+    }
+
+    /// Takes all tasks of a campaign over; returns those that are missing, if any.
+    fn take_over(
+        &self,
+        campaign: &Campaign,
+        options: &RunOptions,
+        store: &Store,
+        others: &[Store],
+    ) -> Result<Option<Incomplete>, Error> {
+        let ids = Ids::new(campaign, options.seed);
+        let take = |task: Cell| {
+            if self.stop.is_asked() {
+                return Ok((task, Taken::Missing));
+            }
+            let amount = match task {
+                Cell::Chunk { evaluation, chunk } => Some(campaign.evaluations[evaluation].chunk(chunk).len() as u64),
+                _ => None,
+            };
+            store.take(ids.get(task), amount, others).map(|taken| (task, taken))
+        };
+        let all: Vec<Cell> = cells(campaign).collect();
+        let taken = all.par_iter().map(|task| take(*task)).collect::<Result<Vec<_>, _>>();
+        let missing = taken.map_err(|error| options.keep(error))?.into_iter();
+        let missing = missing.filter(|(_, found)| !matches!(found, Taken::Whole | Taken::Failed(_)));
+        let tasks: Vec<Missing> =
+            missing.map(|(task, found)| Missing { task, name: cell_name(campaign, task), found }).collect();
+        let incomplete = Incomplete { campaign: campaign.clone(), tasks, all: all.len() };
+        Ok(Some(incomplete).filter(|incomplete| !incomplete.tasks.is_empty()))
+    }
+}

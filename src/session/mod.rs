@@ -1,0 +1,49 @@
+//! The program as a library: `check`, `run`, `merge`, `replay`, `verify`, `status`, `export`.
+//!
+//! A [`Session`] holds what all calls share: the catalogue of the language, the reader of files, an [`Observer`] and a [`Stop`] flag. Each call
+//! takes a struct of plain options, returns a value or an [`Error`], and tells the observer what happens meanwhile. No call prints,
+//! reads the arguments or the environment of the process, installs a signal handler or starts a program that the catalogue does not allow.
+
+mod disk;
+mod error;
+mod stop;
+mod observer;
+mod input;
+mod session;
+mod check;
+mod options;
+mod campaign_report;
+mod manifest;
+mod run;
+mod shard;
+mod list;
+mod merge;
+mod status;
+mod episode_name;
+mod stored;
+mod repeat;
+mod reasons;
+mod replay;
+mod export;
+mod verify;
+
+pub use campaign_report::{CampaignOutcome, CampaignReport, RunReport};
+pub use check::{CheckOptions, Checked, Planned};
+pub use disk::Disk;
+pub use episode_name::{EpisodeName, NoEpisodeName};
+pub use error::{Change, Error, KeepError};
+pub use export::{Animation, Export, Strip, TickTable};
+pub use input::Input;
+pub use list::Listing;
+pub use merge::{Incomplete, MergeOptions, Missing};
+pub use observer::{Notice, Observer, Silent};
+pub use options::{RunOptions, Ticks};
+pub use reasons::{Reason, reasons};
+pub use repeat::Repeated;
+pub use replay::{Replay, ReplayOptions};
+pub use session::Session;
+pub use shard::{ShardOptions, ShardReport};
+pub use status::{CampaignProgress, CampaignState, KindProgress, StatusOptions};
+pub use stop::Stop;
+pub use stored::RepeatOptions;
+pub use verify::{Retrained, VerifyOptions, VerifyReport};

@@ -1,0 +1,148 @@
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use super::stored::Source;
+use super::{EpisodeName, Error};
+use crate::campaign::{SearchResult, watch};
+use crate::compile::{Evaluation, Search};
+use crate::env::{Outcome, Scenario, Trace};
+use crate::falsifier::{Failure, Spent, follow};
+use crate::judge::{NearMiss, Verdict, judge};
+use crate::record::{self, EpisodeRow, RunKey};
+use crate::report::{self, Difference};
+
+/// An episode that was repeated.
+#[derive(Debug, Clone)]
+pub struct Repeated {
+    /// Its name.
+    pub name: EpisodeName,
+    /// Who walked where and against whom, in words.
+    pub title: String,
+    /// The scenario it belongs to.
+    pub scenario: Arc<Scenario>,
+    /// How it ended now.
+    pub outcome: Outcome,
+    /// What happened in it now.
+    pub trace: Trace,
+    /// What the reference drivers did in it; none without a collision.
+    pub verdict: Option<Verdict>,
+    /// The values of its row that came out differently.
+    pub differences: Vec<Difference>,
+    /// Where it starts to differ from the stored one, in words, when that is known.
+    pub parting: Option<String>,
+}
+
+impl Source {
+    /// Repeats an episode and compares it with the report.
+    ///
+    /// # Errors
+    /// The report or the campaign does not have it, or a file of the report is damaged.
+    pub fn repeat(&self, name: EpisodeName) -> Result<Repeated, Error> {
+        if let Some((place, evaluation)) = self.evaluation(name) {
+            return self.repeat_episode(name, place, evaluation);
+        }
+        match self.search(name) {
+            Some(search) => self.repeat_failure(name, search),
+            None => Err(Error::RunGone { campaign: self.campaign.name.clone(), name }),
+        }
+    }
+
+    fn repeat_episode(&self, name: EpisodeName, place: usize, evaluation: &Evaluation) -> Result<Repeated, Error> {
+        let before: usize = self.campaign.evaluations[..place].iter().map(|other| other.episodes as usize).sum();
+        let guess = before + name.number as usize;
+        let stored = self.report.episode(name.run, name.number, guess)?;
+        let Some(stored) = stored else { return Err(self.missing(name, "episode")) };
+        let trained = self.trained(evaluation)?;
+        let note = &mut |outcome: &Outcome, trace: &Trace| (*outcome, trace.clone());
+        let (episodes, go_on) = (name.number..name.number + 1, &mut |_| ControlFlow::Continue(()));
+        let seen = watch(evaluation, trained.as_ref(), episodes, &self.seed, note, go_on);
+        let (outcome, trace) = seen.into_iter().next().expect("an episode that is tried comes to an end");
+        let pair = trace.main_pair(&evaluation.scenario);
+        let (verdict, near_miss) = (judge(&pair), NearMiss::new(&pair));
+        let again = record::episodes(&[EpisodeRow {
+            key: RunKey::of(evaluation).into(),
+            episode: name.number,
+            outcome,
+            verdict,
+            near_miss,
+        }]);
+        let scenario = &evaluation.scenario;
+        self.compared(name, who(evaluation), scenario, (outcome, trace, verdict), &stored, &again)
+    }
+
+    fn repeat_failure(&self, name: EpisodeName, search: &Search) -> Result<Repeated, Error> {
+        let stored = self.report.search_failure(name.run, name.number)?;
+        let Some(stored) = stored else { return Err(self.missing(name, "failure")) };
+        let followed = report::failure(&stored).and_then(|failure| {
+            let seed = search.beginnings(&self.seed);
+            let (outcome, trace) = follow(&search.scenario, seed, failure.beginning, &failure.commands)?;
+            Some((failure, outcome, trace))
+        });
+        let Some((failure, outcome, trace)) = followed else {
+            return Err(Error::CommandsDiffer { name });
+        };
+        let failure =
+            Failure { beginning: failure.beginning, ticks: failure.ticks, commands: failure.commands, outcome };
+        // A table of this failure alone would count it as the first.
+        let again = if outcome.is_collision() { search_row(search, failure) } else { Default::default() };
+        let key = &search.key;
+        let title = format!("found by {} in {} against {}, run {}", key.falsifier, key.town, key.policy, key.run);
+        let verdict = judge(&trace.main_pair(&search.scenario));
+        self.compared(name, title, &search.scenario, (outcome, trace, verdict), &stored, &again)
+    }
+
+    fn missing(&self, name: EpisodeName, what: &'static str) -> Error {
+        Error::NoEpisode { report: self.report.folder().to_path_buf(), what, name }
+    }
+
+    fn compared(
+        &self,
+        name: EpisodeName,
+        title: String,
+        scenario: &Arc<Scenario>,
+        (outcome, trace, verdict): (Outcome, Trace, Option<Verdict>),
+        stored: &report::Row,
+        again: &report::Row,
+    ) -> Result<Repeated, Error> {
+        let mut differences: Vec<Difference> = report::differences(stored, again)
+            .map_err(|error| Error::Incomparable { name, reason: error.to_string() })?
+            .into_iter()
+            .map(|each| each.1)
+            .collect();
+        differences.retain(|difference| difference.column != "failure");
+        if !outcome.is_collision() && self.search(name).is_some() {
+            let (column, stored, again) = ("outcome".into(), "collision".into(), "none".into());
+            differences.push(Difference { column, stored, again });
+        }
+        let parting = if differences.is_empty() {
+            None
+        } else {
+            let ticks = self.report.ticks(name.run, name.number)?;
+            let now = report::ticks(name.run, name.number, scenario, &trace);
+            report::parting(stored, &outcome, scenario, ticks.as_ref().map(|then| (then, &now)))
+        };
+        let scenario = scenario.clone();
+        Ok(Repeated { name, title, scenario, outcome, trace, verdict, differences, parting })
+    }
+}
+
+/// The row of a failure in the table of its search.
+fn search_row(search: &Search, failure: Failure) -> report::Row {
+    let spent = Spent { ticks: 0, episodes: 0, beginnings: 0, failures: vec![failure], stopped: false };
+    let key = search.key.clone();
+    report::search_failures(&[SearchResult { key, budget: search.budget, spent, tried: Vec::new(), error: None }])
+}
+
+/// Who walks where and against whom, in words.
+fn who(evaluation: &Evaluation) -> String {
+    let key = &evaluation.trained;
+    let trained = if key.town.is_empty() {
+        format!("{} ({}, run {})", evaluation.pedestrian.name(), key.reward, key.run)
+    } else {
+        format!("{} {} ({}, {}), run {}", evaluation.pedestrian.name(), key.reward, key.town, key.policy, key.run)
+    };
+    format!(
+        "{trained}, in {} against {}, {} and {}",
+        evaluation.town, evaluation.policy, evaluation.vehicle, evaluation.adversary
+    )
+}

@@ -1,0 +1,228 @@
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::manifest::Times;
+use super::{
+    CampaignOutcome, CampaignReport, Error, KeepError, Notice, Planned, RunOptions, RunReport, Session, Stop, Ticks,
+};
+use crate::campaign::{self, Cell, CellError, Finished, SearchResult, TrainingResult};
+use crate::compile::{Campaign, Evaluation, Training};
+use crate::report::{self, Episodes, FailureModes, FileRecord, Gathered, Metrics, ReportFolder, Wanted, WriteError};
+use crate::rl::UpdateLog;
+use crate::seed::Seed;
+use crate::store::{Ids, Index, Kept, Note, Store};
+
+/// How much is done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Work {
+    /// All tasks that the store lacks.
+    All,
+    /// No task: reports are made from what the store has.
+    None,
+}
+
+impl Session {
+    /// Runs the campaigns of scenario files and writes their reports. Work that the store has is not done again.
+    ///
+    /// # Errors
+    /// Files that cannot be read or have errors, and files or folders that cannot be written. A training, a search or an episode that
+    /// fails is a part of the report.
+    pub fn run(&self, options: &RunOptions) -> Result<RunReport, Error> {
+        let planned = self.campaigns(options)?;
+        self.run_plan(options, &planned, Work::All)
+    }
+
+    /// The plan of a run, which has at least one campaign.
+    pub(super) fn campaigns(&self, options: &RunOptions) -> Result<Planned, Error> {
+        let mut planned = self.plan(&options.input)?;
+        if planned.plan.campaigns.is_empty() {
+            return Err(Error::NoCampaign { advice: planned.plan.without_campaigns() });
+        }
+        if options.smoke {
+            planned.plan.campaigns.iter_mut().for_each(campaign::smoke);
+        }
+        Ok(planned)
+    }
+
+    /// What the store tells the observer.
+    pub(super) fn note(&self) -> Note {
+        let observer = self.observer.clone();
+        Box::new(move |text| observer.notice(&Notice::Store { text: text.to_string() }))
+    }
+
+    pub(super) fn run_plan(&self, options: &RunOptions, planned: &Planned, work: Work) -> Result<RunReport, Error> {
+        let pool = pool(options.threads)?;
+        let store = Store::open(&options.out, options.cache.as_deref(), self.note())?;
+        if work == Work::All {
+            self.observer.begun();
+        }
+        let mut campaigns = Vec::new();
+        for campaign in &planned.plan.campaigns {
+            let outcome = pool.install(|| self.carry_out(campaign, options, &planned.records, &store, work))?;
+            self.observer.ended(&outcome);
+            campaigns.push(outcome);
+            if self.stop.is_asked() {
+                break;
+            }
+        }
+        Ok(RunReport { campaigns, interrupted: self.stop.is_asked() })
+    }
+
+    /// Runs a campaign and writes its report.
+    fn carry_out(
+        &self,
+        campaign: &Campaign,
+        options: &RunOptions,
+        files: &[FileRecord],
+        store: &Store,
+        work: Work,
+    ) -> Result<CampaignOutcome, Error> {
+        let (name, seed) = (options.report_name(campaign), Seed::root(options.seed));
+        let drafts = store.drafts().map_err(|error| options.keep(error))?;
+        let folder = ReportFolder::begin(&options.out, &name, &drafts)?.in_formats(options.formats);
+        let began = Instant::now();
+        let mut index = Index::read(store, &name);
+        if work == Work::All {
+            index.command.clone_from(&options.command);
+        }
+        if options.fresh {
+            store.forget(&Ids::new(campaign, options.seed), campaign).map_err(|error| options.keep(error))?;
+        }
+        index.write(store, &name, campaign, options.seed).map_err(|error| options.keep(error))?;
+        let keeper = Kept::new(store, campaign, options.seed, options.limits);
+        let finished = match work {
+            Work::All => {
+                let tasks: Vec<Cell> = campaign::cells(campaign).collect();
+                campaign::run(campaign, &seed, &keeper, &self.listener(campaign, &tasks))
+            }
+            Work::None => campaign::collect(campaign, &keeper),
+        };
+        if let Some(error) = keeper.take_failure() {
+            return Err(options.keep(error));
+        }
+        index.write(store, &name, campaign, options.seed).map_err(|error| options.keep(error))?;
+        let written = |error: WriteError| options.keep(error);
+        let mut modes = FailureModes::new(campaign, &finished.trainings, &seed);
+        let episodes = Episodes::new(campaign, &keeper);
+        let gathered = report::gather(&folder, &episodes, &mut modes, &seed).map_err(written)?;
+        if gathered.episodes == 0
+            && finished.searches.is_empty()
+            && finished.trainings.iter().all(|training| training.result.is_err())
+        {
+            return Ok(CampaignOutcome::Empty { name, interrupted: finished.interrupted });
+        }
+        self.notice_errors(&gathered, &name);
+        let times = Times { trainings: keeper.training_seconds(), run: began.elapsed().as_secs_f64() };
+        let manifest = self.manifest(campaign, options, files, &finished, &gathered, &times);
+        report::write(&folder, campaign, &finished, &gathered, modes, &manifest).map_err(written)?;
+        if options.ticks != Ticks::None {
+            let all = options.ticks == Ticks::All;
+            let wanted = Wanted::of(&Episodes::new(campaign, &keeper), &finished, all).map_err(written)?;
+            report::write_ticks(&folder, &seed, &wanted).map_err(written)?;
+        }
+        let folder = self.stop.while_placing(|| {
+            let _door = store.door();
+            folder.finish(manifest.complete)
+        });
+        let folder = folder.map_err(written)?;
+        let failed = |source| WriteError::Table { name: "cells".into(), source };
+        let metrics = Metrics::of_runs(gathered.runs).map_err(failed)?;
+        let cells = metrics.cells().map_err(failed)?;
+        let gates = options.gates.iter().map(|gate| (gate.clone(), gate.judge(&metrics.cells))).collect();
+        let searches = report::search_cells(&finished.searches);
+        let failed = has_failed(&finished);
+        Ok(CampaignOutcome::Reported(Box::new(CampaignReport {
+            name,
+            folder,
+            manifest,
+            cells,
+            searches,
+            gates,
+            failed,
+        })))
+    }
+
+    /// What hears of the tasks of a campaign: the observer's, which the stop flag stops.
+    pub(super) fn listener<'a>(&self, campaign: &'a Campaign, tasks: &[Cell]) -> Listener<'a> {
+        Listener { inner: self.observer.campaign(campaign, tasks), stop: self.stop.clone() }
+    }
+
+    /// Tells the observer what went wrong in episodes.
+    fn notice_errors(&self, gathered: &Gathered, name: &str) {
+        let campaign = || name.to_string();
+        if let Some(first) = gathered.first_unpaid.clone() {
+            self.observer.notice(&Notice::Unpaid { campaign: campaign(), episodes: gathered.unpaid, first });
+        }
+        if let Some(first) = gathered.first_error.clone() {
+            let Gathered { errors, untried, episodes, .. } = *gathered;
+            self.observer.notice(&Notice::EpisodesInError { campaign: campaign(), errors, episodes, untried, first });
+        }
+    }
+}
+
+impl RunOptions {
+    /// The name of a campaign's report. A trial of the machinery never replaces results.
+    pub(super) fn report_name(&self, campaign: &Campaign) -> String {
+        if self.smoke { format!("{}-smoke", campaign.name) } else { campaign.name.clone() }
+    }
+
+    /// The error for something that could not be written during a run.
+    pub(super) fn keep(&self, source: impl Into<KeepError>) -> Error {
+        Error::Keep { out: self.out.clone(), source: source.into() }
+    }
+}
+
+/// Starts threads that work, 0 for one a core.
+pub(super) fn pool(threads: u16) -> Result<rayon::ThreadPool, Error> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build();
+    pool.map_err(|source| Error::Threads { threads, source })
+}
+
+fn has_failed(finished: &Finished) -> bool {
+    finished.trainings.iter().any(|training| training.result.is_err())
+        || finished.searches.iter().any(|search| search.error.is_some())
+}
+
+/// Passes everything on to the observer of a campaign, and stops when the flag is raised.
+pub(super) struct Listener<'a> {
+    inner: Box<dyn campaign::Observer + 'a>,
+    stop: Arc<Stop>,
+}
+
+impl campaign::Observer for Listener<'_> {
+    fn training_begun(&self, training: usize) {
+        self.inner.training_begun(training);
+    }
+
+    fn trained(&self, training: usize, plan: &Training, log: &UpdateLog) {
+        self.inner.trained(training, plan, log);
+    }
+
+    fn training_ended(&self, training: usize, result: &TrainingResult) {
+        self.inner.training_ended(training, result);
+    }
+
+    fn tried(&self, evaluation: usize, plan: &Evaluation) {
+        self.inner.tried(evaluation, plan);
+    }
+
+    fn chunk_ended(&self, evaluation: usize, chunk: u32, error: Option<&CellError>) {
+        self.inner.chunk_ended(evaluation, chunk, error);
+    }
+
+    fn reused(&self, cell: Cell) {
+        self.inner.reused(cell);
+    }
+
+    fn continued(&self, cell: Cell, episodes: u32) {
+        self.inner.continued(cell, episodes);
+    }
+
+    fn searched(&self, search: usize, result: &SearchResult) {
+        self.inner.searched(search, result);
+    }
+
+    fn stop(&self) -> bool {
+        self.stop.is_asked() || self.inner.stop()
+    }
+}

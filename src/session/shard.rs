@@ -1,0 +1,94 @@
+use super::run::pool;
+use super::{Error, RunOptions, Session};
+use crate::campaign::{self, Cell, Shard};
+use crate::compile::Campaign;
+use crate::seed::Seed;
+use crate::store::{Ids, Index, Kept, State, Store};
+
+/// Options of [`Session::run_shard`], beside those of a run.
+#[derive(Debug, Clone, Copy)]
+pub struct ShardOptions {
+    /// Which part of each campaign.
+    pub shard: Shard,
+    /// Whether only its trainings are done, each by one shard.
+    pub only_trainings: bool,
+}
+
+/// What is there of a shard of a campaign.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ShardReport {
+    /// The shard.
+    pub shard: Shard,
+    /// The name that the campaign's report will have.
+    pub name: String,
+    /// Its tasks that are finished.
+    pub finished: usize,
+    /// All its tasks.
+    pub all: usize,
+}
+
+impl Session {
+    /// Does one of several parts of each campaign; its tasks stay in the store, and no report is made. A run that is stopped returns the
+    /// shards up to there.
+    ///
+    /// # Errors
+    /// Those of [`Session::run`].
+    pub fn run_shard(&self, options: &RunOptions, part: &ShardOptions) -> Result<Vec<ShardReport>, Error> {
+        let planned = self.campaigns(options)?;
+        let pool = pool(options.threads)?;
+        let store = Store::open(&options.out, options.cache.as_deref(), self.note())?;
+        self.observer.begun();
+        let mut reports = Vec::new();
+        for campaign in &planned.plan.campaigns {
+            let report = pool.install(|| self.carry_out_shard(campaign, options, part, &store))?;
+            self.observer.shard_ended(&report);
+            reports.push(report);
+            if self.stop.is_asked() {
+                break;
+            }
+        }
+        Ok(reports)
+    }
+
+    fn carry_out_shard(
+        &self,
+        campaign: &Campaign,
+        options: &RunOptions,
+        part: &ShardOptions,
+        store: &Store,
+    ) -> Result<ShardReport, Error> {
+        let (name, tasks) = (options.report_name(campaign), part.tasks(campaign));
+        let mut index = Index::read(store, &name);
+        index.command.clone_from(&options.command);
+        index.write(store, &name, campaign, options.seed).map_err(|error| options.keep(error))?;
+        let keeper = Kept::new(store, campaign, options.seed, options.limits);
+        let listener = self.listener(campaign, &tasks);
+        campaign::run_cells(campaign, &tasks, &Seed::root(options.seed), &keeper, &listener);
+        drop(listener);
+        if let Some(error) = keeper.take_failure() {
+            return Err(options.keep(error));
+        }
+        let ids = Ids::new(campaign, options.seed);
+        let is_finished = |task: &&Cell| {
+            store.head(ids.get(**task)).is_some_and(|head| head.is_ok_and(|header| header.state == State::Finished))
+        };
+        Ok(ShardReport {
+            shard: part.shard,
+            name,
+            finished: tasks.iter().filter(is_finished).count(),
+            all: tasks.len(),
+        })
+    }
+}
+
+impl ShardOptions {
+    fn tasks(&self, campaign: &Campaign) -> Vec<Cell> {
+        if !self.only_trainings {
+            return campaign::shard(campaign, self.shard);
+        }
+        let own = |(task, index)| (index == self.shard.index && matches!(task, Cell::Training(_))).then_some(task);
+        let mut tasks: Vec<Cell> = campaign::deal(campaign, self.shard.count).into_iter().filter_map(own).collect();
+        tasks.sort();
+        tasks
+    }
+}

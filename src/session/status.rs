@@ -1,0 +1,169 @@
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use super::{Error, Session};
+use crate::store::{CampaignStatus, CellStatus, Store};
+
+/// Kinds of tasks: the first word of what they are, and what to call several of them.
+const KINDS: [(&str, &str); 3] = [("train", "trainings"), ("try", "evaluations"), ("search", "searches")];
+
+/// Options of [`Session::status`].
+#[derive(Debug, Clone, Default)]
+pub struct StatusOptions {
+    /// The folder for reports.
+    pub out: PathBuf,
+    /// The cache that `run` was given.
+    pub cache: Option<PathBuf>,
+}
+
+/// How far a campaign is; its JSON has one object for each campaign.
+#[derive(Debug, Serialize)]
+pub struct CampaignProgress {
+    /// Its name.
+    pub campaign: String,
+    /// Whether it goes on.
+    pub state: CampaignState,
+    /// Processes that work on the folder.
+    pub processes: usize,
+    /// How far the tasks of each kind are.
+    #[serde(rename = "cells")]
+    pub kinds: Vec<KindProgress>,
+    /// The tasks that are under way, as people read them.
+    pub in_hand: Vec<String>,
+    /// Work that is left, as one thread would take it (s); none before there is a measurement of each kind.
+    pub left_thread_s: Option<f64>,
+    /// The same without the kinds that have no measurement (s).
+    #[serde(skip)]
+    pub measured_s: f64,
+    /// The kinds that have no measurement.
+    #[serde(skip)]
+    pub unmeasured: Vec<&'static str>,
+    /// Time that is left with as many tasks under way as now (s); none when none is.
+    pub left_s: Option<f64>,
+    /// The error of the task that failed last.
+    pub last_error: Option<String>,
+    /// The command that it was last run with; empty when it is not known.
+    pub command: String,
+    /// The tasks under way, as the store has them.
+    #[serde(skip)]
+    pub under_way: Vec<CellStatus>,
+}
+
+/// Whether a campaign goes on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CampaignState {
+    /// All tasks are finished.
+    Finished,
+    /// A process works on the folder.
+    Running,
+    /// Tasks are missing, and no process works on the folder.
+    Stopped,
+}
+
+impl CampaignState {
+    /// The word for it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Finished => "finished",
+            Self::Running => "running",
+            Self::Stopped => "stopped",
+        }
+    }
+}
+
+/// How far the tasks of a kind are.
+#[derive(Debug, Serialize)]
+pub struct KindProgress {
+    /// `trainings`, `evaluations` or `searches`.
+    pub kind: &'static str,
+    /// Tasks that are finished.
+    pub finished: usize,
+    /// All of them.
+    pub all: usize,
+    /// Share of the work that is done, 0 to 1, with that of tasks under way.
+    pub share: f64,
+}
+
+impl Session {
+    /// Finds out how far the campaigns of a folder are, and changes nothing.
+    ///
+    /// # Errors
+    /// A cache that is not one, and [`Error::NothingRun`].
+    pub fn status(&self, options: &StatusOptions) -> Result<Vec<CampaignProgress>, Error> {
+        let store = Store::look(&options.out, options.cache.as_deref(), self.note())?;
+        let campaigns = store.campaigns();
+        if campaigns.is_empty() {
+            return Err(Error::NothingRun { out: options.out.clone(), cache: options.cache.clone() });
+        }
+        let processes = store.processes();
+        Ok(campaigns.iter().map(|name| progress(store.status(name), processes)).collect())
+    }
+}
+
+fn progress(campaign: CampaignStatus, processes: usize) -> CampaignProgress {
+    let CampaignStatus { name, command, cells } = campaign;
+    let state = match cells.iter().all(CellStatus::is_finished) {
+        true => CampaignState::Finished,
+        false if processes > 0 => CampaignState::Running,
+        false => CampaignState::Stopped,
+    };
+    let (measured_s, unmeasured) = left(&cells);
+    let left = unmeasured.is_empty().then_some(measured_s);
+    let failed = |cell: &CellStatus| {
+        let header = cell.header.as_ref().filter(|header| !header.error.is_empty())?;
+        Some((cell.written?, header.error.clone()))
+    };
+    let last = cells.iter().filter_map(failed).max_by_key(|(when, _)| *when);
+    let kinds = KINDS.iter().filter_map(|(word, kind)| count(&cells, word, kind)).collect();
+    let under_way: Vec<CellStatus> = cells.into_iter().filter(|cell| cell.is_in_hand).collect();
+    CampaignProgress {
+        campaign: name,
+        state,
+        processes,
+        kinds,
+        left_thread_s: left,
+        measured_s,
+        unmeasured,
+        left_s: left.filter(|_| !under_way.is_empty()).map(|left| left / under_way.len() as f64),
+        in_hand: under_way.iter().map(|cell| cell.what.clone()).collect(),
+        last_error: last.map(|(_, error)| error),
+        command,
+        under_way,
+    }
+}
+
+fn of_kind<'a>(cells: &'a [CellStatus], word: &str) -> impl Iterator<Item = &'a CellStatus> {
+    cells.iter().filter(move |cell| cell.what.split(' ').next() == Some(word))
+}
+
+fn count(cells: &[CellStatus], word: &str, kind: &'static str) -> Option<KindProgress> {
+    let all = of_kind(cells, word).count();
+    let amount: u64 = of_kind(cells, word).map(|cell| cell.amount).sum();
+    let done: u64 = of_kind(cells, word).map(CellStatus::done).sum();
+    let finished = of_kind(cells, word).filter(|cell| cell.is_finished()).count();
+    (all > 0).then(|| KindProgress { kind, finished, all, share: done as f64 / amount.max(1) as f64 })
+}
+
+/// Work that is left as one thread would take it (s), estimated from the tasks that are there, and the kinds without any.
+fn left(cells: &[CellStatus]) -> (f64, Vec<&'static str>) {
+    let (mut seconds, mut unmeasured) = (0.0, Vec::new());
+    for (word, kind) in KINDS {
+        let left: u64 = of_kind(cells, word).map(|cell| cell.amount - cell.done()).sum();
+        if left == 0 {
+            continue;
+        }
+        let done: u64 = of_kind(cells, word).map(CellStatus::done).sum();
+        let took: f64 = of_kind(cells, word)
+            .filter(|cell| cell.done() > 0)
+            .filter_map(|cell| Some(cell.header.as_ref()?.seconds))
+            .sum();
+        if done == 0 {
+            unmeasured.push(kind);
+        } else {
+            seconds += took / done as f64 * left as f64;
+        }
+    }
+    (seconds, unmeasured)
+}

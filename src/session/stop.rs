@@ -1,0 +1,38 @@
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Asks a session to stop after the work in hand. A handler of signals or another thread raises it.
+#[derive(Debug, Default)]
+pub struct Stop {
+    asked: AtomicBool,
+    placing: AtomicBool,
+}
+
+impl Stop {
+    /// A flag that is not raised.
+    pub const fn new() -> Self {
+        Self { asked: AtomicBool::new(false), placing: AtomicBool::new(false) }
+    }
+
+    /// Raises the flag; returns whether it was raised before.
+    pub fn ask(&self) -> bool {
+        self.asked.swap(true, Ordering::Relaxed)
+    }
+
+    /// Whether the flag is raised.
+    pub fn is_asked(&self) -> bool {
+        self.asked.load(Ordering::Relaxed)
+    }
+
+    /// Whether a report is being moved to its place: a process that ends now could leave half of it.
+    pub fn is_placing(&self) -> bool {
+        self.placing.load(Ordering::Relaxed)
+    }
+
+    /// Does what must not be cut short.
+    pub(super) fn while_placing<T>(&self, place: impl FnOnce() -> T) -> T {
+        self.placing.store(true, Ordering::Relaxed);
+        let placed = place();
+        self.placing.store(false, Ordering::Relaxed);
+        placed
+    }
+}

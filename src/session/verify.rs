@@ -1,0 +1,123 @@
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+
+use rand::seq::index::sample;
+use rayon::prelude::*;
+
+use super::stored::Source;
+use super::{EpisodeName, Error, RepeatOptions, Repeated, Session};
+use crate::campaign::{self, InMemory, Silent};
+use crate::compile::{Campaign, Training, TrainingKey};
+use crate::report::StoredReport;
+use crate::seed::Seed;
+
+/// Options of [`Session::verify`].
+#[derive(Debug, Clone)]
+pub struct VerifyOptions {
+    /// The report.
+    pub report: PathBuf,
+    /// The number of episodes and failures of searches that are repeated; all without it.
+    pub sample: Option<usize>,
+    /// Whether every pedestrian is trained again, too.
+    pub trainings: bool,
+    /// Number from which the choice of the sample follows.
+    pub seed: u64,
+    /// How they are repeated.
+    pub repeat: RepeatOptions,
+}
+
+/// What a verification found.
+#[derive(Debug)]
+pub struct VerifyReport {
+    /// The report.
+    pub report: StoredReport,
+    /// The number of episodes and failures that were repeated.
+    pub repeated: usize,
+    /// Those that came out differently, in the order of their runs.
+    pub different: Vec<Repeated>,
+    /// The trainings that were repeated, if any were to be.
+    pub trainings: Option<Retrained>,
+}
+
+/// Trainings that were repeated.
+#[derive(Debug)]
+pub struct Retrained {
+    /// How many.
+    pub repeated: usize,
+    /// Those whose networks differ.
+    pub different: Vec<TrainingKey>,
+}
+
+impl VerifyReport {
+    /// Whether everything came out as in the report.
+    pub fn is_equal(&self) -> bool {
+        self.different.is_empty() && self.trainings.as_ref().is_none_or(|trainings| trainings.different.is_empty())
+    }
+}
+
+impl Session {
+    /// Repeats episodes of a report and compares every column; on request also its trainings.
+    ///
+    /// # Errors
+    /// Scenario files cannot be compiled or are not those that were run, or a file of the report is damaged.
+    pub fn verify(&self, options: &VerifyOptions) -> Result<VerifyReport, Error> {
+        let source = self.reopen(StoredReport::open(&options.report)?, &options.repeat)?;
+        let names = chosen(&source, options)?;
+        let different = differing(&source, &names)?;
+        let trainings = options.trainings.then(|| retrain(&source));
+        Ok(VerifyReport { report: source.report, repeated: names.len(), different, trainings })
+    }
+}
+
+/// The episodes and failures that are repeated, in the order of the tables.
+fn chosen(source: &Source, options: &VerifyOptions) -> Result<Vec<EpisodeName>, Error> {
+    let mut all = source.report.index()?;
+    all.extend(source.report.search_failures()?);
+    let places: BTreeSet<usize> = match options.sample.filter(|size| *size < all.len()) {
+        None => (0..all.len()).collect(),
+        Some(size) => {
+            let mut stream = Seed::root(options.seed).child("verify").stream();
+            sample(&mut stream, all.len(), size).into_iter().collect()
+        }
+    };
+    let name = |place: usize| {
+        let (run, number) = &all[place];
+        let name = format!("{run}:{number}");
+        name.parse().map_err(|_| Error::BadName { name })
+    };
+    places.into_iter().map(name).collect()
+}
+
+/// Repeats episodes, those of a run one after the other; returns those that differ.
+fn differing(source: &Source, names: &[EpisodeName]) -> Result<Vec<Repeated>, Error> {
+    let mut runs: BTreeMap<_, Vec<EpisodeName>> = BTreeMap::new();
+    for name in names {
+        runs.entry(name.run).or_default().push(*name);
+    }
+    let runs: Vec<Vec<EpisodeName>> = runs.into_values().collect();
+    let different = |run: &Vec<EpisodeName>| -> Result<Vec<Repeated>, Error> {
+        let repeated = run.iter().map(|name| source.repeat(*name)).collect::<Result<Vec<_>, _>>()?;
+        Ok(repeated.into_iter().filter(|episode| !episode.differences.is_empty()).collect())
+    };
+    let by_run: Vec<Result<Vec<Repeated>, Error>> = runs.par_iter().map(different).collect();
+    Ok(by_run.into_iter().collect::<Result<Vec<_>, _>>()?.concat())
+}
+
+/// Trains all pedestrians of the report again, and compares their networks bit by bit.
+fn retrain(source: &Source) -> Retrained {
+    let of_report = |training: &&Training| source.report.pedestrian(&training.key).is_ok();
+    let trainings: Vec<Training> = source.campaign.trainings.iter().filter(of_report).cloned().collect();
+    let repeated = trainings.len();
+    let alone = Campaign { trainings, evaluations: Vec::new(), searches: Vec::new(), ..source.campaign.clone() };
+    let finished = campaign::run(&alone, &source.seed, &InMemory::default(), &Silent);
+    let mut different = Vec::new();
+    for training in finished.trainings {
+        let again = training.result.ok().map(|trained| trained.actor_critic.to_safetensors(&BTreeMap::new()));
+        let stored = source.report.pedestrian(&training.key).ok();
+        let stored = stored.map(|stored| stored.to_safetensors(&BTreeMap::new()));
+        if again.is_none() || again != stored {
+            different.push(training.key);
+        }
+    }
+    Retrained { repeated, different }
+}
