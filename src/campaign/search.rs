@@ -1,24 +1,8 @@
 use super::watch::flow;
-use super::{Cell, CellError, Keeper, Observer};
-use crate::compile::{Search, SearchKey};
-use crate::env::Outcome;
+use super::{Cell, CellError, Keeper, Observer, SearchResult};
+use crate::compile::Search;
 use crate::falsifier::{Simulator, Spent, try_walker};
 use crate::seed::Seed;
-
-/// What came of a search.
-#[derive(Debug, Clone)]
-pub struct SearchResult {
-    /// Which search.
-    pub key: SearchKey,
-    /// How many simulator ticks it might use.
-    pub budget: u64,
-    /// What it did with them.
-    pub spent: Spent,
-    /// Fresh episodes of the pedestrian that it ended up with; empty without one.
-    pub tried: Vec<Outcome>,
-    /// Why it ended early.
-    pub error: Option<CellError>,
-}
 
 impl Search {
     /// The seed of its beginnings: the same for all falsifiers.

@@ -1,11 +1,7 @@
 use std::sync::Arc;
 
 use super::falsifier::FalsifierKind;
-use super::outside::{self, OutsideKind};
-use super::policy::PolicyKind;
-use super::{
-    adversary, campaign, episode, falsifier, policy, published, reward, sensors, spawn, town, training, vehicle,
-};
+use super::policy_kind::{PolicyKind, with_sensors};
 use crate::av::external::Opener;
 use crate::signature::{Form, Signature, Type, Vocabulary};
 
@@ -26,32 +22,11 @@ pub struct Catalog {
     /// Variables and events.
     pub vocabulary: Vocabulary,
     pub(super) policies: Vec<PolicyKind>,
-    pub(super) outside: Vec<OutsideKind>,
     pub(super) opener: Option<Arc<dyn Opener>>,
     pub(super) falsifiers: Vec<FalsifierKind>,
 }
 
 impl Catalog {
-    /// What this program offers; scenarios may not start programs.
-    pub fn builtin() -> Self {
-        let (policies, outside, falsifiers) = (policy::kinds(), outside::kinds(), falsifier::kinds());
-        let forms = vec![
-            town::form(),
-            policy::form(&policies, &outside),
-            sensors::form(),
-            vehicle::form(),
-            adversary::form(),
-            spawn::form(),
-            reward::form(),
-            episode::form(),
-            training::form(),
-            falsifier::form(&falsifiers),
-            published::form(),
-            campaign::form(),
-        ];
-        Self { forms, vocabulary: crate::env::vocabulary(), policies, outside, opener: None, falsifiers }
-    }
-
     /// The declarations that keys refer to when they are not given: names of the standard library's.
     pub(super) fn default_names(&self) -> Vec<&'static str> {
         fn note(signature: &Signature, found: &mut Vec<&'static str>) {
@@ -84,7 +59,7 @@ impl Catalog {
         if form.kinds.iter().any(|known| known.name == name) {
             return Err(TakenKind { form: "policy", kind: name });
         }
-        form.kinds.push(policy::with_sensors(kind.signature.clone()));
+        form.kinds.push(with_sensors(kind.signature.clone()));
         self.policies.push(kind);
         Ok(self)
     }

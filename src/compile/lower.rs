@@ -7,13 +7,16 @@ use std::sync::Arc;
 use super::lowering::{BuiltTown, Lowering, Shared};
 use super::noting::Noting;
 use super::plan::{Campaign, Documented, NamedTown, Plan};
+use super::reached::reached;
+use super::variants::{Variant, understand};
+use super::whole_plan::{forbid_equal_names, warn_of_unused};
 use super::{Catalog, policy, spawn, town};
 use crate::diagnostic::{Diagnostic, Severity, Sources};
 use crate::env::{PolicyMaker, SpawnRule};
 use crate::geometry::Obstacles;
-use crate::lang::hir::{Block, Declaration, ParamId, Program};
-use crate::lang::{self, Checked, Matrix, Reader, Unreadable, codes};
-use crate::signature::{Arguments, DeclarationId, Value};
+use crate::lang::hir::{Block, Declaration, ParamId};
+use crate::lang::{self, Reader, Unreadable, codes};
+use crate::signature::DeclarationId;
 
 /// What came of a set of files.
 #[derive(Debug)]
@@ -128,82 +131,6 @@ pub fn compile_with(
     Ok(Compiled { plan, unplaced, diagnostics })
 }
 
-/// The files checked with one combination of settings, and the campaigns that are run that way.
-struct Variant {
-    program: Program,
-    /// The campaign that a matrix multiplies; none for the files as they are.
-    multiplied: Option<DeclarationId>,
-    /// Campaigns that belong to other variants.
-    left_out: BTreeSet<DeclarationId>,
-    settings: Vec<String>,
-    /// Declarations with which nothing was wrong in this variant or one before.
-    faultless: BTreeSet<DeclarationId>,
-}
-
-/// Carries settings out and checks the files, as they are and with each combination of each matrix.
-fn understand(
-    mut loaded: lang::Loaded,
-    settings: &[lang::Setting],
-    catalog: &Catalog,
-    sources: &Sources,
-) -> (Vec<Variant>, Vec<Diagnostic>) {
-    let mut diagnostics = std::mem::take(&mut loaded.diagnostics);
-    diagnostics.extend(lang::apply(settings, &mut loaded));
-    let (matrices, said) = lang::matrices(&mut loaded, &catalog.forms, settings, sources);
-    diagnostics.extend(said);
-    let variants = variants(&loaded, &matrices, catalog, sources, &mut diagnostics);
-    (variants, diagnostics)
-}
-
-/// The files as they are, and once for each combination of each matrix.
-fn variants(
-    loaded: &lang::Loaded,
-    matrices: &[Matrix],
-    catalog: &Catalog,
-    sources: &Sources,
-    diagnostics: &mut Vec<Diagnostic>,
-) -> Vec<Variant> {
-    let mut checked = Checked::new(&catalog.vocabulary);
-    let mut check = |loaded: &lang::Loaded| {
-        let (program, said) = lang::check(loaded, sources, &catalog.forms, &mut checked);
-        diagnostics.extend(said);
-        (program, checked.faultless().collect())
-    };
-    let (program, faultless) = check(loaded);
-    let id = |matrix: &Matrix| program.place(matrix.declaration.0, matrix.declaration.1);
-    let left_out = matrices.iter().map(id).collect();
-    let ids: Vec<DeclarationId> = matrices.iter().map(id).collect();
-    let mut variants = vec![Variant { program, multiplied: None, left_out, settings: Vec::new(), faultless }];
-    let (mut said, mut idle) = (Vec::new(), Vec::new());
-    for (matrix, id) in matrices.iter().zip(ids) {
-        let mut hung_on: BTreeSet<String> = BTreeSet::new();
-        for combination in &matrix.combinations {
-            let mut copy = loaded.clone();
-            said.extend(lang::apply(combination, &mut copy));
-            let settings = combination.iter().map(|each| each.text(sources)).collect();
-            let (program, faultless) = check(&copy);
-            let params: BTreeSet<ParamId> =
-                reached(&program, id).iter().flat_map(|each| &program.get(*each).params).copied().collect();
-            let names = program.params.iter().filter(|param| params.contains(&param.id));
-            hung_on.extend(names.map(|param| param.name.clone()));
-            variants.push(Variant { program, multiplied: Some(id), left_out: BTreeSet::new(), settings, faultless });
-        }
-        let name = &variants[0].program.get(id).name;
-        let axes = matrix.combinations.iter().take(1).flatten().map(|axis| &axis.path[0]);
-        // What nothing hangs on at all is told of where it is declared.
-        let used = |name: &str| variants[0].program.params.iter().any(|param| param.name == name && param.used);
-        let axes = axes.filter(|axis| used(&axis.text));
-        idle.extend(
-            axes.filter(|axis| !hung_on.contains(&axis.text)).map(|axis| codes::idle_axis(axis.span, &axis.text, name)),
-        );
-    }
-    diagnostics.extend(said);
-    if diagnostics.iter().all(|each| each.severity == Severity::Warning) {
-        diagnostics.extend(idle);
-    }
-    variants
-}
-
 impl Lowering<'_> {
     fn variant(&mut self, variant: &Variant, plan: &mut Plan) {
         let program = self.program;
@@ -316,78 +243,4 @@ fn named(name: &str, settings: &[String]) -> String {
     };
     let parts: Vec<String> = std::iter::once(name.to_string()).chain(settings.iter().map(plain)).collect();
     parts.join("-")
-}
-
-/// The longest name of a combination (bytes): folders and files are named after it.
-const LONGEST_CAMPAIGN: usize = 150;
-
-/// Campaigns of different files may share a name as far as the language goes, but their reports may not.
-fn forbid_equal_names(program: &Program, plan: &Plan, said: &mut Vec<Diagnostic>) {
-    let mut seen: BTreeMap<&str, &Declaration> = BTreeMap::new();
-    for campaign in program.of_form("campaign") {
-        if let Some(first) = seen.insert(&campaign.name, campaign) {
-            let (here, there) = (campaign.block.head, first.block.head);
-            said.push(codes::duplicate_declaration(here, "campaign", &campaign.name, there));
-        }
-    }
-    let (mut names, distinct) = (BTreeSet::new(), seen.len() == program.of_form("campaign").count());
-    for campaign in &plan.campaigns {
-        if campaign.name.len() > LONGEST_CAMPAIGN {
-            let source = program.of_form("campaign").find(|each| campaign.name.starts_with(&each.name));
-            let head = source.expect("a campaign is made from a declaration").block.head;
-            said.push(codes::long_combination(head, &campaign.name, LONGEST_CAMPAIGN));
-            return;
-        }
-        if distinct && !names.insert(&campaign.name) {
-            let source = program.of_form("campaign").find(|each| campaign.name.starts_with(&each.name));
-            let head = source.expect("a campaign is made from a declaration").block.head;
-            said.push(codes::contradiction(head, format!("two combinations would both be named `{}`", campaign.name)));
-        }
-    }
-}
-
-fn warn_of_unused(program: &Program, used: &BTreeSet<DeclarationId>, said: &mut Vec<Diagnostic>) {
-    // A file without a campaign is a library: nothing in it is unused.
-    let with_campaign: BTreeSet<_> = program.of_form("campaign").map(|campaign| campaign.source).collect();
-    for declaration in &program.declarations {
-        if with_campaign.contains(&declaration.source) && !used.contains(&declaration.id) {
-            said.push(codes::unused(declaration.block.head, declaration.form, &declaration.name));
-        }
-    }
-    for param in &program.params {
-        if with_campaign.contains(&param.id.0) && !param.used {
-            said.push(codes::unused(param.span, "param", &param.name));
-        }
-    }
-}
-
-/// A declaration and all that it refers to, directly or not.
-fn reached(program: &Program, from: DeclarationId) -> BTreeSet<DeclarationId> {
-    let mut open = vec![from];
-    let mut seen = BTreeSet::new();
-    while let Some(id) = open.pop() {
-        if seen.insert(id) {
-            references(&program.get(id).block, &mut open);
-        }
-    }
-    seen
-}
-
-fn references(block: &Block, found: &mut Vec<DeclarationId>) {
-    let mut note = |arguments: &Arguments| {
-        for (_, value) in arguments.iter() {
-            match value {
-                Value::Reference(id) => found.push(*id),
-                Value::List(members) => found.extend(members.iter().filter_map(|member| match member {
-                    Value::Reference(id) => Some(*id),
-                    _ => None,
-                })),
-                _ => {}
-            }
-        }
-    };
-    note(&block.arguments);
-    for child in &block.children {
-        references(child, found);
-    }
 }

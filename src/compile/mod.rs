@@ -5,10 +5,12 @@
 //! signatures themselves; [`policy`](self) lists them.
 
 mod catalog;
+mod builtin;
 mod reference;
 mod explain;
 mod town;
 mod vehicle;
+mod policy_kind;
 mod policy;
 mod outside;
 mod sensors;
@@ -26,7 +28,12 @@ mod plan;
 mod noting;
 mod lowering;
 mod recipe;
+mod digest;
 mod run_id;
+mod run_names;
+mod reached;
+mod variants;
+mod whole_plan;
 mod lower;
 mod grid;
 
@@ -36,6 +43,6 @@ pub use plan::{
     Campaign, Documented, Driver, Evaluation, NamedTown, Pedestrian, Plan, Published, PublishedCell, PublishedFigure,
     Search, SearchKey, Training, TrainingKey,
 };
-pub use policy::{MakePolicy, PolicyKind};
+pub use policy_kind::{MakePolicy, PolicyKind};
 pub use recipe::Recipe;
 pub use run_id::{NoRunId, RunId};

@@ -2,40 +2,18 @@ use std::sync::Arc;
 
 use super::Catalog;
 use super::lowering::Lowering;
-use super::outside::OutsideKind;
+use super::outside::{self, OutsideKind};
 use super::plan::Driver;
+use super::policy_kind::{PolicyKind, with_sensors};
 use super::sensors;
 use crate::av::behavior_agent::BehaviorAgent;
 use crate::av::interfuser::InterFuser;
 use crate::av::lav::Lav;
 use crate::av::sensors::SensorWrapper;
-use crate::av::{Aeb, Cruise, DrivingPolicy, Idm, OracleBrake, Predictive, RssGuarded};
+use crate::av::{Aeb, Cruise, Idm, OracleBrake, Predictive, RssGuarded};
 use crate::env::PolicyMaker;
 use crate::lang::hir::Declaration;
-use crate::signature::{Arguments, Form, Param, Signature, Type};
-
-/// Makes a driving policy from checked arguments.
-pub type MakePolicy = Arc<dyn Fn(&Arguments) -> Box<dyn DrivingPolicy> + Send + Sync>;
-
-/// A kind of driving policy: the keys that it takes, and how one is made.
-#[derive(Clone)]
-pub struct PolicyKind {
-    /// Its name, its keys and its documentation.
-    pub signature: Signature,
-    /// Makes one from checked arguments.
-    pub make: MakePolicy,
-}
-
-impl PolicyKind {
-    /// A kind with this signature. `make` is called once for each driver that is needed, from any thread; it gets a value for each key of the
-    /// signature.
-    pub fn new<P: DrivingPolicy + 'static>(
-        signature: Signature,
-        make: impl Fn(&Arguments) -> P + Send + Sync + 'static,
-    ) -> Self {
-        Self { signature, make: Arc::new(move |arguments| Box::new(make(arguments))) }
-    }
-}
+use crate::signature::{Form, Signature};
 
 /// All kinds of driving policies; a new one is a line here.
 pub fn kinds() -> Vec<PolicyKind> {
@@ -63,17 +41,6 @@ pub fn form(kinds: &[PolicyKind], outside: &[OutsideKind]) -> Form {
         multiplies: false,
         kinds: own.chain(others).map(with_sensors).collect(),
     }
-}
-
-/// The signature of a kind with the key that every kind takes.
-pub fn with_sensors(mut signature: Signature) -> Signature {
-    signature.params.push(Param::with_default(
-        "sensors",
-        Type::Reference("sensors"),
-        "perfect",
-        "What stands between the world and the driver; without any it knows of everybody exactly and at once.",
-    ));
-    signature
 }
 
 /// A maker of fresh drivers, behind their sensors; none after saying what is wrong.
@@ -115,11 +82,10 @@ pub fn describe(declaration: &Declaration, lowering: &Lowering<'_>) -> Driver {
 
 fn driver(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
     let kind = declaration.kind;
-    let catalog = lowering.catalog;
-    if let Some(outside) = catalog.outside.iter().find(|candidate| (candidate.signature)().name == kind) {
+    if let Some(outside) = outside::kinds().into_iter().find(|candidate| (candidate.signature)().name == kind) {
         return (outside.lower)(declaration, lowering);
     }
-    let found = catalog.policies.iter().find(|candidate| candidate.signature.name == kind);
+    let found = lowering.catalog.policies.iter().find(|candidate| candidate.signature.name == kind);
     let make = found.expect("checked: the kind is in the catalogue").make.clone();
     let arguments = declaration.block.arguments.clone();
     Some(Arc::new(move || make(&arguments)))

@@ -1,11 +1,5 @@
-use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
-
-use super::Campaign;
-
-/// Bytes that the names of most runs take together.
-const TYPICAL: usize = 128;
 
 /// The short name of a run or of a search: 32 bits of BLAKE3 over its names, in tables eight hexadecimal digits.
 ///
@@ -16,7 +10,7 @@ pub struct RunId(u32);
 
 impl RunId {
     /// Names something; `again` counts up where others have had the same name by chance.
-    fn new(names: &str, again: u32) -> Self {
+    pub(super) fn new(names: &str, again: u32) -> Self {
         let hash = match again {
             0 => blake3::hash(names.as_bytes()),
             _ => blake3::hash(&[names.as_bytes(), &again.to_le_bytes()].concat()),
@@ -47,81 +41,5 @@ impl FromStr for RunId {
         let right = text.len() == 8 && text.bytes().all(|byte| byte.is_ascii_hexdigit());
         let number = right.then(|| u32::from_str_radix(text, 16).ok()).flatten();
         number.map(Self).ok_or_else(|| NoRunId { text: text.to_string() })
-    }
-}
-
-/// Names that are given out, each to one owner.
-#[derive(Default)]
-struct Register {
-    owners: BTreeMap<RunId, String>,
-}
-
-impl Register {
-    fn name(&mut self, names: Names) -> RunId {
-        let Names(text) = names;
-        let free = |id: &RunId| self.owners.get(id).is_none_or(|owner| *owner == text);
-        let id = (0..).map(|again| RunId::new(&text, again)).find(free).expect("there are billions of names");
-        self.owners.insert(id, text);
-        id
-    }
-}
-
-/// Names in one text, each with its end.
-struct Names(String);
-
-impl Names {
-    fn new(first: &str) -> Self {
-        Self(String::with_capacity(TYPICAL)).and(first)
-    }
-
-    fn and(mut self, name: &str) -> Self {
-        self.0.push_str(name);
-        self.0.push('\0');
-        self
-    }
-}
-
-impl Campaign {
-    /// Names the evaluations and the searches.
-    pub(super) fn name_runs(&mut self) {
-        let mut register = Register::default();
-        for evaluation in &mut self.evaluations {
-            let key = &evaluation.trained;
-            let names = Names::new(&self.name).and(&evaluation.block.to_string()).and(evaluation.pedestrian.name());
-            let names = names.and(&key.reward).and(&key.town).and(&key.policy).and(&key.run.to_string());
-            let names = names.and(&evaluation.town).and(&evaluation.policy);
-            evaluation.id = register.name(names.and(&evaluation.vehicle).and(&evaluation.adversary));
-        }
-        for search in &mut self.searches {
-            let key = &search.key;
-            let names = Names::new(&self.name).and("search").and(&key.block.to_string()).and(&key.falsifier);
-            search.key.id = register.name(names.and(&key.town).and(&key.policy).and(&key.run.to_string()));
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_name_is_that_of_blake3_and_returns_from_its_text() {
-        let id = RunId::new("a\0b\0", 0);
-        assert_eq!(id.to_string().parse(), Ok(id));
-        assert_eq!(Register::default().name(Names::new("a").and("b")), id);
-        assert_ne!(Register::default().name(Names::new("ab").and("")), id);
-        for text in ["", "1234567", "123456789", "1234567g", "+1234567", "é23456"] {
-            assert_eq!(text.parse::<RunId>(), Err(NoRunId { text: text.into() }));
-        }
-    }
-
-    #[test]
-    fn two_owners_never_share_a_name() {
-        let mut register = Register::default();
-        let name = || Names::new("a");
-        let first = register.name(name());
-        register.owners.insert(first, "somebody else".into());
-        let second = register.name(name());
-        assert!(first != second && second == RunId::new("a\0", 1) && second == register.name(name()));
     }
 }

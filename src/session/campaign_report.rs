@@ -1,5 +1,6 @@
 use std::path::PathBuf;
 
+use crate::campaign::Shard;
 use crate::report::{Cell, Gate, Judged, Manifest, SearchCell};
 
 /// What a run made of the campaigns.
@@ -65,4 +66,17 @@ impl CampaignReport {
     pub fn passes(&self) -> bool {
         !self.gates.iter().flat_map(|(_, judged)| judged).any(|judged| matches!(judged, Judged::Broken(_)))
     }
+}
+
+/// What is there of a shard of a campaign.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ShardReport {
+    /// The shard.
+    pub shard: Shard,
+    /// The name that the campaign's report will have.
+    pub name: String,
+    /// Its tasks that are finished.
+    pub finished: usize,
+    /// All its tasks.
+    pub all: usize,
 }

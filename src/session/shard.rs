@@ -1,5 +1,5 @@
 use super::run::pool;
-use super::{Error, RunOptions, Session};
+use super::{Error, RunOptions, Session, ShardReport};
 use crate::campaign::{self, Cell, Shard};
 use crate::compile::Campaign;
 use crate::seed::Seed;
@@ -12,19 +12,6 @@ pub struct ShardOptions {
     pub shard: Shard,
     /// Whether only its trainings are done, each by one shard.
     pub only_trainings: bool,
-}
-
-/// What is there of a shard of a campaign.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ShardReport {
-    /// The shard.
-    pub shard: Shard,
-    /// The name that the campaign's report will have.
-    pub name: String,
-    /// Its tasks that are finished.
-    pub finished: usize,
-    /// All its tasks.
-    pub all: usize,
 }
 
 impl Session {

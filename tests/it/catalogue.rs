@@ -38,7 +38,7 @@ fn compiled(catalog: &Catalog) -> Compiled {
 edition 1
 import "lib/paper.scn"
 import "lib/drivers.scn"
-import "std/sensors.scn"
+import "lib/sensors.scn"
 import "lib/towns.scn"
 policy firm = braking()
 policy idle = braking(force: 0, sensors: perfect)

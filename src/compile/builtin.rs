@@ -1,0 +1,26 @@
+use super::{
+    Catalog, adversary, campaign, episode, falsifier, outside, policy, published, reward, sensors, spawn, town,
+    training, vehicle,
+};
+
+impl Catalog {
+    /// What this program offers; scenarios may not start programs.
+    pub fn builtin() -> Self {
+        let (policies, falsifiers) = (policy::kinds(), falsifier::kinds());
+        let forms = vec![
+            town::form(),
+            policy::form(&policies, &outside::kinds()),
+            sensors::form(),
+            vehicle::form(),
+            adversary::form(),
+            spawn::form(),
+            reward::form(),
+            episode::form(),
+            training::form(),
+            falsifier::form(&falsifiers),
+            published::form(),
+            campaign::form(),
+        ];
+        Self { forms, vocabulary: crate::env::vocabulary(), policies, opener: None, falsifiers }
+    }
+}

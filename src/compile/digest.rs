@@ -1,0 +1,221 @@
+//! What the files say about a cell, as a digest: results are taken up again as long as it stays the same.
+
+use super::lowering::Lowering;
+use super::recipe::Recipe;
+use crate::lang::hir::{Block, Declaration};
+use crate::signature::{DeclarationId, Distribution, Formula, Value};
+
+impl Lowering<'_> {
+    /// The recipe of a cell that hangs on these declarations. Towns and policies among them have been lowered before, so that
+    /// the files they name are known. The empty recipe when none is wanted.
+    pub fn recipe(&mut self, parts: &[DeclarationId]) -> Recipe {
+        if !self.read.wanted() {
+            return Recipe::default();
+        }
+        let mut digest = blake3::Hasher::new();
+        for part in parts {
+            digest.update(&self.digest(*part));
+        }
+        Recipe(*digest.finalize().as_bytes())
+    }
+
+    fn digest(&mut self, id: DeclarationId) -> [u8; 32] {
+        if let Some(known) = self.digests.get(&id) {
+            return *known;
+        }
+        let declaration = self.program.get(id);
+        let mut out = Vec::new();
+        for word in [declaration.form, declaration.kind, &declaration.name] {
+            text(&mut out, word);
+        }
+        if let Some(map) = self.maps.get(&declaration.name).filter(|_| declaration.form == "town") {
+            out.extend_from_slice(&self.read.seen(map).unwrap_or_default());
+        }
+        self.block(&mut out, declaration, &declaration.block);
+        let digest = *blake3::hash(&out).as_bytes();
+        self.digests.insert(id, digest);
+        digest
+    }
+
+    fn block(&mut self, out: &mut Vec<u8>, declaration: &Declaration, block: &Block) {
+        text(out, block.word);
+        text(out, block.name.as_deref().unwrap_or_default());
+        for (key, value) in block.arguments.iter() {
+            text(out, key);
+            self.value(out, declaration, value);
+        }
+        for clause in &block.clauses {
+            text(out, clause.event);
+            text(out, clause.word.unwrap_or_default());
+            formula(out, &clause.formula);
+        }
+        for child in &block.children {
+            out.push(b'{');
+            self.block(out, declaration, child);
+            out.push(b'}');
+        }
+    }
+
+    fn value(&mut self, out: &mut Vec<u8>, declaration: &Declaration, value: &Value) {
+        match value {
+            Value::Absent => tag(out, 0),
+            Value::Number(number) => numbers(out, 1, &[*number]),
+            Value::Range(low, high) => numbers(out, 2, &[*low, *high]),
+            Value::Distribution(distribution) => {
+                tag(out, 3);
+                drawn(out, distribution);
+            }
+            Value::Integer(number) => {
+                tag(out, 4);
+                out.extend_from_slice(&number.to_le_bytes());
+            }
+            Value::Boolean(truth) => tag(out, 5 + u8::from(*truth)),
+            Value::Choice(word) => {
+                tag(out, 7);
+                text(out, word);
+            }
+            Value::Text(words) => {
+                tag(out, 8);
+                text(out, words);
+                // If it names a file, what stands in it.
+                out.extend_from_slice(&self.read.seen(&self.beside(declaration, words)).unwrap_or_default());
+            }
+            Value::Point(x, y) => numbers(out, 9, &[*x, *y]),
+            Value::Pose(x, y, yaw) => numbers(out, 10, &[*x, *y, *yaw]),
+            Value::Reference(id) => {
+                tag(out, 11);
+                out.extend_from_slice(&self.digest(*id));
+            }
+            Value::List(members) => {
+                tag(out, 12);
+                out.extend_from_slice(&(members.len() as u64).to_le_bytes());
+                members.iter().for_each(|member| self.value(out, declaration, member));
+            }
+            Value::Formula(condition) => {
+                tag(out, 13);
+                formula(out, condition);
+            }
+        }
+    }
+}
+
+fn tag(out: &mut Vec<u8>, kind: u8) {
+    out.push(kind);
+}
+
+fn text(out: &mut Vec<u8>, text: &str) {
+    out.extend_from_slice(&(text.len() as u64).to_le_bytes());
+    out.extend_from_slice(text.as_bytes());
+}
+
+fn numbers(out: &mut Vec<u8>, kind: u8, numbers: &[f64]) {
+    tag(out, kind);
+    for number in numbers {
+        out.extend_from_slice(&number.to_bits().to_le_bytes());
+    }
+}
+
+fn drawn(out: &mut Vec<u8>, distribution: &Distribution) {
+    match distribution {
+        Distribution::Constant(value) => numbers(out, 0, &[*value]),
+        Distribution::Uniform(low, high) => numbers(out, 1, &[*low, *high]),
+        Distribution::Normal { mean, deviation, low, high } => numbers(out, 2, &[*mean, *deviation, *low, *high]),
+        Distribution::Mixture(parts) => {
+            numbers(out, 3, &[parts.len() as f64]);
+            for (weight, part) in parts {
+                numbers(out, 4, &[*weight]);
+                drawn(out, part);
+            }
+        }
+    }
+}
+
+fn formula(out: &mut Vec<u8>, whole: &Formula) {
+    match whole {
+        Formula::Constant(value) => numbers(out, 0, &[*value]),
+        Formula::Variable(id) => numbers(out, 1, &[id.0 as f64]),
+        Formula::Negate(inner) => {
+            tag(out, 2);
+            formula(out, inner);
+        }
+        Formula::Not(inner) => {
+            tag(out, 3);
+            formula(out, inner);
+        }
+        Formula::Binary(operator, left, right) => {
+            out.extend_from_slice(&[4, *operator as u8]);
+            formula(out, left);
+            formula(out, right);
+        }
+        Formula::Call(function, arguments) => {
+            out.extend_from_slice(&[5, *function as u8, arguments.len() as u8]);
+            arguments.iter().for_each(|argument| formula(out, argument));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::super::{Catalog, Recipe, compile};
+    use crate::diagnostic::Sources;
+
+    /// The recipes of the evaluations in both towns, with this map and these changes of the text.
+    fn recipes(map: &str, changes: &[(&str, &str)]) -> Vec<Recipe> {
+        let text = r#"edition 1
+town old = opendrive(file: "old.xodr")
+town new { street quay { through: [(0 m, 0 m), (300 m, 0 m)] } }
+policy mild = cruise(limit_share: 0.5)
+spawn near { distance: 7 m .. 9 m }
+episode short { ticks: 100 }
+reward hits { on hit => 1 }
+training quick = ppo(steps: 100)
+campaign both {
+  vehicle: model3 adversary: suicidal spawn: near episode: short training: quick
+  train { towns: [new] policies: [mild] rewards: [hits] runs: 1 }
+  evaluate { towns: [old, new] policies: [mild] pedestrians: [random] }
+}
+"#;
+        let text = changes.iter().fold(text.to_string(), |text, (from, to)| {
+            assert!(text.contains(from), "{from}");
+            text.replace(from, to)
+        });
+        let lib = |name: &str| std::fs::read_to_string(format!("{}/scenarios/lib/{name}", env!("CARGO_MANIFEST_DIR")));
+        let read = |path: &Path| match path.to_str().unwrap() {
+            "a.scn" => Ok(text.replacen("edition 1", "edition 1\nimport \"paper.scn\"\nimport \"drivers.scn\"", 1)),
+            "old.xodr" => Ok(map.to_string()),
+            other => lib(other),
+        };
+        let compiled = compile(&["a.scn".into()], &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
+        let plan = compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));
+        let campaign = &plan.campaigns[0];
+        let trained = campaign.trainings.iter().map(|each| each.recipe);
+        trained.chain(campaign.evaluations.iter().map(|each| each.recipe)).collect()
+    }
+
+    #[test]
+    fn a_recipe_follows_what_its_cell_hangs_on_and_nothing_else() {
+        let map = include_str!("../../tests/suite/files/odd.xodr");
+        let base = recipes(map, &[]);
+        let changed = |map: &str, changes: &[(&str, &str)]| -> Vec<bool> {
+            recipes(map, changes).iter().zip(&base).map(|(a, b)| a != b).collect()
+        };
+        // Training, old, new.
+        assert_eq!(changed(&format!("{map}<!-- resurveyed -->"), &[]), [false, true, false], "a map");
+        assert_eq!(changed(map, &[("300 m", "301 m")]), [true, false, true], "a town");
+        assert_eq!(changed(map, &[("steps: 100", "steps: 200")]), [true, false, false], "a training");
+        assert_eq!(
+            changed(map, &[("share: 0.5", "share:  0.50"), ("reward hits", "/// Pays.\nreward hits")]),
+            [false; 3],
+            "layout, help"
+        );
+        assert_eq!(changed(map, &[("share: 0.5", "share: 0.6")]), [true; 3], "a driver");
+        assert_eq!(changed(map, &[("on hit => 1", "on hit => 1 + 0")]), [true; 3], "a formula");
+        assert_eq!(
+            changed(map, &[("reward hits", "reward more { on hit => 2 }\nreward hits")]),
+            [false; 3],
+            "something else"
+        );
+    }
+}

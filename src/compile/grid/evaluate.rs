@@ -1,0 +1,120 @@
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use super::axis::{Axis, Usual};
+use super::ground::note_towns;
+use crate::compile::RunId;
+use crate::compile::lowering::Lowering;
+use crate::compile::plan::{Campaign, Evaluation, Pedestrian, Training, TrainingKey};
+use crate::env::RewardRule;
+use crate::lang::codes;
+use crate::lang::hir::Block;
+use crate::signature::{DeclarationId, Value};
+
+/// What stands for the name of a reward where nobody is trained for one.
+const NO_REWARD: &str = "none";
+
+impl Lowering<'_> {
+    pub(super) fn evaluate(
+        &mut self,
+        campaign_block: &Block,
+        block: &Block,
+        number: u32,
+        usual: &Usual,
+        campaign: &mut Campaign,
+        rewards: &BTreeMap<String, Axis<RewardRule>>,
+    ) {
+        let named = |key: &str| block.arguments.has(key).then(|| block.arguments.references(key));
+        let cars = named("vehicles").map(|ids| ids.into_iter().map(|id| self.vehicle(id)).collect());
+        let walkers = named("adversaries").map(|ids| ids.into_iter().map(|id| self.adversary(id)).collect());
+        let cars: Vec<_> = cars.unwrap_or_else(|| vec![usual.car.clone()]);
+        let walkers: Vec<_> = walkers.unwrap_or_else(|| vec![usual.walker.clone()]);
+        let bodies = || cars.iter().flat_map(|car| walkers.iter().map(move |walker| (car, walker)));
+        let all: Vec<_> = bodies().collect();
+        let Some(ground) = self.ground(campaign_block, block, &all) else { return };
+        let words = block.arguments.list("pedestrians");
+        let untrained = campaign_block.nested("train").next().is_none();
+        if untrained && words.iter().any(|word| matches!(word, Value::Choice("trained" | "sampled"))) {
+            return self.said.push(codes::nobody_trained(block.place("pedestrians")));
+        }
+        let who = if untrained { untrained_pedestrians(words) } else { pedestrians(words, &campaign.trainings) };
+        let each = who.len().max(rewards.len());
+        if !self.fits(block, [ground.towns.len(), ground.policies.len(), all.len(), each]) {
+            return;
+        }
+        note_towns(&mut campaign.towns, &ground.towns);
+        for (place, (car, walker)) in ground.places().flat_map(|place| bodies().map(move |body| (place, body))) {
+            let ground = place.declarations(car, walker, &usual.rule);
+            let mut scenario = |rule: &RewardRule, declared: &[DeclarationId]| {
+                let scenario = place.scenario(&car.value, &walker.value, &usual.rule.value, rule);
+                (scenario, self.recipe(&[ground.as_slice(), declared].concat()))
+            };
+            let mut scenarios: BTreeMap<&str, _> = BTreeMap::new();
+            for (name, reward) in rewards {
+                scenarios.insert(name, scenario(&reward.value, &[reward.id]));
+            }
+            if untrained {
+                scenarios.insert(NO_REWARD, scenario(&RewardRule::default(), &[]));
+            }
+            campaign.evaluations.extend(who.iter().map(|(pedestrian, trained)| Evaluation {
+                id: RunId::default(),
+                pedestrian: *pedestrian,
+                trained: trained.clone(),
+                town: place.town.name.clone(),
+                policy: place.policy.name.clone(),
+                vehicle: car.name.clone(),
+                adversary: walker.name.clone(),
+                block: number,
+                scenario: scenarios[trained.reward.as_str()].0.clone(),
+                episodes: block.arguments.integer("episodes") as u32,
+                recipe: scenarios[trained.reward.as_str()].1,
+                halfwidth: block.arguments.has("halfwidth").then(|| block.arguments.number("halfwidth")),
+            }));
+        }
+    }
+}
+
+/// Who is tried where nobody is trained: each once, for no reward.
+fn untrained_pedestrians(words: &[Value]) -> Vec<(Pedestrian, Arc<TrainingKey>)> {
+    let reward = NO_REWARD.to_string();
+    let key = Arc::new(TrainingKey { town: String::new(), policy: String::new(), reward, run: 0 });
+    let untrained = |word: &Value| match word {
+        Value::Choice("random") => Some(Pedestrian::Random),
+        Value::Choice("homing") => Some(Pedestrian::Homing),
+        Value::Choice("intercept") => Some(Pedestrian::Intercept),
+        _ => None,
+    };
+    words.iter().filter_map(untrained).map(|pedestrian| (pedestrian, key.clone())).collect()
+}
+
+/// Who is tried: every trained pedestrian, and for every run of a reward a random one, which draws anew in each; the
+/// homing and the intercepting one draw nothing, so they are tried once for each reward.
+fn pedestrians(words: &[Value], trainings: &[Training]) -> Vec<(Pedestrian, Arc<TrainingKey>)> {
+    let mut all = Vec::new();
+    for word in words {
+        let Value::Choice(word) = word else { panic!("checked: a choice") };
+        let mut seen = BTreeSet::new();
+        for (index, training) in trainings.iter().enumerate() {
+            let pedestrian = match *word {
+                "random" => Pedestrian::Random,
+                "homing" => Pedestrian::Homing,
+                "intercept" => Pedestrian::Intercept,
+                "sampled" => Pedestrian::Sampled(index),
+                _ => Pedestrian::Trained(index),
+            };
+            let mut key = training.key.clone();
+            if matches!(pedestrian, Pedestrian::Random | Pedestrian::Homing | Pedestrian::Intercept) {
+                key.town = String::new();
+                key.policy = String::new();
+            }
+            if matches!(pedestrian, Pedestrian::Homing | Pedestrian::Intercept) {
+                key.run = 0;
+            }
+            let key = Arc::new(key);
+            if seen.insert((pedestrian, key.clone())) {
+                all.push((pedestrian, key));
+            }
+        }
+    }
+    all
+}

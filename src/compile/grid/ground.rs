@@ -1,0 +1,155 @@
+//! Where the episodes of a block happen, against which drivers, and how they start.
+
+use std::sync::Arc;
+
+use super::axis::Axis;
+use crate::compile::lowering::{BuiltTown, Lowering};
+use crate::compile::plan::NamedTown;
+use crate::compile::policy;
+use crate::env::{
+    Cast, EpisodeRule, FirstHeading, PedestrianRole, PolicyMaker, RewardRule, Scenario, SpawnRule, VehicleRole,
+};
+use crate::lang::codes;
+use crate::lang::hir::Block;
+use crate::seed::Seed;
+use crate::signature::{DeclarationId, short};
+use crate::sim::VehicleBlueprint;
+
+/// Where the episodes of a block happen, against whom, and how they begin.
+pub(super) struct Ground {
+    pub towns: Vec<Axis<BuiltTown>>,
+    pub policies: Vec<Axis<PolicyMaker>>,
+    pub spawn: Axis<SpawnRule>,
+}
+
+impl Ground {
+    /// Every town with every policy.
+    pub fn places(&self) -> impl Iterator<Item = Place<'_>> {
+        let place = |town, policy| Place { town, policy, spawn: &self.spawn };
+        self.towns.iter().flat_map(move |town| self.policies.iter().map(move |policy| place(town, policy)))
+    }
+}
+
+/// A town with a policy.
+#[derive(Clone, Copy)]
+pub(super) struct Place<'a> {
+    pub town: &'a Axis<BuiltTown>,
+    pub policy: &'a Axis<PolicyMaker>,
+    pub spawn: &'a Axis<SpawnRule>,
+}
+
+impl Place<'_> {
+    /// The scenario with these bodies, rules and rewards.
+    pub fn scenario(
+        &self,
+        car: &VehicleBlueprint,
+        walker: &PedestrianRole,
+        rule: &EpisodeRule,
+        reward: &RewardRule,
+    ) -> Arc<Scenario> {
+        Arc::new(Scenario {
+            town: self.town.value.town.clone(),
+            obstacles: self.town.value.obstacles.clone(),
+            cast: Cast::pair(VehicleRole { blueprint: car.clone(), policy: self.policy.value.clone() }, walker.clone()),
+            spawn: self.spawn.value.clone(),
+            reward: reward.clone(),
+            episode: rule.clone(),
+        })
+    }
+
+    /// The declarations of a scenario.
+    pub fn declarations(
+        &self,
+        car: &Axis<VehicleBlueprint>,
+        walker: &Axis<PedestrianRole>,
+        rule: &Axis<EpisodeRule>,
+    ) -> [DeclarationId; 6] {
+        [self.town.id, self.policy.id, self.spawn.id, car.id, walker.id, rule.id]
+    }
+}
+
+impl Lowering<'_> {
+    /// The ground of a block, on which somebody can be placed beside each of these bodies; none after saying what is wrong
+    /// with how episodes begin.
+    pub(super) fn ground(
+        &mut self,
+        campaign: &Block,
+        block: &Block,
+        bodies: &[(&Axis<VehicleBlueprint>, &Axis<PedestrianRole>)],
+    ) -> Option<Ground> {
+        let spawn = self.spawn(campaign, block)?;
+        let ground = Ground { towns: self.towns(block), policies: self.policies(block), spawn };
+        self.compare_ticks(campaign, block);
+        self.probe(campaign, block, &ground.towns, &ground.spawn.value, bodies);
+        Some(ground)
+    }
+
+    /// Says which drivers of a block are made for other ticks than they get.
+    pub(super) fn compare_ticks(&mut self, campaign: &Block, block: &Block) {
+        let episode = self.program.get(campaign.arguments.reference("episode"));
+        let tick = episode.block.arguments.number("tick");
+        for (place, id) in block.arguments.references("policies").into_iter().enumerate() {
+            let policy = self.program.get(id);
+            let made_for = policy::signature(policy, self.catalog).and_then(|signature| signature.tick);
+            if let Some(made_for) = made_for.filter(|made_for| *made_for != tick) {
+                let span = block.members("policies").get(place).copied().unwrap_or(block.head);
+                let given = episode.block.place("tick");
+                self.said.push(codes::other_tick(span, &policy.name, made_for, tick, given));
+            }
+        }
+    }
+
+    /// Makes sure that somebody can be placed in every town, and not inside any of the cars.
+    pub(super) fn probe(
+        &mut self,
+        campaign: &Block,
+        block: &Block,
+        towns: &[Axis<BuiltTown>],
+        spawn: &SpawnRule,
+        bodies: &[(&Axis<VehicleBlueprint>, &Axis<PedestrianRole>)],
+    ) {
+        let place = if block.arguments.has("spawn") { block.place("spawn") } else { campaign.place("spawn") };
+        for (Axis { name, value: car, .. }, Axis { value: walker, .. }) in bodies {
+            let corner = (car.half_length * car.half_length + car.half_width * car.half_width).sqrt();
+            let reach = corner + walker.body.radius;
+            let nearest = spawn.distance.support().0;
+            if nearest <= reach {
+                let message = format!(
+                    "a pedestrian {} m from the middle of `{name}` may stand inside it: its corners reach {reach:.2} m",
+                    short(nearest)
+                );
+                self.said.push(codes::contradiction(place, message));
+                return;
+            }
+        }
+        let looks = |first: &FirstHeading| bodies.iter().any(|(_, walker)| walker.value.first_heading == *first);
+        let headings = [FirstHeading::Random, FirstHeading::TowardsEgo].into_iter().filter(looks);
+        for town in towns {
+            let probe = |first: FirstHeading| {
+                let mut stream = Seed::root(0).child("probe").stream();
+                spawn.probe(&town.value.town, &town.value.obstacles, first, &mut stream)
+            };
+            for found in headings.clone().map(probe) {
+                match found {
+                    Ok(None) => {}
+                    Ok(Some(rarity)) => {
+                        self.said.push(codes::rare_beginnings(place, &town.name, &rarity.to_string()));
+                    }
+                    Err(error) => {
+                        self.said.push(codes::unplaceable(place, &town.name, &error.to_string()));
+                        break;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Notes towns, each once.
+pub(super) fn note_towns(noted: &mut Vec<NamedTown>, towns: &[Axis<BuiltTown>]) {
+    for town in towns {
+        if noted.iter().all(|known| known.name != *town.name) {
+            noted.push(NamedTown { name: town.name.to_string(), town: town.value.town.clone() });
+        }
+    }
+}

@@ -1,0 +1,88 @@
+//! A campaign's grid: what is trained, which controllers are evaluated where, and what is searched.
+
+mod axis;
+mod ground;
+mod train;
+mod evaluate;
+mod search;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::lowering::Lowering;
+use super::plan::{Campaign, Driver, Published};
+use super::{policy, published};
+use crate::lang::codes;
+use crate::lang::hir::{Block, Declaration};
+use axis::Usual;
+
+/// Most trainings, evaluations or searches that one block may ask for.
+const MOST_CELLS: usize = 200_000;
+
+impl Lowering<'_> {
+    /// Lays out the grid of a campaign.
+    pub fn campaign(&mut self, declaration: &Declaration) -> Campaign {
+        let block = &declaration.block;
+        let referred = |key: &str| block.arguments.reference(key);
+        let usual = Usual {
+            car: self.vehicle(referred("vehicle")),
+            walker: self.adversary(referred("adversary")),
+            rule: self.episode(referred("episode")),
+            training: block.arguments.has("training").then(|| self.training(referred("training"))),
+        };
+        let mut campaign = Campaign {
+            name: declaration.name.clone(),
+            docs: declaration.docs.clone(),
+            settings: Vec::new(),
+            words: Vec::new(),
+            towns: Vec::new(),
+            drivers: self.drivers(block),
+            trainings: Vec::new(),
+            evaluations: Vec::new(),
+            searches: Vec::new(),
+            published: self.published(block),
+        };
+        let mut rewards = BTreeMap::new();
+        for train in block.nested("train") {
+            self.train(block, train, &usual, &mut campaign, &mut rewards);
+        }
+        self.forbid_repeated_trainings(block, &campaign);
+        if !campaign.published.is_empty() && block.nested("train").next().is_none() {
+            self.said.push(codes::beside_nobody(block.place("beside")));
+        }
+        if ["train", "evaluate", "search"].iter().all(|word| block.nested(word).next().is_none()) {
+            let message = "this campaign trains nobody, tries nobody and searches for nothing".to_string();
+            let help = "give it a block: `train { … }`, `evaluate { … }` or `search { … }`";
+            self.said.push(codes::contradiction(block.head, message).help(help));
+        }
+        for (number, evaluate) in (0..).zip(block.nested("evaluate")) {
+            self.evaluate(block, evaluate, number, &usual, &mut campaign, &rewards);
+        }
+        for (number, search) in (0..).zip(block.nested("search")) {
+            self.search(block, search, number, &usual, &mut campaign);
+        }
+        campaign
+    }
+
+    /// Whether the axes of a block make no more cells than can be run, saying so otherwise.
+    fn fits(&mut self, block: &Block, axes: [usize; 4]) -> bool {
+        let cells = axes.into_iter().fold(1, usize::saturating_mul);
+        if cells > MOST_CELLS {
+            self.said.push(codes::too_many_combinations(block.head, cells, MOST_CELLS));
+        }
+        cells <= MOST_CELLS
+    }
+
+    /// The drivers that a campaign names, each once, in order.
+    fn drivers(&self, campaign: &Block) -> Vec<Driver> {
+        let blocks = ["train", "evaluate", "search"].into_iter().flat_map(|word| campaign.nested(word));
+        let mut seen = BTreeSet::new();
+        let all = blocks.flat_map(|block| block.arguments.references("policies"));
+        all.filter(|id| seen.insert(*id)).map(|id| policy::describe(self.program.get(id), self)).collect()
+    }
+
+    fn published(&mut self, campaign: &Block) -> Vec<Published> {
+        let arguments = &campaign.arguments;
+        let named = if arguments.has("beside") { arguments.references("beside") } else { Vec::new() };
+        named.into_iter().map(|id| published::lower(self.program.get(id), self.program, self.said)).collect()
+    }
+}

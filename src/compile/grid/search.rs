@@ -1,0 +1,95 @@
+use std::sync::Arc;
+
+use super::axis::{Axis, Usual};
+use super::ground::note_towns;
+use crate::compile::lowering::Lowering;
+use crate::compile::plan::{Campaign, Search, SearchKey};
+use crate::compile::{RunId, falsifier};
+use crate::env::RewardRule;
+use crate::falsifier::Falsifier;
+use crate::lang::codes;
+use crate::lang::hir::Block;
+use crate::rl::PpoConfig;
+use crate::signature::DeclarationId;
+
+/// A falsifier of a `search` block.
+struct Rival {
+    name: String,
+    method: &'static str,
+    reward: (String, RewardRule),
+    /// It, and how pedestrians are trained where it does not say so.
+    declarations: Vec<DeclarationId>,
+    falsifier: Arc<dyn Falsifier>,
+}
+
+impl Lowering<'_> {
+    pub(super) fn search(
+        &mut self,
+        campaign_block: &Block,
+        block: &Block,
+        number: u32,
+        usual: &Usual,
+        campaign: &mut Campaign,
+    ) {
+        let (car, walker) = (&usual.car.value, &usual.walker.value);
+        let Some(ground) = self.ground(campaign_block, block, &[(&usual.car, &usual.walker)]) else { return };
+        let falsifiers = self.falsifiers(campaign_block, block, usual.training.as_ref());
+        let runs = block.arguments.integer("runs") as u32;
+        if !self.fits(block, [ground.towns.len(), ground.policies.len(), falsifiers.len(), runs as usize]) {
+            return;
+        }
+        note_towns(&mut campaign.towns, &ground.towns);
+        for (place, rival) in ground.places().flat_map(|place| falsifiers.iter().map(move |rival| (place, rival))) {
+            let scenario = place.scenario(car, walker, &usual.rule.value, &rival.reward.1);
+            let ground = place.declarations(&usual.car, &usual.walker, &usual.rule);
+            let recipe = self.recipe(&[ground.as_slice(), &rival.declarations].concat());
+            campaign.searches.extend((0..runs).map(|run| Search {
+                key: SearchKey {
+                    id: RunId::default(),
+                    falsifier: rival.name.clone(),
+                    method: rival.method,
+                    reward: rival.reward.0.clone(),
+                    town: place.town.name.to_string(),
+                    policy: place.policy.name.to_string(),
+                    block: number,
+                    run,
+                },
+                scenario: scenario.clone(),
+                falsifier: rival.falsifier.clone(),
+                budget: block.arguments.integer("budget") as u64,
+                tries: block.arguments.integer("episodes") as u32,
+                recipe,
+            }));
+        }
+    }
+
+    fn falsifiers(&mut self, campaign: &Block, block: &Block, usual: Option<&Axis<(PpoConfig, usize)>>) -> Vec<Rival> {
+        let mut rivals = Vec::new();
+        for id in block.arguments.references("falsifiers") {
+            let declaration = self.program.get(id);
+            let arguments = &declaration.block.arguments;
+            let training = match falsifier::named(arguments, "training") {
+                Some(id) => Some(self.training(id)),
+                None => usual.cloned(),
+            };
+            if training.is_none() && falsifier::learns(&self.catalog.falsifiers, declaration) {
+                self.said.push(codes::no_training(campaign.head, declaration.block.head));
+                continue;
+            }
+            let reward = falsifier::named(arguments, "reward").map(|id| self.reward(id));
+            rivals.push(Rival {
+                name: declaration.name.clone(),
+                method: declaration.kind,
+                reward: reward.map(|reward| (reward.name.to_string(), reward.value)).unwrap_or_default(),
+                declarations: [Some(id), training.as_ref().map(|training| training.id)].into_iter().flatten().collect(),
+                falsifier: falsifier::lower(
+                    &self.catalog.falsifiers,
+                    declaration,
+                    training.map(|training| training.value),
+                    self.said,
+                ),
+            });
+        }
+        rivals
+    }
+}

@@ -1,0 +1,53 @@
+//! What can only be checked of all files together: names of reports, and what has no effect.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::plan::Plan;
+use crate::diagnostic::Diagnostic;
+use crate::lang::codes;
+use crate::lang::hir::{Declaration, Program};
+use crate::signature::DeclarationId;
+
+/// The longest name of a combination (bytes): folders and files are named after it.
+const LONGEST_CAMPAIGN: usize = 150;
+
+/// Campaigns of different files may share a name as far as the language goes, but their reports may not.
+pub(super) fn forbid_equal_names(program: &Program, plan: &Plan, said: &mut Vec<Diagnostic>) {
+    let mut seen: BTreeMap<&str, &Declaration> = BTreeMap::new();
+    for campaign in program.of_form("campaign") {
+        if let Some(first) = seen.insert(&campaign.name, campaign) {
+            let (here, there) = (campaign.block.head, first.block.head);
+            said.push(codes::duplicate_declaration(here, "campaign", &campaign.name, there));
+        }
+    }
+    let (mut names, distinct) = (BTreeSet::new(), seen.len() == program.of_form("campaign").count());
+    for campaign in &plan.campaigns {
+        if campaign.name.len() > LONGEST_CAMPAIGN {
+            let source = program.of_form("campaign").find(|each| campaign.name.starts_with(&each.name));
+            let head = source.expect("a campaign is made from a declaration").block.head;
+            said.push(codes::long_combination(head, &campaign.name, LONGEST_CAMPAIGN));
+            return;
+        }
+        if distinct && !names.insert(&campaign.name) {
+            let source = program.of_form("campaign").find(|each| campaign.name.starts_with(&each.name));
+            let head = source.expect("a campaign is made from a declaration").block.head;
+            said.push(codes::contradiction(head, format!("two combinations would both be named `{}`", campaign.name)));
+        }
+    }
+}
+
+/// Warns of declarations and parameters without effect, in files that hold a campaign.
+pub(super) fn warn_of_unused(program: &Program, used: &BTreeSet<DeclarationId>, said: &mut Vec<Diagnostic>) {
+    // A file without a campaign is a library: nothing in it is unused.
+    let with_campaign: BTreeSet<_> = program.of_form("campaign").map(|campaign| campaign.source).collect();
+    for declaration in &program.declarations {
+        if with_campaign.contains(&declaration.source) && !used.contains(&declaration.id) {
+            said.push(codes::unused(declaration.block.head, declaration.form, &declaration.name));
+        }
+    }
+    for param in &program.params {
+        if with_campaign.contains(&param.id.0) && !param.used {
+            said.push(codes::unused(param.span, "param", &param.name));
+        }
+    }
+}

@@ -1,0 +1,35 @@
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::campaign::{Cell, deal};
+use crate::compile::Campaign;
+use crate::store::Taken;
+
+/// A campaign of which tasks are missing.
+#[derive(Debug)]
+pub struct Incomplete {
+    /// The campaign.
+    pub campaign: Campaign,
+    /// The tasks that are not finished, in the plan's order.
+    pub tasks: Vec<Missing>,
+    /// The number of all its tasks.
+    pub all: usize,
+}
+
+/// A task that is not finished.
+#[derive(Debug)]
+pub struct Missing {
+    /// The task.
+    pub task: Cell,
+    /// What it is, for people.
+    pub name: String,
+    /// What the stores have of it.
+    pub found: Taken,
+}
+
+impl Incomplete {
+    /// The shards, of this number, that would make what is missing.
+    pub fn shards(&self, count: u32) -> BTreeSet<u32> {
+        let deal: BTreeMap<Cell, u32> = deal(&self.campaign, count).into_iter().collect();
+        self.tasks.iter().map(|missing| deal[&missing.task]).collect()
+    }
+}
