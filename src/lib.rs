@@ -1,35 +1,98 @@
 //! Finds the ways a self-driving car hits a pedestrian.
 //!
-//! A scenario file says which towns, driving policies, spawn places and rewards there are, and which campaigns are to be
-//! run with them; see `grammar/README.md` for the language.
+//! A scenario file declares towns, driving policies, spawn places and rewards, and the campaigns that are run with them; `grammar/README.md`
+//! describes the language. A [`Session`](session::Session) checks scenario files, runs their campaigns, and reads reports back:
+//!
+//! ```
+//! use std::io;
+//! use std::path::Path;
+//!
+//! use falsify::session::{CheckOptions, Input, RunOptions, Session};
+//!
+//! const SCENARIO: &str = r#"
+//! edition 1
+//! import "std/paper.scn"
+//! import "std/drivers.scn"
+//! import "std/towns.scn"
+//!
+//! campaign crossing {
+//!   vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds
+//!   evaluate { towns: [harbour]  policies: [blind]  pedestrians: [random, intercept]  episodes: 25 }
+//! }
+//! "#;
+//!
+//! // Scenarios come from the disk unless the caller has them elsewhere.
+//! let session = Session::default().with_reader(|path: &Path| match path.to_str() {
+//!     Some("crossing.scn") => Ok(SCENARIO.to_string()),
+//!     _ => Err(io::Error::from(io::ErrorKind::NotFound)),
+//! });
+//! let input = Input::file("crossing.scn");
+//!
+//! // Parse and check.
+//! let checked = session.check(&CheckOptions { input: input.clone(), ..CheckOptions::default() })?;
+//! assert!(checked.compiled.diagnostics.is_empty());
+//! assert_eq!(checked.plan()?.campaigns[0].evaluations.len(), 2);
+//!
+//! // Run, and write a report.
+//! let folder = tempfile::tempdir()?;
+//! let run = session.run(&RunOptions { input, out: folder.path().join("reports"), ..RunOptions::default() })?;
+//! let report = run.reports().next().expect("the campaign has a report");
+//! assert!(report.is_sound() && report.manifest.complete);
+//!
+//! // Read the tables: means and intervals of each cell of the grid, and a row for each episode.
+//! let rates: Vec<Option<f64>> = report.cells.iter().map(|cell| cell.collision.mean).collect();
+//! assert!(rates.len() == 2 && rates.iter().flatten().all(|rate| (0.0..=1.0).contains(rate)));
+//! let episodes = std::fs::read_to_string(report.folder.join("episodes.csv"))?;
+//! assert_eq!(episodes.lines().count(), 1 + 2 * 25);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! A driving policy of the caller joins the language with [`Catalog::with_policy`](language::Catalog::with_policy).
 #![doc = include_str!("ARCHITECTURE.md")]
 
 // What pest writes for the grammar names it.
 extern crate alloc;
 
-pub mod diagnostic;
-pub mod units;
-pub mod signature;
-pub mod seed;
-pub mod statistics;
-pub mod geometry;
-pub mod lang;
-pub mod road;
-pub mod sim;
-pub mod av;
-pub mod rl;
-pub mod env;
-pub mod compile;
-pub mod judge;
-pub mod record;
-pub mod falsifier;
-pub mod campaign;
-pub mod analysis;
-pub mod report;
-pub mod store;
-pub mod process;
-pub mod session;
-pub mod lsp;
-pub mod cli;
-#[cfg(any(fuzzing, test))]
-pub mod fuzzing;
+#[doc(hidden)]
+pub mod internal;
+
+// Modules name each other as `crate::NAME`.
+use internal::{
+    analysis, av, campaign, cli, compile, diagnostic, env, falsifier, geometry, judge, lang, lsp, process, record,
+    report, rl, road, seed, signature, sim, statistics, store, units,
+};
+
+#[doc(inline)]
+pub use internal::session;
+
+/// The scenario language: catalogue, plans and diagnostics.
+pub mod language {
+    pub use crate::compile::{
+        Campaign, Catalog, Compiled, Evaluation, MakePolicy, NoRunId, Plan, PolicyKind, RunId, Search, TakenKind,
+        Training, TrainingKey,
+    };
+    pub use crate::diagnostic::{Colour, Diagnostic, Severity, Sources, render};
+    pub use crate::lang::{Reader, Unreadable};
+    pub use crate::signature::{Arguments, Param, Signature, Type};
+}
+
+/// What a driving policy perceives and returns, and who may start one as a program.
+pub mod driving {
+    pub use crate::av::external::{Link, Opener, Program};
+    pub use crate::av::{DrivingMode, DrivingPolicy, Fault, Perception};
+    pub use crate::process::ProcessOpener;
+    pub use crate::seed::Stream;
+    pub use crate::sim::Control;
+}
+
+/// What a run, a report and a repeated episode hold.
+pub mod results {
+    pub use crate::campaign::{Cell as Task, Observer as CampaignObserver, Shard};
+    pub use crate::env::{Outcome, Scenario};
+    pub use crate::judge::Verdict;
+    pub use crate::report::{
+        Cell, Difference, FileRecord, Formats, Gate, GateError, Judged, Manifest, ReadError, SearchCell, Spread,
+        StoredReport, TrainingRecord, WriteError,
+    };
+    pub use crate::store::{Known, Limits, StoreError};
+}

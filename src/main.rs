@@ -1,5 +1,5 @@
 //! The program `falsify`.
 
 fn main() -> std::process::ExitCode {
-    falsify::cli::main().into()
+    falsify::internal::cli::main().into()
 }

@@ -13,7 +13,7 @@ pub type Stream = ChaCha8Rng;
 ///
 /// # Example
 /// ```
-/// use falsify::seed::Seed;
+/// use falsify::internal::seed::Seed;
 /// use rand::Rng;
 /// let run = Seed::root(7).child("train").index(3);
 /// assert_eq!(run.stream().next_u64(), run.stream().next_u64());

@@ -165,7 +165,7 @@ pub enum UnitError {
 ///
 /// # Example
 /// ```
-/// use falsify::units::{Dimension, parse_unit};
+/// use falsify::internal::units::{Dimension, parse_unit};
 /// let unit = parse_unit("km/h").unwrap();
 /// assert_eq!(unit.dimension, Dimension::SPEED);
 /// assert!((36.0 * unit.factor - 10.0).abs() < 1e-12);

@@ -16,10 +16,10 @@ use crate::seed::Seed;
 /// use std::collections::BTreeMap;
 /// use std::sync::Arc;
 ///
-/// use falsify::env::Scenario;
-/// use falsify::falsifier::TrainingRun;
-/// use falsify::rl::{PpoConfig, Trained};
-/// use falsify::seed::Seed;
+/// use falsify::internal::env::Scenario;
+/// use falsify::internal::falsifier::TrainingRun;
+/// use falsify::internal::rl::{PpoConfig, Trained};
+/// use falsify::internal::seed::Seed;
 ///
 /// fn in_two_parts(scenario: &Arc<Scenario>, config: &PpoConfig) -> Result<Trained, Box<dyn std::error::Error>> {
 ///     let mut run = TrainingRun::begin(scenario, 8, config, &Seed::root(7))?;

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 ///
 /// # Example
 /// ```
-/// use falsify::geometry::wrap_angle;
+/// use falsify::internal::geometry::wrap_angle;
 /// use std::f64::consts::PI;
 /// assert_eq!(wrap_angle(-PI), PI);
 /// assert!((wrap_angle(3.0 * PI / 2.0) + PI / 2.0).abs() < 1e-15);

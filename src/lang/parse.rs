@@ -19,7 +19,7 @@ pub(super) mod rules {
     #[derive(pest_derive::Parser)]
     #[grammar = "../grammar/lexical.pest"]
     #[grammar = "../grammar/scenario.pest"]
-    pub(in crate::lang) struct ScenarioParser;
+    pub(in crate::internal::lang) struct ScenarioParser;
 }
 use rules::{Rule, ScenarioParser};
 

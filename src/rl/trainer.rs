@@ -22,8 +22,8 @@ use crate::seed::{Seed, Stream};
 /// ```
 /// use std::collections::BTreeMap;
 ///
-/// use falsify::rl::{Env, PpoConfig, Trainer};
-/// use falsify::seed::Seed;
+/// use falsify::internal::rl::{Env, PpoConfig, Trainer};
+/// use falsify::internal::seed::Seed;
 ///
 /// fn in_two_parts<E: Env + Send>(envs: &mut [E], config: &PpoConfig) -> Result<Trainer, Box<dyn std::error::Error>> {
 ///     let mut trainer = Trainer::new(envs, config, &Seed::root(7))?;

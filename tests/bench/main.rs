@@ -8,15 +8,15 @@ use std::sync::Arc;
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use falsify::campaign::watch;
-use falsify::compile::{Catalog, Plan, compile};
-use falsify::diagnostic::Sources;
-use falsify::env::{Outcome, PedestrianEnv, PolicyMaker, Scenario, Trace};
-use falsify::falsifier::{Random, train, try_walker};
-use falsify::judge::{NearMiss, judge};
-use falsify::rl::{ActorCritic, PpoConfig, RecordedRollout, Trainer, update_on_recorded};
-use falsify::road::LaneFilter;
-use falsify::seed::Seed;
+use falsify::internal::campaign::watch;
+use falsify::internal::compile::Plan;
+use falsify::internal::env::{Outcome, PedestrianEnv, PolicyMaker, Scenario, Trace};
+use falsify::internal::falsifier::{Random, train, try_walker};
+use falsify::internal::judge::{NearMiss, judge};
+use falsify::internal::rl::{ActorCritic, PpoConfig, RecordedRollout, Trainer, update_on_recorded};
+use falsify::internal::road::LaneFilter;
+use falsify::internal::seed::Seed;
+use falsify::session::{Input, Session};
 use rand::RngExt;
 
 fn main() {
@@ -72,9 +72,10 @@ fn plan() -> Plan {
 
 fn plan_of(text: &str) -> Plan {
     let root: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/bench.scn");
-    let read = |path: &Path| if path == root { Ok(text.to_string()) } else { std::fs::read_to_string(path) };
-    let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Sources::default());
-    compiled.expect("the library can be read").plan.expect("the scenario is sound")
+    let (file, text) = (root.clone(), text.to_string());
+    let read = move |path: &Path| if path == file { Ok(text.clone()) } else { std::fs::read_to_string(path) };
+    let planned = Session::default().with_reader(read).plan(&Input::file(root));
+    planned.expect("the scenario is sound").plan
 }
 
 fn scenario(policy: &str) -> Arc<Scenario> {
@@ -244,12 +245,12 @@ fn nearest_lane(bencher: Bencher<'_, '_>) {
 /// thinking (`driver` below), so that this is the price of the way there and back. Counted in ticks of a world.
 #[divan::bench(args = ["json", "binary"], consts = [1, 8, 32, 128], sample_count = 5)]
 fn external<const WORLDS: usize>(bencher: Bencher<'_, '_>, encoding: &str) {
-    use falsify::av::external::{External, Program, Settings};
+    use falsify::internal::av::external::{External, Program, Settings};
     let own = std::env::current_exe().expect("a bench has a file").display().to_string();
     let program = Program { words: vec![own, format!("drive-{encoding}")], folder: PathBuf::new() };
-    let opener = Arc::new(falsify::process::ProcessOpener::default());
+    let opener = Arc::new(falsify::internal::process::ProcessOpener::default());
     let settings = Settings { worlds: WORLDS, timeout: 60.0, ..Settings::default() };
-    let maker = move || -> Box<dyn falsify::av::DrivingPolicy> {
+    let maker = move || -> Box<dyn falsify::internal::av::DrivingPolicy> {
         Box::new(External::new(program.clone(), settings, opener.clone()))
     };
     let outside = driven_by(Arc::new(maker));
@@ -259,10 +260,10 @@ fn external<const WORLDS: usize>(bencher: Bencher<'_, '_>, encoding: &str) {
 /// A small network from an ONNX file, counted in ticks of a world.
 #[divan::bench(consts = [1, 32], sample_count = 5)]
 fn onnx<const WORLDS: usize>(bencher: Bencher<'_, '_>) {
-    use falsify::av::onnx::{Model, Onnx};
+    use falsify::internal::av::onnx::{Model, Onnx};
     let bytes = include_bytes!("../reference/onnx/follow.onnx").to_vec();
     let model = Arc::new(Model::read(bytes).expect("the network drives"));
-    let maker = move || -> Box<dyn falsify::av::DrivingPolicy> { Box::new(Onnx::new(WORLDS, model.clone())) };
+    let maker = move || -> Box<dyn falsify::internal::av::DrivingPolicy> { Box::new(Onnx::new(WORLDS, model.clone())) };
     let outside = driven_by(Arc::new(maker));
     episodes_of(bencher, &outside, 32);
 }

@@ -6,8 +6,8 @@
 
 use std::time::Instant;
 
-use falsify::rl::{PpoConfig, Trainer};
-use falsify::seed::Seed;
+use falsify::internal::rl::{PpoConfig, Trainer};
+use falsify::internal::seed::Seed;
 
 use ped_world::{End, PedWorld, Reward, Road, Rules, Units};
 

@@ -5,11 +5,11 @@ use std::cell::Cell;
 use std::path::Path;
 use std::sync::Arc;
 
-use falsify::compile::{Catalog, compile};
-use falsify::diagnostic::Sources;
-use falsify::env::{Controller, PedestrianEnv, Trace};
-use falsify::seed::Seed;
-use falsify::sim::WalkCommand;
+use falsify::internal::compile::{Catalog, compile};
+use falsify::internal::diagnostic::Sources;
+use falsify::internal::env::{Controller, PedestrianEnv, Trace};
+use falsify::internal::seed::Seed;
+use falsify::internal::sim::WalkCommand;
 
 use super::cast::{ahead, away, two_and_two};
 

@@ -6,12 +6,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::reference;
-use falsify::av::behavior_agent::{AgentConfig, BehaviorAgent, Profile, Quirks, Release};
-use falsify::av::{Actor, DrivingPolicy, Light, Perception};
-use falsify::geometry::{Obstacles, Pose, Vector};
-use falsify::road::{RoadIndex, RoadOption, RoutePoint, Town, Waypoint, opendrive};
-use falsify::seed::Seed;
-use falsify::sim::{ActorId, LightColour, VehicleBlueprint};
+use falsify::internal::av::behavior_agent::{AgentConfig, BehaviorAgent, Profile, Quirks, Release};
+use falsify::internal::av::{Actor, DrivingPolicy, Light, Perception};
+use falsify::internal::geometry::{Obstacles, Pose, Vector};
+use falsify::internal::road::{RoadIndex, RoadOption, RoutePoint, Town, Waypoint, opendrive};
+use falsify::internal::seed::Seed;
+use falsify::internal::sim::{ActorId, LightColour, VehicleBlueprint};
 use serde_json::Value;
 
 /// Half sizes of the recorded cars and walkers (m).

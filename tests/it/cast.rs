@@ -4,20 +4,20 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
-use falsify::analysis::Approach;
-use falsify::av::{DrivingMode, PerfectSensors};
-use falsify::compile::{Catalog, Plan, compile};
-use falsify::env::{
+use falsify::internal::analysis::Approach;
+use falsify::internal::av::{DrivingMode, PerfectSensors};
+use falsify::internal::compile::{Catalog, Plan, compile};
+use falsify::internal::env::{
     ActionSpec, Controller, EgoStart, Ending, ObservationSpec, Outcome, PedestrianEnv, PedestrianRole, Placed,
     Scenario, Trace, VehicleRole,
 };
-use falsify::falsifier::{Failure, Intercept, Random, Simulator, WalkPolicy, try_walker};
-use falsify::geometry::{Obstacles, Pose};
-use falsify::judge::{NearMiss, judge};
-use falsify::rl::Env;
-use falsify::seed::Seed;
-use falsify::signature::Distribution;
-use falsify::sim::{ActorId, ActorStart, LightColour, LightCycle, Start, WalkCommand, World};
+use falsify::internal::falsifier::{Failure, Intercept, Random, Simulator, WalkPolicy, try_walker};
+use falsify::internal::geometry::{Obstacles, Pose};
+use falsify::internal::judge::{NearMiss, judge};
+use falsify::internal::rl::Env;
+use falsify::internal::seed::Seed;
+use falsify::internal::signature::Distribution;
+use falsify::internal::sim::{ActorId, ActorStart, LightColour, LightCycle, Start, WalkCommand, World};
 
 const SCENARIO: &str = r#"
 edition 1
@@ -50,7 +50,7 @@ fn scenario(town: &str, policy: &str) -> Scenario {
             compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Default::default()).unwrap();
         compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics))
     });
-    let of = |each: &&falsify::compile::Evaluation| *each.town == *town && *each.policy == *policy;
+    let of = |each: &&falsify::internal::compile::Evaluation| *each.town == *town && *each.policy == *policy;
     Scenario::clone(&PLAN.campaigns[0].evaluations.iter().find(of).unwrap().scenario)
 }
 
@@ -215,7 +215,7 @@ fn cars_touch_cars_and_the_touch_names_them() {
     // The touch is where both boxes have no gap, and the tick before they have one.
     let (ego, other) = (trace.vehicle(0), trace.vehicle(1));
     let last = ego.len() - 1;
-    let outline = |frame: &falsify::env::VehicleFrame| frame.state.outline(&scenario.cast.ego.blueprint);
+    let outline = |frame: &falsify::internal::env::VehicleFrame| frame.state.outline(&scenario.cast.ego.blueprint);
     assert!(outline(&ego[last]).overlaps(&outline(&other[last])));
     assert!(!outline(&ego[last - 1]).overlaps(&outline(&other[last - 1])));
 }

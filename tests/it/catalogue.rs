@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use falsify::av::{DrivingMode, DrivingPolicy, Perception};
-use falsify::campaign::{InMemory, Silent, run};
-use falsify::compile::{Catalog, Compiled, PolicyKind, TakenKind, compile};
-use falsify::diagnostic::Sources;
-use falsify::seed::{Seed, Stream};
-use falsify::signature::{Param, Signature, Type};
-use falsify::sim::Control;
+use falsify::internal::av::{DrivingMode, DrivingPolicy, Perception};
+use falsify::internal::campaign::{InMemory, Silent, run};
+use falsify::internal::compile::{Catalog, Compiled, PolicyKind, TakenKind, compile};
+use falsify::internal::diagnostic::Sources;
+use falsify::internal::seed::{Seed, Stream};
+use falsify::internal::signature::{Param, Signature, Type};
+use falsify::internal::sim::Control;
 
 /// Brakes with the same force all the time.
 struct Braking {

@@ -64,9 +64,9 @@ fn one_thread_and_four_give_the_same_bytes_and_another_seed_others() {
 /// The digests of many episodes: whoever changes behaviour changes this number, and should have meant to.
 #[test]
 fn a_long_chaotic_run_has_the_digest_it_always_had() {
-    use falsify::compile::{Catalog, compile};
-    use falsify::falsifier::{Random, try_walker};
-    use falsify::seed::Seed;
+    use falsify::internal::compile::{Catalog, compile};
+    use falsify::internal::falsifier::{Random, try_walker};
+    use falsify::internal::seed::Seed;
     use std::ops::ControlFlow;
 
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/twice.scn");

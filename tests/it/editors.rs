@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use falsify::compile::Catalog;
-use falsify::lang::functions;
-use falsify::units::UNIT_NAMES;
+use falsify::internal::compile::Catalog;
+use falsify::internal::lang::functions;
+use falsify::internal::units::UNIT_NAMES;
 use serde_json::Value;
 
 fn grammar() -> Value {

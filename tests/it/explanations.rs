@@ -3,11 +3,11 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use falsify::compile::{Catalog, compile};
-use falsify::diagnostic::Sources;
-use falsify::lang::Reader;
-use falsify::lang::mistakes::mistakes;
-use falsify::lang::words::WORDS;
+use falsify::internal::compile::{Catalog, compile};
+use falsify::internal::diagnostic::Sources;
+use falsify::internal::lang::Reader;
+use falsify::internal::lang::mistakes::mistakes;
+use falsify::internal::lang::words::WORDS;
 
 /// Reads an example in place of a file, and the suite's files.
 struct Example {
@@ -126,7 +126,7 @@ fn words_events_and_variables_are_explained_and_the_examples_are_right() {
         assert_eq!(raised(word.example), BTreeSet::new(), "{}", word.name);
     }
     let known: BTreeSet<&str> = WORDS.iter().map(|word| word.name).collect();
-    assert!(falsify::lang::distributions().all(|name| known.contains(name)));
+    assert!(falsify::internal::lang::distributions().all(|name| known.contains(name)));
     for event in &catalog.vocabulary.events {
         assert!(explain(&[event.name]).contains(event.doc) && explain(&["on", event.name]).contains(event.doc));
     }

@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::Arc;
 
-use falsify::av::Fault;
-use falsify::compile::{Catalog, Plan, compile};
-use falsify::diagnostic::Sources;
-use falsify::env::{Outcome, Scenario};
-use falsify::falsifier::{Random, TrainError, train, try_walker};
-use falsify::process::ProcessOpener;
-use falsify::seed::Seed;
+use falsify::internal::av::Fault;
+use falsify::internal::compile::{Catalog, Plan, compile};
+use falsify::internal::diagnostic::Sources;
+use falsify::internal::env::{Outcome, Scenario};
+use falsify::internal::falsifier::{Random, TrainError, train, try_walker};
+use falsify::internal::process::ProcessOpener;
+use falsify::internal::seed::Seed;
 
 use crate::program::falsify;
 

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use falsify::diagnostic::{Severity, Sources};
-use falsify::lang::{format, outline, parse};
+use falsify::internal::diagnostic::{Severity, Sources};
+use falsify::internal::lang::{format, outline, parse};
 use proptest::prelude::*;
 
 use crate::shipped::shipped;

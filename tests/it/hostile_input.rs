@@ -4,9 +4,9 @@ use std::path::Path;
 use std::sync::mpsc;
 use std::time::Duration;
 
-use falsify::compile::{Catalog, compile};
-use falsify::diagnostic::{Colour, Sources, records, render};
-use falsify::lang;
+use falsify::internal::compile::{Catalog, compile};
+use falsify::internal::diagnostic::{Colour, Sources, records, render};
+use falsify::internal::lang;
 use proptest::prelude::*;
 
 /// Checks a text, draws what is wrong with it, lays it out, and gives the first code.

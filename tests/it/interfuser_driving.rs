@@ -3,15 +3,15 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use falsify::av::interfuser::{InterFuser, Settings};
-use falsify::av::{DrivingMode, DrivingPolicy, PerfectSensors};
-use falsify::compile::{Catalog, compile};
-use falsify::diagnostic::Sources;
-use falsify::env::Scenario;
-use falsify::geometry::{Pose, Vector};
-use falsify::road::LaneFilter;
-use falsify::seed::Seed;
-use falsify::sim::{ActorStart, PedestrianBody, Start, WalkCommand, World};
+use falsify::internal::av::interfuser::{InterFuser, Settings};
+use falsify::internal::av::{DrivingMode, DrivingPolicy, PerfectSensors};
+use falsify::internal::compile::{Catalog, compile};
+use falsify::internal::diagnostic::Sources;
+use falsify::internal::env::Scenario;
+use falsify::internal::geometry::{Pose, Vector};
+use falsify::internal::road::LaneFilter;
+use falsify::internal::seed::Seed;
+use falsify::internal::sim::{ActorStart, PedestrianBody, Start, WalkCommand, World};
 
 const SCENARIO: &str = r#"
 edition 1

@@ -4,11 +4,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::reference;
-use falsify::av::interfuser::{
+use falsify::internal::av::interfuser::{
     Cell, Controller, EgoVector, Forecast, HORIZONS, Inputs, ObjectClass, ObjectMap, Settings, Sighting, Tracker,
     TrackerMode, find_detections,
 };
-use falsify::geometry::Point;
+use falsify::internal::geometry::Point;
 use serde_json::Value;
 
 /// The files say it too.

@@ -4,15 +4,15 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 
-use falsify::analysis::Approach;
-use falsify::av::reference_drivers::{OwnMotion, ReferenceDriver, Threat};
-use falsify::compile::{Catalog, compile};
-use falsify::env::{Driven, Ending, Outcome, PedestrianEnv, Scenario, Trace};
-use falsify::falsifier::{Intercept, watch_walker};
-use falsify::geometry::{Obstacles, OrientedBox, Pose, Vector};
-use falsify::judge::{Encounter, Label, Reference, Sight, Trial, judge};
-use falsify::seed::Seed;
-use falsify::sim::{ActorId, Contact, World};
+use falsify::internal::analysis::Approach;
+use falsify::internal::av::reference_drivers::{OwnMotion, ReferenceDriver, Threat};
+use falsify::internal::compile::{Catalog, compile};
+use falsify::internal::env::{Driven, Ending, Outcome, PedestrianEnv, Scenario, Trace};
+use falsify::internal::falsifier::{Intercept, watch_walker};
+use falsify::internal::geometry::{Obstacles, OrientedBox, Pose, Vector};
+use falsify::internal::judge::{Encounter, Label, Reference, Sight, Trial, judge};
+use falsify::internal::seed::Seed;
+use falsify::internal::sim::{ActorId, Contact, World};
 
 const SCENARIO: &str = r#"
 edition 1

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use falsify::campaign::watch;
-use falsify::compile::{Campaign, Catalog, Evaluation, compile};
-use falsify::judge::{NearMiss, judge};
-use falsify::record::{EpisodeRow, RunKey, episodes};
-use falsify::report::{FailureModes, ReportFolder, write_failure_modes};
-use falsify::seed::Seed;
+use falsify::internal::campaign::watch;
+use falsify::internal::compile::{Campaign, Catalog, Evaluation, compile};
+use falsify::internal::judge::{NearMiss, judge};
+use falsify::internal::record::{EpisodeRow, RunKey, episodes};
+use falsify::internal::report::{FailureModes, ReportFolder, write_failure_modes};
+use falsify::internal::seed::Seed;
 use polars::prelude::{Column, DataFrame, NamedFrom, Series};
 
 const SCENARIO: &str = r#"

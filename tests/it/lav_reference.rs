@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use crate::reference;
-use falsify::av::lav::{
+use falsify::internal::av::lav::{
     Blob, BlobKind, BrakeRules, Command, Controller, Detector, EgoPoint, Forecast, Overruled, Pedals, Situation,
     Verdict, Version, WalkerView,
 };
-use falsify::sim::{PedestrianBody, VehicleBlueprint};
+use falsify::internal::sim::{PedestrianBody, VehicleBlueprint};
 use serde_json::Value;
 
 /// Examples are rounded to nine decimals.

@@ -3,11 +3,11 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use falsify::compile::{Catalog, Pedestrian, compile};
-use falsify::diagnostic::Sources;
-use falsify::env::Outcome;
-use falsify::falsifier::{ActionMode, Random, TrainedWalker, WalkPolicy, train, try_walker};
-use falsify::seed::Seed;
+use falsify::internal::compile::{Catalog, Pedestrian, compile};
+use falsify::internal::diagnostic::Sources;
+use falsify::internal::env::Outcome;
+use falsify::internal::falsifier::{ActionMode, Random, TrainedWalker, WalkPolicy, train, try_walker};
+use falsify::internal::seed::Seed;
 
 const SCENARIO: &str = r#"
 edition 1

@@ -51,6 +51,7 @@ mod routes_reference;
 mod sb3_curves;
 mod scenarios;
 mod sensors;
+mod sessions;
 mod settings;
 mod shaping;
 mod searches;

@@ -4,9 +4,9 @@
 
 use std::path::{Path, PathBuf};
 
-use falsify::compile::{Catalog, compile};
-use falsify::diagnostic::{Colour, Sources, render};
-use falsify::lang::mistakes::mistakes;
+use falsify::internal::compile::{Catalog, compile};
+use falsify::internal::diagnostic::{Colour, Sources, render};
+use falsify::internal::lang::mistakes::mistakes;
 
 /// The mistakes of people who write scenarios in other languages, and what they are told here.
 const TRAPS: &[(&str, &str)] = &[

@@ -3,12 +3,12 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use falsify::compile::{Catalog, compile};
-use falsify::diagnostic::Sources;
-use falsify::env::Outcome;
-use falsify::falsifier::{Random, try_walker};
-use falsify::lang::Reader;
-use falsify::seed::Seed;
+use falsify::internal::compile::{Catalog, compile};
+use falsify::internal::diagnostic::Sources;
+use falsify::internal::env::Outcome;
+use falsify::internal::falsifier::{Random, try_walker};
+use falsify::internal::lang::Reader;
+use falsify::internal::seed::Seed;
 
 use crate::program::command;
 

@@ -4,9 +4,9 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI};
 
-use falsify::geometry::wrap_angle;
-use falsify::rl::{Env, Step};
-use falsify::seed::Stream;
+use falsify::internal::geometry::wrap_angle;
+use falsify::internal::rl::{Env, Step};
+use falsify::internal::seed::Stream;
 use rand::Rng;
 
 /// The length of a tick (s).

@@ -5,13 +5,13 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 
-use falsify::compile::{Catalog, Plan, compile};
-use falsify::diagnostic::Sources;
-use falsify::env::{ObservationSpec, PedestrianEnv};
-use falsify::falsifier::{ActionMode, Intercept, TrainedWalker, TrainingRun, WalkPolicy, train};
-use falsify::rl::{ActorCritic, CheckpointError, Env, FrameStack, Trained};
-use falsify::seed::Seed;
-use falsify::sim::WalkCommand;
+use falsify::internal::compile::{Catalog, Plan, compile};
+use falsify::internal::diagnostic::Sources;
+use falsify::internal::env::{ObservationSpec, PedestrianEnv};
+use falsify::internal::falsifier::{ActionMode, Intercept, TrainedWalker, TrainingRun, WalkPolicy, train};
+use falsify::internal::rl::{ActorCritic, CheckpointError, Env, FrameStack, Trained};
+use falsify::internal::seed::Seed;
+use falsify::internal::sim::WalkCommand;
 
 /// Short episodes with drivers that remember and that draw; settings of both kinds.
 const SCENARIO: &str = r#"
@@ -134,7 +134,7 @@ fn threads_within_a_training_change_nothing() {
         let training = &campaign.trainings[0];
         let at = |workers: usize, threads: Option<usize>| -> Trained {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(workers).build().unwrap();
-            let config = falsify::rl::PpoConfig { threads, ..training.config.clone() };
+            let config = falsify::internal::rl::PpoConfig { threads, ..training.config.clone() };
             let mut go_on = |_: &_| ControlFlow::Continue(());
             pool.install(|| train(&training.scenario, 5, &config, &Seed::root(2), &mut go_on).unwrap())
         };

@@ -5,8 +5,8 @@ use std::fs;
 use std::path::PathBuf;
 
 use crate::reference;
-use falsify::geometry::{Point, Pose, wrap_angle};
-use falsify::road::{LaneFilter, LaneId, LaneKind, RoadIndex, Town, Waypoint, opendrive};
+use falsify::internal::geometry::{Point, Pose, wrap_angle};
+use falsify::internal::road::{LaneFilter, LaneId, LaneKind, RoadIndex, Town, Waypoint, opendrive};
 
 /// Agreement asked for, in metres and in radians.
 const TOLERANCE: f64 = 1e-3;

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use falsify::campaign::{self, SearchResult, Silent};
-use falsify::compile::{Campaign, Catalog, compile};
-use falsify::seed::Seed;
+use falsify::internal::campaign::{self, SearchResult, Silent};
+use falsify::internal::compile::{Campaign, Catalog, compile};
+use falsify::internal::seed::Seed;
 
 const PIECES: &str = r#"
 edition 1
@@ -150,7 +150,7 @@ fn searches_with_a_goal_find_what_walking_at_random_does_not() {
 
 #[test]
 fn the_cells_count_censored_runs() {
-    use falsify::report::{search_cells, searches};
+    use falsify::internal::report::{search_cells, searches};
     let plan = obvious("home", 2_000, 4);
     let mut results = run(&plan);
     for result in &mut results[2..] {

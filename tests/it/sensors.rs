@@ -3,13 +3,13 @@
 use std::path::Path;
 use std::sync::{Arc, LazyLock, Mutex};
 
-use falsify::av::sensors::{Field, Seam, Sector, SensorModel, SensorWrapper};
-use falsify::av::{Actor, DrivingMode, DrivingPolicy, Perception};
-use falsify::compile::{Catalog, Plan, compile};
-use falsify::env::{PedestrianEnv, Scenario};
-use falsify::geometry::{Obstacles, OrientedBox, Pose, Vector};
-use falsify::seed::{Seed, Stream};
-use falsify::sim::{ActorId, Control};
+use falsify::internal::av::sensors::{Field, Seam, Sector, SensorModel, SensorWrapper};
+use falsify::internal::av::{Actor, DrivingMode, DrivingPolicy, Perception};
+use falsify::internal::compile::{Catalog, Plan, compile};
+use falsify::internal::env::{PedestrianEnv, Scenario};
+use falsify::internal::geometry::{Obstacles, OrientedBox, Pose, Vector};
+use falsify::internal::seed::{Seed, Stream};
+use falsify::internal::sim::{ActorId, Control};
 use rand::Rng;
 
 fn plan(text: &str) -> Plan {

@@ -3,12 +3,12 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use falsify::compile::{Catalog, Training, compile};
-use falsify::diagnostic::Sources;
-use falsify::env::{PedestrianEnv, SpawnRule};
-use falsify::falsifier::train;
-use falsify::rl::{Env, shaping};
-use falsify::seed::Seed;
+use falsify::internal::compile::{Catalog, Training, compile};
+use falsify::internal::diagnostic::Sources;
+use falsify::internal::env::{PedestrianEnv, SpawnRule};
+use falsify::internal::falsifier::train;
+use falsify::internal::rl::{Env, shaping};
+use falsify::internal::seed::Seed;
 use rand::RngExt;
 
 /// Rewards with and without a potential; a spawn whose near part is empty.
@@ -123,7 +123,7 @@ fn beginnings_widen_from_near_to_all() {
         spawns.collect()
     };
     for (width, farthest) in [(0.0, 9.3), (0.5, 19.65), (1.0, 30.0)] {
-        let apart = |(ego, walker): &(falsify::geometry::Pose, falsify::geometry::Pose)| {
+        let apart = |(ego, walker): &(falsify::internal::geometry::Pose, falsify::internal::geometry::Pose)| {
             (walker.position() - ego.position()).norm()
         };
         let found = begin(Some(width)).iter().map(apart).fold(0.0, f64::max);

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use falsify::campaign::{self, Cell, Shard, cells};
-use falsify::compile::{Campaign, Catalog, compile};
+use falsify::internal::campaign::{self, Cell, Shard, cells};
+use falsify::internal::compile::{Campaign, Catalog, compile};
 
 use crate::program::{error, falsify, report, said};
 

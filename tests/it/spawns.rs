@@ -3,12 +3,12 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use falsify::compile::{Catalog, compile};
-use falsify::diagnostic::Sources;
-use falsify::env::{FirstHeading, Scenario, Spawn};
-use falsify::geometry::wrap_angle;
-use falsify::road::LaneFilter;
-use falsify::seed::Seed;
+use falsify::internal::compile::{Catalog, compile};
+use falsify::internal::diagnostic::Sources;
+use falsify::internal::env::{FirstHeading, Scenario, Spawn};
+use falsify::internal::geometry::wrap_angle;
+use falsify::internal::road::LaneFilter;
+use falsify::internal::seed::Seed;
 
 /// The scenario of a campaign in the outline of CARLA's Town01 with this spawn.
 fn scenario(spawn: &str) -> Arc<Scenario> {

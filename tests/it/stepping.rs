@@ -5,13 +5,13 @@ use std::fmt::Write;
 use std::path::Path;
 use std::sync::Arc;
 
-use falsify::compile::{Catalog, compile};
-use falsify::diagnostic::Sources;
-use falsify::env::{ObservationSpec, PedestrianEnv, Scenario};
-use falsify::lang;
-use falsify::seed::Seed;
-use falsify::signature::{Form, Param, Signature, Type};
-use falsify::units::Dimension;
+use falsify::internal::compile::{Catalog, compile};
+use falsify::internal::diagnostic::Sources;
+use falsify::internal::env::{ObservationSpec, PedestrianEnv, Scenario};
+use falsify::internal::lang;
+use falsify::internal::seed::Seed;
+use falsify::internal::signature::{Form, Param, Signature, Type};
+use falsify::internal::units::Dimension;
 use proptest::prelude::*;
 
 /// Ticks of each scenario.

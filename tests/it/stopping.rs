@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use falsify::campaign::{InMemory, Silent, StoppingRule, run};
-use falsify::compile::{Catalog, compile};
-use falsify::diagnostic::Sources;
-use falsify::record::EpisodeRow;
-use falsify::seed::Seed;
+use falsify::internal::campaign::{InMemory, Silent, StoppingRule, run};
+use falsify::internal::compile::{Catalog, compile};
+use falsify::internal::diagnostic::Sources;
+use falsify::internal::record::EpisodeRow;
+use falsify::internal::seed::Seed;
 
 const SCENARIO: &str = r#"
 edition 1

@@ -7,9 +7,9 @@
 
 use std::path::{Path, PathBuf};
 
-use falsify::compile::{Catalog, Overrides, compile_with};
-use falsify::diagnostic::{Severity, Sources};
-use falsify::lang::Reader;
+use falsify::internal::compile::{Catalog, Overrides, compile_with};
+use falsify::internal::diagnostic::{Severity, Sources};
+use falsify::internal::lang::Reader;
 
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord, Clone)]
 struct Said {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use falsify::compile::Catalog;
+use falsify::internal::compile::Catalog;
 
 use crate::program::command;
 

@@ -250,5 +250,5 @@ fn the_library_inside_the_program_holds_every_file_of_the_folder() {
         .filter(|name| name.ends_with(".scn"))
         .collect();
     files.sort();
-    assert_eq!(falsify::lang::library::names().collect::<Vec<_>>(), files);
+    assert_eq!(falsify::internal::lang::library::names().collect::<Vec<_>>(), files);
 }

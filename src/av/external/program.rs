@@ -17,7 +17,7 @@ impl Program {
     ///
     /// # Example
     /// ```
-    /// use falsify::av::external::Program;
+    /// use falsify::internal::av::external::Program;
     /// let program = Program::parse("python 'my av.py' --fast", ".".into()).unwrap();
     /// assert_eq!(program.words, ["python", "my av.py", "--fast"]);
     /// ```

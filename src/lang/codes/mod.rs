@@ -34,7 +34,7 @@ fn cut(word: &str) -> std::borrow::Cow<'_, str> {
 }
 
 /// A thing with its article; what begins with a quote or `one of` has none.
-pub(in crate::lang) fn one(thing: impl std::fmt::Display) -> String {
+pub(in crate::internal::lang) fn one(thing: impl std::fmt::Display) -> String {
     let thing = thing.to_string();
     match thing.chars().next() {
         Some('`') => thing,

@@ -121,7 +121,7 @@ pub fn missing_braces(span: Span) -> Diagnostic {
 }
 
 /// What is said of the opening bracket that another one closes.
-pub(in crate::lang) const OPENED: &str = "opened here";
+pub(in crate::internal::lang) const OPENED: &str = "opened here";
 
 /// A closing bracket meets another kind of opening one.
 pub fn mismatched_bracket(span: Span, opening: Span, bracket: char) -> Diagnostic {

@@ -5,7 +5,7 @@ const JOINING: &[&str] =
     &["between", "if", "else", "then", "is", "when", "where", "as", "at", "of", "with", "for", "than"];
 
 /// Where commas may be missing: the ends of values inside parentheses and brackets that another value follows.
-pub(in crate::lang) fn missing_commas(text: &str) -> Vec<usize> {
+pub(in crate::internal::lang) fn missing_commas(text: &str) -> Vec<usize> {
     let bytes = text.as_bytes();
     let mut open: Vec<u8> = Vec::new();
     // Whether parentheses hold values alone, and no arguments.
@@ -81,7 +81,7 @@ pub(in crate::lang) fn missing_commas(text: &str) -> Vec<usize> {
 }
 
 /// Values side by side, of which `text` begins with one behind a comma: how many bytes stand before and behind.
-pub(in crate::lang) fn unbracketed(before: &str, text: &str) -> Option<(usize, usize)> {
+pub(in crate::internal::lang) fn unbracketed(before: &str, text: &str) -> Option<(usize, usize)> {
     let listed = before.trim_end().strip_suffix(',')?;
     // Between the colon of the key and the comma stands one value, without a bracket.
     let first = listed.rfind(':').map(|colon| &listed[colon + 1..])?;
@@ -130,7 +130,7 @@ pub(in crate::lang) fn unbracketed(before: &str, text: &str) -> Option<(usize, u
 }
 
 /// A number written with commas, of which `text` begins with the digits behind the first: how many bytes stand before and behind.
-pub(in crate::lang) fn decimal_comma(before: &str, text: &str) -> Option<(usize, usize)> {
+pub(in crate::internal::lang) fn decimal_comma(before: &str, text: &str) -> Option<(usize, usize)> {
     let digits = |text: &mut dyn Iterator<Item = u8>| text.take_while(u8::is_ascii_digit).count();
     let whole = digits(&mut before.strip_suffix(',')?.bytes().rev());
     let mut part = digits(&mut text.bytes());

@@ -6,7 +6,7 @@ use crate::lang::params::{DIMENSIONS, OTHER_TYPES};
 use crate::units::parse_unit;
 
 /// The end of a line that is the head of a declaration without its brace, behind the last word: a colon, perhaps, or nothing.
-pub(in crate::lang) fn unbraced(line: &str) -> Option<Range<usize>> {
+pub(in crate::internal::lang) fn unbraced(line: &str) -> Option<Range<usize>> {
     let head = line.split("//").next()?.trim_end();
     let named = head.strip_suffix(':').map_or(head, str::trim_end);
     let fine = (2..=4).contains(&named.split_whitespace().count()) && !named.contains(['{', '}', '"', ':']);
@@ -15,7 +15,7 @@ pub(in crate::lang) fn unbraced(line: &str) -> Option<Range<usize>> {
 }
 
 /// The same of a statement without any brace, when `behind` goes on with an indented line.
-pub(in crate::lang) fn headless(statement: &str, behind: &str) -> Option<Range<usize>> {
+pub(in crate::internal::lang) fn headless(statement: &str, behind: &str) -> Option<Range<usize>> {
     let skipped = statement.len() - statement.trim_start().len();
     let documented: usize =
         statement.split_inclusive('\n').take_while(|line| line.trim_start().starts_with("//")).map(str::len).sum();
@@ -31,7 +31,7 @@ pub(in crate::lang) fn headless(statement: &str, behind: &str) -> Option<Range<u
 }
 
 /// Whether a statement was meant to import something.
-pub(in crate::lang) fn imports(statement: &str) -> bool {
+pub(in crate::internal::lang) fn imports(statement: &str) -> bool {
     let mut lines = statement.lines().map(str::trim_start).filter(|line| !line.is_empty() && !line.starts_with("//"));
     let word = lines.next().and_then(|line| line.split(|c: char| !c.is_ascii_alphabetic()).next()).unwrap_or_default();
     ["import", "include", "from", "using"].contains(&word.to_lowercase().as_str())
@@ -39,7 +39,7 @@ pub(in crate::lang) fn imports(statement: &str) -> bool {
 
 /// A parameter without a type: where its name stands, or what stands in place of `param` as well, what would be written there,
 /// and the word for the type that its value has.
-pub(in crate::lang) fn untyped_param(text: &str) -> Option<(Range<usize>, String, Option<&'static str>)> {
+pub(in crate::internal::lang) fn untyped_param(text: &str) -> Option<(Range<usize>, String, Option<&'static str>)> {
     let (word, rest) = text.split_at(text.find(|c: char| !c.is_ascii_alphabetic())?);
     if let Some(found) = typed_first(text) {
         return Some(found);
@@ -78,7 +78,10 @@ fn typed_first(text: &str) -> Option<(Range<usize>, String, Option<&'static str>
 
 /// What is wrong with the words before a brace or a colon that are no head and, in a block, no key: their place, what to say,
 /// and what would be written there.
-pub(in crate::lang) fn split_words(text: &str, in_block: bool) -> Option<(Range<usize>, &'static str, Option<String>)> {
+pub(in crate::internal::lang) fn split_words(
+    text: &str,
+    in_block: bool,
+) -> Option<(Range<usize>, &'static str, Option<String>)> {
     let end = text.find(|c: char| !(c == '_' || c == '-' || c == ' ' || c.is_ascii_alphanumeric()))?;
     let head = text[..end].trim_end();
     let words: Vec<&str> = head.split(' ').filter(|word| !word.is_empty()).collect();
@@ -113,7 +116,7 @@ pub(in crate::lang) fn split_words(text: &str, in_block: bool) -> Option<(Range<
 }
 
 /// The sign or word at the end of a statement behind which something is missing.
-pub(in crate::lang) fn ends_open(text: &str) -> Option<Range<usize>> {
+pub(in crate::internal::lang) fn ends_open(text: &str) -> Option<Range<usize>> {
     let value = text.trim_end();
     let signs = ["..", "+", "-", "*", "/", "<=", ">=", "<", ">", " and", " or", " not", "=>", ":"];
     let sign = signs.into_iter().find(|sign| value.ends_with(sign))?.trim_start();
@@ -121,7 +124,7 @@ pub(in crate::lang) fn ends_open(text: &str) -> Option<Range<usize>> {
 }
 
 /// The word for the type of a value, as far as one look at its text tells.
-pub(in crate::lang) fn type_of(value: &str) -> Option<&'static str> {
+pub(in crate::internal::lang) fn type_of(value: &str) -> Option<&'static str> {
     let number =
         value.trim_start_matches('-').bytes().take_while(|byte| byte.is_ascii_digit() || *byte == b'.').count();
     let unit = value.trim_start_matches('-')[number..].split_whitespace().next();
@@ -137,7 +140,7 @@ pub(in crate::lang) fn type_of(value: &str) -> Option<&'static str> {
 }
 
 /// The words with points between them before a colon: no key, but what leads to one from outside.
-pub(in crate::lang) fn dotted_key(text: &str) -> Option<&str> {
+pub(in crate::internal::lang) fn dotted_key(text: &str) -> Option<&str> {
     let is_part = |c: char| c == '_' || c.is_ascii_alphanumeric();
     let path = &text[..text.find(|c: char| !is_part(c) && c != '.').unwrap_or(text.len())];
     let words = path.split('.').filter(|word| word.starts_with(|c: char| c.is_ascii_alphabetic())).count();
@@ -147,7 +150,7 @@ pub(in crate::lang) fn dotted_key(text: &str) -> Option<&str> {
 
 /// The sign with which the value of the line above ends, when the key of this line was taken for what it lacks: `before` ends with
 /// that key, and `text` goes on with the colon behind it.
-pub(in crate::lang) fn open_end(before: &str, text: &str) -> Option<Range<usize>> {
+pub(in crate::internal::lang) fn open_end(before: &str, text: &str) -> Option<Range<usize>> {
     /// Most blank lines and comments between.
     const MOST: usize = 100;
     let (above, key) = before.rsplit_once('\n').filter(|_| text.starts_with(':'))?;

@@ -4,7 +4,7 @@ use super::slips::{Slip, compares};
 use crate::units::parse_unit;
 
 /// What is wrong with a text behind a value: `before` is the line up to it, and places count from the beginning of the line.
-pub(in crate::lang) fn left_over(before: &str, text: &str, in_block: bool) -> Option<Slip> {
+pub(in crate::internal::lang) fn left_over(before: &str, text: &str, in_block: bool) -> Option<Slip> {
     let start = before.len();
     let value = before.trim_end();
     let part = |c: char| c == '_' || c.is_ascii_alphanumeric();

@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::units::parse_unit;
 
 /// A sign or word that people bring along from other languages or from print.
-pub(in crate::lang) struct Slip {
+pub(in crate::internal::lang) struct Slip {
     /// Where it stands.
     pub place: Range<usize>,
     /// What would be read there.
@@ -31,7 +31,7 @@ const BOTH: &str = "write both ends: `-60 deg .. 60 deg`";
 const SIZE: &str = "the size of a number is `abs(…)`";
 
 /// The slips in a statement; `key_first` when it may be `key: value`.
-pub(in crate::lang) fn slips(text: &str, key_first: bool) -> Vec<Slip> {
+pub(in crate::internal::lang) fn slips(text: &str, key_first: bool) -> Vec<Slip> {
     let mut scan = Scan { text, at: 0, open: Vec::new(), tokens: Vec::new(), found: Vec::new(), key_first };
     while scan.at < text.len() && scan.found.len() < MOST_SLIPS {
         scan.step();
@@ -523,7 +523,7 @@ fn opens_block(text: &str) -> bool {
 }
 
 /// The text with what was meant in place of its slips.
-pub(in crate::lang) fn without(text: &str, slips: &[Slip]) -> String {
+pub(in crate::internal::lang) fn without(text: &str, slips: &[Slip]) -> String {
     let (mut repaired, mut last) = (String::new(), 0);
     for slip in slips {
         repaired.extend([&text[last..slip.place.start], &slip.instead]);
@@ -534,7 +534,7 @@ pub(in crate::lang) fn without(text: &str, slips: &[Slip]) -> String {
 }
 
 /// A slip of its own: a key without the colon before its value.
-pub(in crate::lang) fn missing_colon(text: &str) -> Option<Vec<Slip>> {
+pub(in crate::internal::lang) fn missing_colon(text: &str) -> Option<Vec<Slip>> {
     let word = |text: &str| text.bytes().take_while(|byte| *byte == b'_' || byte.is_ascii_alphanumeric()).count();
     let key = word(text);
     // What opens a block is no value.

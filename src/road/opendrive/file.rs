@@ -13,7 +13,7 @@ use crate::road::lane_network::LaneNetwork;
 ///
 /// # Example
 /// ```
-/// use falsify::road::{OpenDriveError, opendrive};
+/// use falsify::internal::road::{OpenDriveError, opendrive};
 /// let error = opendrive::read("<map/>", "nowhere").unwrap_err();
 /// assert_eq!(error, OpenDriveError::NotOpenDrive { found: "map".to_owned() });
 /// ```

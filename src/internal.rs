@@ -1,0 +1,54 @@
+//! All modules, for the tests, benches and fuzz targets of this package and for its program. Nothing here is stable: the public interface of
+//! the library is what the root of the crate has beside this module.
+
+#[path = "diagnostic/mod.rs"]
+pub mod diagnostic;
+#[path = "units.rs"]
+pub mod units;
+#[path = "signature/mod.rs"]
+pub mod signature;
+#[path = "seed.rs"]
+pub mod seed;
+#[path = "statistics/mod.rs"]
+pub mod statistics;
+#[path = "geometry/mod.rs"]
+pub mod geometry;
+#[path = "lang/mod.rs"]
+pub mod lang;
+#[path = "road/mod.rs"]
+pub mod road;
+#[path = "sim/mod.rs"]
+pub mod sim;
+#[path = "av/mod.rs"]
+pub mod av;
+#[path = "rl/mod.rs"]
+pub mod rl;
+#[path = "env/mod.rs"]
+pub mod env;
+#[path = "compile/mod.rs"]
+pub mod compile;
+#[path = "judge/mod.rs"]
+pub mod judge;
+#[path = "record/mod.rs"]
+pub mod record;
+#[path = "falsifier/mod.rs"]
+pub mod falsifier;
+#[path = "campaign/mod.rs"]
+pub mod campaign;
+#[path = "analysis/mod.rs"]
+pub mod analysis;
+#[path = "report/mod.rs"]
+pub mod report;
+#[path = "store/mod.rs"]
+pub mod store;
+#[path = "process/mod.rs"]
+pub mod process;
+#[path = "session/mod.rs"]
+pub mod session;
+#[path = "lsp/mod.rs"]
+pub mod lsp;
+#[path = "cli/mod.rs"]
+pub mod cli;
+#[cfg(any(fuzzing, test))]
+#[path = "fuzzing.rs"]
+pub mod fuzzing;

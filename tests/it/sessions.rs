@@ -1,0 +1,165 @@
+//! The program as a library: no process is started, nothing is printed.
+
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+
+use falsify::language::{Diagnostic, Sources};
+use falsify::results::WriteError;
+use falsify::session::{
+    CampaignOutcome, CampaignState, CheckOptions, EpisodeName, Error, Export, Input, MergeOptions, Observer,
+    RepeatOptions, Repeated, ReplayOptions, RunOptions, Session, ShardOptions, StatusOptions, Stop, TickTable,
+    VerifyOptions,
+};
+
+const SCENARIO: &str = r#"
+edition 1
+import "std/paper.scn"
+import "std/drivers.scn"
+import "std/towns.scn"
+campaign crossing {
+  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds
+  evaluate { towns: [harbour]  policies: [blind]  pedestrians: [random, intercept]  episodes: 12 }
+}
+"#;
+
+fn session() -> Session {
+    Session::default().with_reader(|path: &Path| match path.to_str() {
+        Some("crossing.scn") => Ok(SCENARIO.to_string()),
+        Some("wrong.scn") => Ok(SCENARIO.replace("[blind]", "[blimd]")),
+        Some("empty.scn") => Ok("edition 1\n".to_string()),
+        _ => Err(io::Error::from(io::ErrorKind::NotFound)),
+    })
+}
+
+fn options(out: &Path) -> RunOptions {
+    RunOptions { input: Input::file("crossing.scn"), out: out.to_path_buf(), threads: 2, ..RunOptions::default() }
+}
+
+/// The first episode of a report.
+fn first(report: &Path) -> EpisodeName {
+    let table = std::fs::read_to_string(report.join("episodes.csv")).unwrap();
+    let mut lines = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let head = lines.next().unwrap();
+    let place = |name: &str| head.iter().position(|column| *column == name).unwrap();
+    let row = lines.next().unwrap();
+    format!("{}:{}", row[place("run_id")], row[place("episode")]).parse().unwrap()
+}
+
+/// Remembers what it hears.
+#[derive(Default)]
+struct Heard {
+    diagnostics: Mutex<usize>,
+    ended: Mutex<Vec<String>>,
+}
+
+impl Observer for Heard {
+    fn diagnostics(&self, diagnostics: &[Diagnostic], _: &Sources) {
+        *self.diagnostics.lock().unwrap() += diagnostics.len();
+    }
+
+    fn ended(&self, outcome: &CampaignOutcome) {
+        let name = match outcome {
+            CampaignOutcome::Reported(report) => report.name.clone(),
+            CampaignOutcome::Empty { name, .. } => format!("{name}, empty"),
+        };
+        self.ended.lock().unwrap().push(name);
+    }
+}
+
+/// Counts the decisions of what it is given to write.
+struct Decisions(Mutex<Vec<usize>>);
+
+impl Export for Decisions {
+    fn write(&self, episode: &Repeated) -> Result<(), WriteError> {
+        self.0.lock().unwrap().push(episode.trace.decisions(0).len());
+        Ok(())
+    }
+}
+
+#[test]
+fn a_campaign_is_run_repeated_verified_exported_and_merged_without_a_process() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("whole");
+    let heard = Arc::new(Heard::default());
+    let session = session().with_observer(heard.clone());
+    let run = session.run(&options(&out)).unwrap();
+    let report = run.reports().next().unwrap();
+    assert!(report.is_sound() && report.passes() && !run.interrupted);
+    assert_eq!((report.cells.len(), report.manifest.files[0].path.as_str()), (2, "crossing.scn"));
+    assert_eq!(*heard.ended.lock().unwrap(), ["crossing"]);
+
+    let name = first(&report.folder);
+    let which = ReplayOptions { name, report: out.clone(), repeat: RepeatOptions::default() };
+    let replay = session.replay(&which).unwrap();
+    assert!(replay.episode.differences.is_empty() && replay.report.folder() == report.folder);
+    let decisions = Decisions(Mutex::default());
+    session.export(&which, &decisions).unwrap();
+    assert_eq!(*decisions.0.lock().unwrap(), [replay.episode.trace.decisions(0).len()]);
+    let table = TickTable { path: folder.path().join("ticks.csv") };
+    session.export(&which, &table).unwrap();
+    let ticks = std::fs::read_to_string(&table.path).unwrap().lines().count() - 1;
+    assert_eq!(ticks, replay.episode.trace.vehicle(0).len());
+
+    let wanted = VerifyOptions {
+        report: report.folder.clone(),
+        sample: Some(7),
+        trainings: false,
+        seed: 1,
+        repeat: RepeatOptions::default(),
+    };
+    let verified = session.verify(&wanted).unwrap();
+    assert!(verified.is_equal() && verified.repeated == 7);
+
+    let status = session.status(&StatusOptions { out: out.clone(), cache: None }).unwrap();
+    assert_eq!((status.len(), status[0].state), (1, CampaignState::Finished));
+    let listing = session.list(&options(&out)).unwrap();
+    assert_eq!(listing[0].tasks.len(), 2);
+
+    let merged = folder.path().join("merged");
+    let parts: Vec<PathBuf> = ["a", "b"].map(|name| folder.path().join(name)).to_vec();
+    for (index, part) in (0..).zip(&parts) {
+        let shard = falsify::results::Shard { index, count: 2 };
+        let done = session.run_shard(&options(part), &ShardOptions { shard, only_trainings: false }).unwrap();
+        assert_eq!((done[0].finished, done[0].all), (1, 1));
+    }
+    let half = MergeOptions { run: options(&merged), from: parts[..1].to_vec(), partial: false };
+    assert!(session.merge(&half).unwrap().is_none());
+    let merge = MergeOptions { run: options(&merged), from: parts, partial: false };
+    let together = session.merge(&merge).unwrap().unwrap();
+    let episodes = |folder: &Path| std::fs::read(folder.join("episodes.csv")).unwrap();
+    assert_eq!(episodes(&together.reports().next().unwrap().folder), episodes(&report.folder));
+}
+
+#[test]
+fn errors_are_facts_with_their_data() {
+    let folder = tempfile::tempdir().unwrap();
+    let heard = Arc::new(Heard::default());
+    let session = session().with_observer(heard.clone());
+    let run = |file: &str| session.run(&RunOptions { input: Input::file(file), ..options(folder.path()) });
+    assert!(matches!(run("gone.scn"), Err(Error::Unreadable { files }) if files[0].path == Path::new("gone.scn")));
+    assert!(matches!(run("wrong.scn"), Err(Error::Scenario { errors: 1 })));
+    assert_eq!(*heard.diagnostics.lock().unwrap(), 1);
+    assert!(matches!(run("empty.scn"), Err(Error::NoCampaign { .. })));
+    let checked = session.check(&CheckOptions { input: Input::file("wrong.scn"), ..CheckOptions::default() });
+    assert_eq!(checked.unwrap().compiled.diagnostics.len(), 1);
+    let maps = vec![("atlantis".to_string(), PathBuf::from("town.xodr"))];
+    let mapped = session.plan(&Input { maps, ..Input::file("crossing.scn") });
+    assert!(matches!(mapped, Err(Error::UnusedMap { town }) if town == "atlantis"));
+    let status = session.status(&StatusOptions { out: folder.path().join("none"), cache: None });
+    assert!(matches!(status, Err(Error::NothingRun { .. })));
+    let name = "1a2b3c4d:17".parse().unwrap();
+    let which = ReplayOptions { name, report: folder.path().join("none"), repeat: RepeatOptions::default() };
+    assert!(matches!(session.replay(&which), Err(Error::NoReport { .. })));
+}
+
+#[test]
+fn a_raised_flag_stops_a_session_before_its_next_task() {
+    let folder = tempfile::tempdir().unwrap();
+    let (stop, heard) = (Arc::new(Stop::new()), Arc::new(Heard::default()));
+    assert!(!stop.ask() && stop.ask());
+    let session = session().with_stop(stop).with_observer(heard.clone());
+    let run = session.run(&options(folder.path())).unwrap();
+    assert!(run.interrupted && run.reports().next().is_none());
+    assert_eq!(*heard.ended.lock().unwrap(), ["crossing, empty"]);
+}
