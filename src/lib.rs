@@ -53,7 +53,6 @@
 // What pest writes for the grammar names it.
 extern crate alloc;
 
-#[doc(hidden)]
 pub mod internal;
 
 // Modules name each other as `crate::NAME`.
@@ -67,32 +66,46 @@ pub use internal::session;
 
 /// The scenario language: catalogue, plans and diagnostics.
 pub mod language {
+    #[doc(inline)]
     pub use crate::compile::{
         Campaign, Catalog, Compiled, Evaluation, MakePolicy, NoRunId, Plan, PolicyKind, RunId, Search, TakenKind,
         Training, TrainingKey,
     };
+    #[doc(inline)]
     pub use crate::diagnostic::{Colour, Diagnostic, Severity, Sources, render};
+    #[doc(inline)]
     pub use crate::lang::{Reader, Unreadable};
+    #[doc(inline)]
     pub use crate::signature::{Arguments, Param, Signature, Type};
 }
 
 /// What a driving policy perceives and returns, and who may start one as a program.
 pub mod driving {
+    #[doc(inline)]
     pub use crate::av::external::{Link, Opener, Program};
+    #[doc(inline)]
     pub use crate::av::{DrivingMode, DrivingPolicy, Fault, Perception};
+    #[doc(inline)]
     pub use crate::process::ProcessOpener;
+    #[doc(inline)]
     pub use crate::seed::Stream;
+    #[doc(inline)]
     pub use crate::sim::Control;
 }
 
 /// What a run, a report and a repeated episode hold.
 pub mod results {
+    #[doc(inline)]
     pub use crate::campaign::{Cell as Task, Observer as CampaignObserver, Shard};
+    #[doc(inline)]
     pub use crate::env::{Outcome, Scenario};
+    #[doc(inline)]
     pub use crate::judge::Verdict;
+    #[doc(inline)]
     pub use crate::report::{
         Cell, Difference, FileRecord, Formats, Gate, GateError, Judged, Manifest, ReadError, SearchCell, Spread,
         StoredReport, TrainingRecord, WriteError,
     };
+    #[doc(inline)]
     pub use crate::store::{Known, Limits, StoreError};
 }

@@ -21,23 +21,23 @@ const EXAMPLES: &str = "\
 Examples:
   falsify run scenarios/*.scn                run all campaigns, reports go to reports/
   falsify run --smoke scenarios/*.scn        see in seconds whether everything works
-  falsify run --list scenarios/*.scn         see what would be run and why, and what is there already
+  falsify run --list scenarios/*.scn         list what would be run and why, and what is stored
   falsify run --set 'ppo_paper.steps=10000' my.scn
                                              change a value without touching the file
   falsify run --fail-if 'preventable_rate > 0.05' --junit out.xml my.scn
                                              pass or fail, for continuous integration
   falsify replay 1a2b3c4d:17                 see a failure again, `render` draws it
   falsify check my.scn                       find mistakes without running anything
-  falsify check --sample 1000 my.scn         see where episodes would begin, and what is rejected
+  falsify check --sample 1000 my.scn         see where episodes would start, and what is rejected
   falsify av check -- python3 my_av.py       see whether a driver of your own speaks the protocol
-  falsify new my.scn                         begin with a commented file
+  falsify new my.scn                         start from a commented file
   falsify explain missing-unit               what a message means
-  falsify map Town02.xodr --waypoints 2      draw a map, list what it holds
+  falsify map Town02.xodr --waypoints 2      draw a map, list its contents
 
 Exit codes:
   0 done   1 internal error   2 wrong usage or missing file   3 errors in a scenario
-  4 nothing to run   5 a run or a driver failed   6 a report cannot be written   7 a --fail-if holds
-  8 what was repeated came out differently   9 cells to merge are missing   130 stopped by Ctrl-C or SIGTERM";
+  4 nothing to run   5 a run or a driver failed   6 a report cannot be written   7 a --fail-if condition is true
+  8 a repetition differs from its report   9 cells to merge are missing   130 stopped by Ctrl-C or SIGTERM";
 
 /// Finds the ways a self-driving car hits a pedestrian.
 #[derive(Debug, Parser)]
@@ -54,28 +54,28 @@ pub struct Arguments {
 /// What the program can do.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Train pedestrians and try them, as the campaigns of the files say.
+    /// Run the campaigns of scenario files: train pedestrians, evaluate them, search for failures, and write reports.
     #[command(after_help = EXAMPLES)]
     Run(Later<RunOptions>),
-    /// Put together what the shards of a run have made, and write its reports.
+    /// Merge the work of the shards of a run, and write its reports.
     #[command(after_help = merge::EXAMPLES)]
     Merge(Later<MergeOptions>),
-    /// Say how far the campaigns of a folder are, whether anybody is at work on them, and how to go on.
+    /// Show how far the campaigns of a folder are, whether a process works on them, and how to continue.
     #[command(after_help = status::EXAMPLES)]
     Status(Later<StatusOptions>),
     /// Show the settings of this folder, from flags, the environment and falsify.toml.
     #[command(after_help = config::EXAMPLES)]
     Config,
-    /// Repeat an episode of a report, tell what happened in it and whether it is the same.
+    /// Repeat an episode of a report, describe it, and compare it with the report.
     #[command(after_help = replay::EXAMPLES)]
     Replay(Later<ReplayOptions>),
-    /// Draw an episode of a report, as a strip of six pictures or as one that moves.
+    /// Draw an episode of a report, as six frames or as an animation.
     #[command(after_help = render::EXAMPLES)]
     Render(Later<RenderOptions>),
     /// Repeat a sample of what a report holds and compare it byte for byte.
     #[command(after_help = verify::EXAMPLES)]
     Verify(Later<VerifyOptions>),
-    /// Say how much finished work is kept for the campaigns of a folder, and remove what none of them wants any more.
+    /// Show how much finished work is stored for the campaigns of a folder, and remove what none of them needs.
     #[command(after_help = cells::EXAMPLES)]
     Cells(Later<CellsOptions>),
     /// Find mistakes in scenario files without running anything.
@@ -84,22 +84,22 @@ pub enum Command {
     /// Explain a diagnostic, a form, a kind or a key of the language.
     #[command(after_help = explain::EXAMPLES)]
     Explain(Later<ExplainOptions>),
-    /// Write a commented scenario to begin with.
+    /// Write a commented scenario to start from.
     #[command(after_help = new::EXAMPLES)]
     New(Later<NewOptions>),
     /// Give scenario files their canonical layout.
     #[command(after_help = fmt::EXAMPLES)]
     Fmt(Later<FmtOptions>),
-    /// Draw a town, and say what its map holds and what was skipped.
+    /// Draw a town, and list what its map holds and what was skipped.
     #[command(after_help = map::EXAMPLES)]
     Map(Later<MapOptions>),
     /// Work on a driver of your own.
     #[command(subcommand)]
     Av(AvCommand),
-    /// Show what becomes of a file on the way to a run.
+    /// Show a file as it is parsed, checked or planned.
     #[command(after_help = debug::EXAMPLES)]
     Debug(Later<DebugOptions>),
-    /// Serve an editor: mistakes, help, completion, definitions, layout. It speaks the language server protocol on the standard streams.
+    /// Serve an editor: diagnostics, help, completion, definitions, layout. It speaks the language server protocol on the standard streams.
     #[command(after_help = lsp::EXAMPLES)]
     Lsp {
         /// Accepted because many editors pass it; there is no other way.
@@ -137,7 +137,7 @@ pub enum Colouring {
 }
 
 impl Colouring {
-    /// Makes it hold for everything that is printed.
+    /// Applies to everything that is printed.
     pub fn apply(self) {
         let choice = match self {
             Self::Auto => anstream::ColorChoice::Auto,

@@ -94,7 +94,7 @@ pub fn check(options: &AvCheckOptions) -> ExitCode {
         let scenario = Arc::new(scenario);
         let (seed, began) = (Seed::root(1), Instant::now());
         let mut walker = Random::default();
-        // One failure is enough to tell; the others would say the same.
+        // One failure is enough; the others would show the same.
         let fell = Cell::new(false);
         let note = &mut |_: u32, outcome: &Outcome, _: &Trace| {
             fell.set(fell.get() || outcome.fault().is_some());

@@ -10,10 +10,10 @@ use crate::store::{Store, StoreError, Wants};
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
-  falsify cells                              what is kept in reports/.cells, by campaign
-  falsify cells --prune                      remove what belongs to no campaign as it was run last
+  falsify cells                              what is stored in reports/.cells, by campaign
+  falsify cells --prune                      remove what no campaign needed in its last run
   falsify cells --cache /scratch/cells --prune --gone
-                                             of a shared folder, also what was for reports that are deleted now";
+                                             in a shared folder; also what belongs to deleted reports";
 
 /// Options of `falsify cells`.
 #[derive(Debug, Args)]
@@ -24,10 +24,10 @@ pub struct CellsOptions {
     /// The folder that `run` was given as --cache.
     #[arg(long, env = "FALSIFY_CACHE", value_name = "DIR")]
     pub cache: Option<PathBuf>,
-    /// Remove cells that no campaign wanted when it was run last, whichever folder for reports it was run for.
+    /// Remove cells that no campaign needed in its last run, for any folder for reports.
     #[arg(long)]
     pub prune: bool,
-    /// Also give up what was run for folders that are not there, or not to be seen from here.
+    /// Also remove what was run for folders that do not exist, or cannot be seen from here.
     #[arg(long, requires = "prune")]
     pub gone: bool,
 }
@@ -35,7 +35,7 @@ pub struct CellsOptions {
 /// `falsify cells`
 pub fn cells(options: &CellsOptions) -> ExitCode {
     if let Some(missing) = options.cache.as_ref().filter(|cache| !cache.exists()) {
-        console::fail(&format!("the cache `{}` is not there", missing.display()));
+        console::fail(&format!("the cache `{}` does not exist", missing.display()));
         return ExitCode::Usage;
     }
     let note = Box::new(|text: &str| console::warn(text));
@@ -67,7 +67,7 @@ fn tell(store: &Store, options: &CellsOptions) -> Result<(), StoreError> {
     kept.iter().for_each(|wants| used.extend(&wants.cells));
     let unused: Vec<(&String, &u64)> = sizes.iter().filter(|(id, _)| !used.contains(id)).collect();
     let size = megabytes(unused.iter().map(|(_, size)| **size).sum());
-    let what = format!("{} cells that no campaign wants any more, {size}", unused.len());
+    let what = format!("{} cells that no campaign needs, {size}", unused.len());
     if options.prune {
         gone.iter().try_for_each(|wants| store.give_up(wants))?;
         unused.iter().try_for_each(|(id, _)| store.remove(id))?;
@@ -77,7 +77,7 @@ fn tell(store: &Store, options: &CellsOptions) -> Result<(), StoreError> {
     }
     if !options.gone && kept.iter().any(Wants::is_gone) {
         console::say(
-            "some folders for reports are not there, or not to be seen from here; --prune --gone gives them up",
+            "some folders for reports do not exist, or cannot be seen from here; --prune --gone removes their cells",
         );
     }
     Ok(())

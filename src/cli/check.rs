@@ -4,7 +4,7 @@ use clap::{Args, ValueEnum};
 
 use super::exit_code::ExitCode;
 use super::input::{GivenOptions, session};
-use super::{beginnings, console, failure};
+use super::{console, failure, sample};
 use crate::compile::Plan;
 use crate::diagnostic::{Severity, records, sarif};
 use crate::lang::mistakes::mistakes;
@@ -13,18 +13,18 @@ use crate::session::{Checked, Error};
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
-  falsify check my.scn                       draw every mistake under its line
+  falsify check my.scn                       draw every error under its line
   falsify check --format json my.scn         one JSON object a line, for programs
   falsify check --format sarif my.scn        SARIF 2.1.0, which code hosts show beside the lines
   falsify check --sample 1000 --format json my.scn
-                                             where episodes would begin, for programs
+                                             where episodes would start, for programs
 
 Exit codes: 0 no errors   2 missing file   3 errors";
 
 /// Options of `falsify check`.
 #[derive(Debug, Args)]
 pub struct CheckOptions {
-    /// How mistakes are shown.
+    /// How diagnostics are shown.
     #[arg(long, value_enum, default_value_t = Format::Human, value_name = "FORMAT")]
     pub format: Format,
     /// Scenario files.
@@ -33,19 +33,19 @@ pub struct CheckOptions {
     /// What replaces parts of the files.
     #[command(flatten)]
     pub given: GivenOptions,
-    /// Also draw so many beginnings of every spawn in every town, and say how many satisfy each constraint; also where nobody
-    /// can be placed, to see what stands in the way. Not with SARIF, which has no place for it.
+    /// Also draw this number of starts of every spawn in every town, and show how many satisfy each constraint, also where no
+    /// pedestrian can be placed. Not with SARIF, which has no field for it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     pub sample: Option<u32>,
     /// Folder for the pictures of `--sample`, `spawn-CAMPAIGN-SPAWN-TOWN.svg`.
     #[arg(long, short, default_value = ".", value_name = "DIR", requires = "sample")]
     pub out: PathBuf,
-    /// Number from which the beginnings of `--sample` follow.
+    /// Number from which the starts of `--sample` follow.
     #[arg(long, default_value_t = 1, value_name = "N", requires = "sample")]
     pub seed: u64,
 }
 
-/// How mistakes are shown.
+/// How diagnostics are shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Format {
     /// Drawn under the line, on the error stream.
@@ -59,7 +59,7 @@ pub enum Format {
 /// `falsify check`
 pub fn check(options: &CheckOptions) -> ExitCode {
     if options.format == Format::Sarif && options.sample.is_some() {
-        console::fail("SARIF has no place for samples; take `--format json`");
+        console::fail("SARIF has no field for samples; use `--format json`");
         return ExitCode::Usage;
     }
     let input = options.given.input(&options.files);
@@ -75,7 +75,7 @@ pub fn check(options: &CheckOptions) -> ExitCode {
     };
     let plan = found.compiled.plan.as_ref().or(found.compiled.unplaced.as_ref());
     let sampled = match options.sample.zip(plan) {
-        Some((count, plan)) => sample(plan, count, options),
+        Some((count, plan)) => draw(plan, count, options),
         None => ExitCode::Done,
     };
     // The program ends here; to take a plan to pieces first costs time.
@@ -83,9 +83,9 @@ pub fn check(options: &CheckOptions) -> ExitCode {
     if checked == ExitCode::Done { sampled } else { checked }
 }
 
-fn sample(plan: &Plan, count: u32, options: &CheckOptions) -> ExitCode {
+fn draw(plan: &Plan, count: u32, options: &CheckOptions) -> ExitCode {
     let json = options.format == Format::Json;
-    beginnings::sample(plan, &beginnings::Wanted { count, seed: options.seed, out: &options.out, json })
+    sample::sample(plan, &sample::Wanted { count, seed: options.seed, out: &options.out, json })
 }
 
 fn for_people(found: &Checked) -> ExitCode {

@@ -1,4 +1,4 @@
-/// What the program says to its caller.
+/// How the program ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ExitCode {
     /// All went well.
@@ -15,11 +15,11 @@ pub enum ExitCode {
     RunFailed = 5,
     /// A report cannot be written.
     WriteFailed = 6,
-    /// A limit of `--fail-if` was broken.
+    /// A condition of `--fail-if` is true.
     GateFailed = 7,
-    /// What was repeated came out differently.
+    /// A repetition differs from its report.
     Differs = 8,
-    /// Cells are missing that are to be put together.
+    /// Cells to merge are missing.
     Incomplete = 9,
     /// The user stopped it.
     Interrupted = 130,

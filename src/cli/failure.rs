@@ -11,16 +11,18 @@ pub fn failed(error: &Error) -> ExitCode {
         Error::Unreadable { files } => files.iter().for_each(|file| console::fail(&file.to_string())),
         Error::Scenario { .. } => console::fail(&format!("{error}; nothing was run")),
         Error::UnusedMap { town } => console::fail(&format!("--map names the town `{town}`, which nothing uses")),
-        Error::NoReport { .. } | Error::NoRun { .. } => console::fail(&format!("{error}; say where with --report")),
+        Error::NoReport { .. } | Error::NoRun { .. } => {
+            console::fail(&format!("{error}; name its folder with --report"))
+        }
         Error::NothingRun { out, cache } => console::fail(&match (out.display(), cache) {
             (out, Some(cache)) => format!("no campaign was run for `{out}` with the cache `{}`", cache.display()),
             (out, None) => {
-                format!("no campaign was run in `{out}`; if it was run with --cache, name that folder here, too")
+                format!("no campaign was run in `{out}`; if it was run with --cache, name that folder here too")
             }
         }),
         Error::Changed { changes } => {
             changes.iter().for_each(|change| console::fail(&change.to_string()));
-            console::fail("so this is not what was run; --anyway goes on nevertheless");
+            console::fail("these are not the files that were run; --anyway continues all the same");
         }
         other => console::fail(&other.to_string()),
     }

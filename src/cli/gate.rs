@@ -12,11 +12,11 @@ use crate::session::{CampaignReport, RunReport};
 /// Options that make a run pass or fail.
 #[derive(Debug, Default, Args)]
 pub struct GateOptions {
-    /// Fail (exit code 7) when a cell is so, as 'preventable_rate > 0.05' or 'collision_rate_wilson_low > 0.2 and town == village':
+    /// Fail (exit code 7) when this is true of a cell, as 'preventable_rate > 0.05' or 'collision_rate_wilson_low > 0.2 and town == village':
     /// columns of the table `cells`; may be given several times.
     #[arg(long, value_name = "CONDITION")]
     pub fail_if: Vec<String>,
-    /// Also write what came out as JUnit XML, one test case for each cell.
+    /// Also write the results as JUnit XML, one test case for each cell.
     #[arg(long, value_name = "FILE")]
     pub junit: Option<PathBuf>,
 }
@@ -69,7 +69,7 @@ pub fn show(report: &CampaignReport) {
             }
         }
         if judged.iter().all(|judged| *judged == Judged::Elsewhere) {
-            console::warn(&format!("--fail-if {}: it speaks of no cell of {campaign}", gate.text()));
+            console::warn(&format!("--fail-if {}: no cell of {campaign} matches it", gate.text()));
         }
     }
 }

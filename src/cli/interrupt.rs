@@ -15,7 +15,7 @@ pub fn stop() -> Arc<Stop> {
 
 /// Starts to listen.
 pub fn listen() {
-    // Without the handler Ctrl-C ends the program at once, which loses the campaign in hand and nothing else.
+    // Without the handler Ctrl-C ends the program at once, which loses unsaved work of the campaign and nothing else.
     let _ = ctrlc::set_handler(|| {
         if STOP.ask() {
             // A second one waits while a report is put in its place.
@@ -24,7 +24,7 @@ pub fn listen() {
             }
             end_at_once();
         }
-        console::note("\nstopping after the work in hand; once more to stop at once");
+        console::note("\nstopping after the work in progress; press Ctrl-C again to stop at once");
     });
 }
 

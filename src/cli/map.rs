@@ -26,7 +26,7 @@ pub struct MapOptions {
     /// Folder for the picture, `NAME.svg`.
     #[arg(long, short, default_value = ".", value_name = "DIR")]
     pub out: PathBuf,
-    /// Also write the waypoints of all driving lanes, so many metres apart, as CARLA would: `NAME_waypoints.csv`.
+    /// Also write the waypoints of all driving lanes at this distance (m), as CARLA would: `NAME_waypoints.csv`.
     #[arg(long, value_name = "METRES", value_parser = spacing)]
     pub waypoints: Option<f64>,
 }

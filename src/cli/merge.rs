@@ -31,7 +31,7 @@ Exit codes: 0 done   9 cells are missing, which are named, with the shards that 
 /// Options of `falsify run` that say how to work, which a merge does not.
 const IDLE: [&str; 7] = ["list", "fresh", "shard", "only", "checkpoint", "cell_time", "max_ticks"];
 
-/// Options of `falsify merge`. What means nothing there is left out of the help.
+/// Options of `falsify merge`. Options without meaning there are left out of the help.
 #[derive(Debug, Args)]
 #[command(mut_args(|arg| if IDLE.contains(&arg.get_id().as_str()) { arg.hide(true) } else { arg }))]
 pub struct MergeOptions {
@@ -41,10 +41,10 @@ pub struct MergeOptions {
     /// Folders with the cells of shards, their --out or their --cache, beside those that are in the folder for the reports already.
     #[arg(long, num_args = 1.., value_name = "DIR")]
     pub from: Vec<PathBuf>,
-    /// How many shards there were, to be told which of them to do again.
+    /// The number of shards, to list those that must be run again.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub shards: Option<u32>,
-    /// Write what is there as NAME-partial even if something is missing.
+    /// Write the finished part as NAME-partial when something is missing.
     #[arg(long)]
     pub partial: bool,
 }
@@ -57,7 +57,7 @@ pub fn merge(options: &MergeOptions) -> ExitCode {
 fn put_together(options: &MergeOptions) -> Result<ExitCode, ExitCode> {
     let run = &options.run;
     if run.shard.is_some() || run.list || run.fresh {
-        console::fail("a merge does nothing but put together; leave --shard, --list and --fresh to `falsify run`");
+        console::fail("a merge runs nothing; --shard, --list and --fresh are options of `falsify run`");
         return Err(ExitCode::Usage);
     }
     let wanted = session::MergeOptions { run: run.wanted()?, from: options.from.clone(), partial: options.partial };

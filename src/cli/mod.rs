@@ -24,7 +24,7 @@ mod replay;
 mod render;
 mod verify;
 mod check;
-mod beginnings;
+mod sample;
 mod fmt;
 mod explain;
 mod new;

@@ -21,7 +21,7 @@ pub struct NewOptions {
     pub path: PathBuf,
 }
 
-/// What a new scenario begins as.
+/// The text of a new scenario.
 const STARTER: &str = include_str!("starter.scn");
 
 /// `falsify new`

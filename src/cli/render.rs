@@ -13,7 +13,7 @@ pub const EXAMPLES: &str = "\
 Examples:
   falsify render 1a2b3c4d:17                 1a2b3c4d-17.svg: six frames, and the speeds of both
   falsify render 1a2b3c4d:17 --animate -o hit.svg
-                                             a picture that moves; open it in a browser
+                                             an animation; open it in a browser
 
 Exit codes: as those of `falsify replay`";
 
@@ -26,7 +26,7 @@ pub struct RenderOptions {
     /// The picture; by default RUN-EPISODE.svg in this folder.
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// One picture that moves, instead of six that stand.
+    /// Draw an animation instead of six frames.
     #[arg(long)]
     pub animate: bool,
 }
@@ -45,6 +45,6 @@ pub fn render(options: &RenderOptions) -> ExitCode {
     if replay.episode.differences.is_empty() {
         return ExitCode::Done;
     }
-    console::fail(&format!("{name} came out differently than in its report; `falsify replay {name}` says where"));
+    console::fail(&format!("{name} differs from its report; `falsify replay {name}` shows where"));
     ExitCode::Differs
 }

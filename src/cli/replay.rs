@@ -13,7 +13,7 @@ use crate::session::{Replay, TickTable, reasons};
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
-  falsify replay 1a2b3c4d:17                 repeat an episode of a report in reports/, tell what happened
+  falsify replay 1a2b3c4d:17                 repeat an episode of a report in reports/, describe it
   falsify replay 1a2b3c4d:17 --report nightly/first_look
                                              of that report
   falsify replay 1a2b3c4d:17 --ticks way.csv
@@ -21,8 +21,8 @@ Examples:
 
 Names of failures are in failure_modes.csv (`example`), episodes.csv (`run_id`, `episode`) and search_failures.csv (`run_id`, `failure`).
 
-Exit codes: 0 it came out as in the report   2 no such episode, or a file is missing   3 errors in a scenario
-  6 a file cannot be written   8 it came out differently, or a scenario file is another one now";
+Exit codes: 0 it is as in the report   2 no such episode, or a file is missing   3 errors in a scenario
+  6 a file cannot be written   8 it differs from the report, or a scenario file has changed";
 
 /// Options of `falsify replay`.
 #[derive(Debug, Args)]
@@ -33,7 +33,7 @@ pub struct ReplayOptions {
     /// Write every tick as a table; the end of the name says whether as .csv or .parquet.
     #[arg(long, value_name = "FILE", value_parser = table_file)]
     pub ticks: Option<PathBuf>,
-    /// Tell it as one JSON object, for programs.
+    /// Print one JSON object, for programs.
     #[arg(long)]
     pub json: bool,
 }
@@ -65,7 +65,7 @@ pub fn replay(options: &ReplayOptions) -> ExitCode {
     if episode.differences.is_empty() { ExitCode::Done } else { ExitCode::Differs }
 }
 
-/// Tells it for people.
+/// Prints it for people.
 fn tell(replay: &Replay, narrative: &Narrative) {
     let Replay { report, episode: repeated } = replay;
     let manifest = report.manifest();
@@ -84,18 +84,20 @@ fn tell(replay: &Replay, narrative: &Narrative) {
         console::say(&format!("digest {:016x}: as in the report, in every column", repeated.outcome.digest));
         return;
     }
-    console::fail(&format!("{} came out differently", repeated.name));
+    console::fail(&format!("{} differs from the report", repeated.name));
     for difference in &repeated.differences {
         console::say(&format!("  {} was {}, and is {}", difference.column, difference.stored, difference.again));
     }
     match &repeated.parting {
         Some(parting) => console::say(&format!("it parts {parting}")),
-        None => console::say("where it parts is not known; `falsify run --ticks failures` keeps what tells"),
+        None => console::say(
+            "where it starts to differ is not known; `falsify run --ticks failures` stores the ticks that show it",
+        ),
     }
-    reasons(manifest).iter().for_each(|reason| console::say(&format!("perhaps {reason}")));
+    reasons(manifest).iter().for_each(|reason| console::say(&format!("possible reason: {reason}")));
 }
 
-/// Tells it for programs.
+/// Makes it an object for programs.
 fn as_json(replay: &Replay, narrative: &Narrative) -> serde_json::Value {
     let Replay { report, episode: repeated } = replay;
     let outcome = &repeated.outcome;

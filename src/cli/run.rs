@@ -43,22 +43,22 @@ pub struct RunOptions {
     /// Threads that work; results do not depend on it. 0: one for every core.
     #[arg(long, short = 'j', default_value_t = 0, env = "FALSIFY_THREADS", value_name = "N", value_parser = clap::value_parser!(u16).range(..=256), allow_negative_numbers = true)]
     pub threads: u16,
-    /// Files that each table of a report is written as.
+    /// File formats of the tables of a report.
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = [TableFormat::Csv, TableFormat::Parquet], env = "FALSIFY_FORMATS", value_name = "FORMATS")]
     pub formats: Vec<TableFormat>,
-    /// What the output is for; `json` is one event a line (reports/README.md).
+    /// Form of the output; `json` is one event a line (reports/README.md).
     #[arg(long, value_enum, default_value_t = Output::Human, env = "FALSIFY_FORMAT", value_name = "FORMAT")]
     pub format: Output,
     /// How progress is shown on the error stream.
     #[arg(long, value_enum, default_value_t = Showing::Auto, env = "FALSIFY_PROGRESS", value_name = "HOW")]
     pub progress: Showing,
-    /// Say what would be run and why, and what is there already; then stop.
+    /// List what would be run and why, and what is stored already; then stop.
     #[arg(long)]
     pub list: bool,
     /// Run only enough to see that everything works: one run, two updates, five episodes. Reports go to NAME-smoke.
     #[arg(long)]
     pub smoke: bool,
-    /// Do everything again, whatever is there.
+    /// Do all work again, also what is stored.
     #[arg(long)]
     pub fresh: bool,
     /// Do one of several parts, as 3/16, and write no report; `auto/16` takes the number from SLURM_ARRAY_TASK_ID or JOB_COMPLETION_INDEX.
@@ -67,14 +67,14 @@ pub struct RunOptions {
     /// Of a shard, do only these; other shards then find them.
     #[arg(long, value_enum, value_name = "CELLS", requires = "shard")]
     pub only: Option<Only>,
-    /// Seconds after which what is under way is saved, so that no more is lost when the program is killed.
+    /// Seconds between saves of unfinished work: at most this much is lost when the program is killed.
     #[arg(long, default_value_t = 5.0, value_name = "SECONDS", value_parser = seconds)]
     pub checkpoint: f64,
-    /// Give a training, 10,000 episodes or a search up after so many seconds; it is an error then, and goes on in the next run. With 0 it
-    /// gets no further than one update or episode.
+    /// Stop a training, 10,000 episodes or a search after this time (s). It is then in error, and the next run continues it. With 0 it ends
+    /// after one update or episode.
     #[arg(long, value_name = "SECONDS")]
     pub cell_time: Option<u64>,
-    /// Give them up after so many simulator ticks.
+    /// Stop them after this number of simulator ticks.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub max_ticks: Option<u64>,
     /// Which episodes are also written tick by tick, as ticks.parquet; they are simulated once more for it.

@@ -20,7 +20,7 @@ Examples:
   falsify status                             the campaigns of reports/
   falsify status --format json shared        one JSON object for each campaign, for programs
 
-Exit codes: 0 finished or at work   2 nothing was run there   9 something is missing and nobody is at work on it";
+Exit codes: 0 finished or running   2 nothing was run there   9 something is missing and no process works on it";
 
 /// Options of `falsify status`.
 #[derive(Debug, Args)]
@@ -31,7 +31,7 @@ pub struct StatusOptions {
     /// The folder that `run` was given as --cache.
     #[arg(long, env = "FALSIFY_CACHE", value_name = "DIR")]
     pub cache: Option<PathBuf>,
-    /// What the output is for; `json` is one object for each campaign.
+    /// Form of the output; `json` is one object for each campaign.
     #[arg(long, value_enum, default_value_t = Output::Human, env = "FALSIFY_FORMAT", value_name = "FORMAT")]
     pub format: Output,
 }
@@ -58,8 +58,8 @@ pub fn status(options: &StatusOptions) -> ExitCode {
 fn tell(campaign: &CampaignProgress) {
     let processes = match campaign.processes {
         0 => String::new(),
-        1 => ", one process is at work on the folder".into(),
-        several => format!(", {several} processes are at work on the folder"),
+        1 => ", one process works on the folder".into(),
+        several => format!(", {several} processes work on the folder"),
     };
     console::say(&format!("{}: {}{processes}", campaign.campaign, campaign.state.name()));
     for kind in &campaign.kinds {

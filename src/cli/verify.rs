@@ -19,7 +19,7 @@ Examples:
   falsify verify --trainings reports/first_look
                                              also train every pedestrian again
 
-Exit codes: 0 all are equal   2 no report   3 errors in a scenario   8 something came out differently";
+Exit codes: 0 all are equal   2 no report   3 errors in a scenario   8 something differs";
 
 /// Options of `falsify verify`.
 #[derive(Debug, Args)]
@@ -64,7 +64,7 @@ pub fn verify(options: &VerifyOptions) -> ExitCode {
     if let Some(trainings) = &verified.trainings {
         for key in &trainings.different {
             let who = format!("{} in {} against {}, run {}", key.reward, key.town, key.policy, key.run);
-            console::fail(&format!("the training of {who} came out differently"));
+            console::fail(&format!("the training of {who} differs from the report"));
         }
         let equal = trainings.repeated - trainings.different.len();
         console::say(&format!("trainings: {} repeated, {equal} equal", trainings.repeated));
@@ -72,7 +72,7 @@ pub fn verify(options: &VerifyOptions) -> ExitCode {
     if verified.is_equal() {
         return ExitCode::Done;
     }
-    reasons(verified.report.manifest()).iter().for_each(|reason| console::say(&format!("perhaps {reason}")));
+    reasons(verified.report.manifest()).iter().for_each(|reason| console::say(&format!("possible reason: {reason}")));
     ExitCode::Differs
 }
 
@@ -80,7 +80,7 @@ fn show(different: &[Repeated]) {
     for repeated in different.iter().take(SHOWN) {
         let columns: Vec<&str> = repeated.differences.iter().map(|difference| difference.column.as_str()).collect();
         let parting = repeated.parting.as_ref().map_or(String::new(), |parting| format!("; it parts {parting}"));
-        console::fail(&format!("{} came out differently: {}{parting}", repeated.name, columns.join(", ")));
+        console::fail(&format!("{} differs from the report: {}{parting}", repeated.name, columns.join(", ")));
     }
     if different.len() > SHOWN {
         console::fail(&format!("… and {} more", different.len() - SHOWN));

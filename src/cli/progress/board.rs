@@ -17,7 +17,7 @@ pub struct Board<'a> {
 }
 
 impl<'a> Board<'a> {
-    /// Lays some cells of a campaign out, for so many threads.
+    /// Lays some cells of a campaign out, for this number of threads.
     pub fn new(campaign: &'a Campaign, wanted: &[Cell], threads: usize) -> Self {
         Self { campaign, began: Instant::now(), pieces: Piece::all(campaign, wanted), threads }
     }

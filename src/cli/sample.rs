@@ -1,4 +1,4 @@
-//! `falsify check --sample`: where episodes would begin, and what is rejected.
+//! `falsify check --sample`: where episodes would start, and what is rejected.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -12,10 +12,10 @@ use crate::env::Scenario;
 use crate::report::{self, WriteError};
 use crate::seed::Seed;
 
-/// Beginnings that are drawn in a picture; more would hide each other.
+/// Starts that are drawn in a picture; more would hide each other.
 const DRAWN: usize = 500;
 
-/// What came of the beginnings of one spawn rule in one town.
+/// The starts that were drawn of one spawn rule in one town.
 #[derive(Serialize)]
 struct Sample<'a> {
     campaign: &'a str,
@@ -27,14 +27,14 @@ struct Sample<'a> {
     picture: String,
 }
 
-/// How many beginnings satisfy a constraint.
+/// The number of starts that satisfy a constraint.
 #[derive(Serialize)]
 struct Share {
     constraint: String,
     passed: u32,
 }
 
-/// Which beginnings are drawn, and for whom.
+/// Which starts are drawn, and who reads the result.
 pub struct Wanted<'a> {
     /// The number for each spawn in each town.
     pub count: u32,
@@ -46,7 +46,7 @@ pub struct Wanted<'a> {
     pub json: bool,
 }
 
-/// Draws beginnings of all campaigns.
+/// Draws starts of all campaigns.
 pub fn sample(plan: &Plan, wanted: &Wanted<'_>) -> ExitCode {
     if plan.campaigns.is_empty() {
         console::fail("the files hold no campaign, so there is nothing to sample");
@@ -99,7 +99,7 @@ fn show(campaign: &Campaign, samples: &[Sample]) {
     for sample in samples {
         let Sample { spawn, town, tried, accepted, .. } = sample;
         let share = |passed: u32| 100.0 * f64::from(passed) / f64::from(*tried);
-        let tries = console::count(*tried as usize, "beginning");
+        let tries = console::count(*tried as usize, "start");
         console::say(&format!("  {spawn} in {town}: {accepted} of {tries} accepted ({:.2} %)", share(*accepted)));
         for Share { constraint, passed } in &sample.constraints {
             console::say(&format!("    {:>6.2} %  {constraint}", share(*passed)));
