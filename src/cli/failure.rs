@@ -12,7 +12,7 @@ pub fn failed(error: &Error) -> ExitCode {
         Error::Scenario { .. } => console::fail(&format!("{error}; nothing was run")),
         Error::UnusedMap { town } => console::fail(&format!("--map names the town `{town}`, which nothing uses")),
         Error::NoReport { .. } | Error::NoRun { .. } => {
-            console::fail(&format!("{error}; name its folder with --report"))
+            console::fail(&format!("{error}; name its folder with --report"));
         }
         Error::NothingRun { out, cache } => console::fail(&match (out.display(), cache) {
             (out, Some(cache)) => format!("no campaign was run for `{out}` with the cache `{}`", cache.display()),

@@ -43,7 +43,7 @@ pub fn session(allow_external: bool) -> Session {
         true => Catalog::builtin().with_opener(Arc::new(ProcessOpener::default())),
         false => Catalog::builtin(),
     };
-    Session::default().with_catalog(catalog).with_observer(Arc::new(Reporter)).with_stop(interrupt::stop())
+    Session::new(catalog).with_observer(Arc::new(Reporter)).with_stop(interrupt::stop())
 }
 
 /// Reports diagnostics and notices on the error stream.

@@ -200,7 +200,7 @@ pub fn finished(options: &RunOptions, run: &RunReport) -> Result<ExitCode, ExitC
     if run.interrupted {
         return Ok(ExitCode::Interrupted);
     }
-    let codes = run.campaigns.iter().map(|outcome| match outcome {
+    let mut codes = run.campaigns.iter().map(|outcome| match outcome {
         CampaignOutcome::Empty { interrupted: true, .. } => ExitCode::Interrupted,
         CampaignOutcome::Empty { interrupted: false, .. } => ExitCode::RunFailed,
         CampaignOutcome::Reported(report) if !report.is_sound() => ExitCode::RunFailed,
@@ -208,7 +208,7 @@ pub fn finished(options: &RunOptions, run: &RunReport) -> Result<ExitCode, ExitC
         CampaignOutcome::Reported(_) => ExitCode::Done,
     });
     // The last campaign that did not pass decides.
-    Ok(codes.filter(|code| *code != ExitCode::Done).last().unwrap_or(ExitCode::Done))
+    Ok(codes.rfind(|code| *code != ExitCode::Done).unwrap_or(ExitCode::Done))
 }
 
 fn run_shard(

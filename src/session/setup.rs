@@ -13,16 +13,17 @@ pub struct Session {
 }
 
 impl Default for Session {
-    /// The built-in language, files of the disk, no observer, and no way to stop. Scenarios may not start programs.
+    /// A session with the built-in language. Scenarios may not start programs.
     fn default() -> Self {
-        Self { catalog: Catalog::builtin(), reader: Box::new(Disk), observer: Arc::new(Silent), stop: Arc::default() }
+        Self::new(Catalog::builtin())
     }
 }
 
 impl Session {
-    /// The same with another catalogue: with policies of the caller, or with an opener that lets scenarios start programs.
-    pub fn with_catalog(self, catalog: Catalog) -> Self {
-        Self { catalog, ..self }
+    /// Files of the disk, no observer, no way to stop, and this language: the catalogue may hold policies of the caller, and an opener that
+    /// lets scenarios start programs.
+    pub fn new(catalog: Catalog) -> Self {
+        Self { catalog, reader: Box::new(Disk), observer: Arc::new(Silent), stop: Arc::default() }
     }
 
     /// The same with files that come from elsewhere than the disk.
