@@ -16,6 +16,7 @@ const NO_NUMBERS: [&str; 10] = [
     "src/analysis",
     "src/cli",
     "src/diagnostic",
+    "src/fuzzing.rs",
     "src/lang",
     "src/lsp",
     "src/main.rs",
