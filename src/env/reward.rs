@@ -146,7 +146,7 @@ pub fn vocabulary() -> Vocabulary {
 
 impl Situation {
     /// The situation at the start of an episode.
-    pub(super) fn at_the_beginning(ego: &Pose, ego_speed: f64, pedestrian: &Pose) -> Self {
+    pub(super) fn at_start(ego: &Pose, ego_speed: f64, pedestrian: &Pose) -> Self {
         let local = ego.to_local(pedestrian.position());
         let seen = pedestrian.to_local(ego.position());
         Self {

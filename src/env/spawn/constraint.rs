@@ -68,7 +68,7 @@ impl Constraint {
             Self::Ground(grounds) => grounds.contains(&Ground::at(town, place)),
             Self::Sight(seen) => obstacles.blocks_sight(spawn.ego.position(), place) != *seen,
             Self::Require { condition, .. } => {
-                Situation::at_the_beginning(&spawn.ego, spawn.ego_speed, &spawn.pedestrian).satisfies(condition)
+                Situation::at_start(&spawn.ego, spawn.ego_speed, &spawn.pedestrian).satisfies(condition)
             }
         }
     }
