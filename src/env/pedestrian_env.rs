@@ -78,6 +78,24 @@ struct Episode {
     outcome: Option<Outcome>,
 }
 
+impl Episode {
+    /// An episode in which nothing has happened.
+    fn new(spawn: Spawn, width: f64) -> Self {
+        Self {
+            spawn,
+            width,
+            held: 0,
+            contact: None,
+            reward: 0.0,
+            least_gap: f64::INFINITY,
+            mode: DrivingMode::Cruise,
+            digest: 0,
+            state_hashes: StateHashes::default(),
+            outcome: None,
+        }
+    }
+}
+
 impl PedestrianEnv {
     /// Makes an environment whose first episode is number 0 under the seed. The scenario's spawn rule must have been probed.
     pub fn new(scenario: Arc<Scenario>, seed: Seed) -> Self {
@@ -98,19 +116,6 @@ impl PedestrianEnv {
             lights,
             scenario.episode.tick,
         );
-        let nowhere = Spawn { ego: Pose::default(), ego_speed: 0.0, pedestrian: Pose::default() };
-        let episode = Episode {
-            spawn: nowhere,
-            width: 1.0,
-            held: 0,
-            contact: None,
-            reward: 0.0,
-            least_gap: f64::INFINITY,
-            mode: DrivingMode::Cruise,
-            digest: 0,
-            state_hashes: StateHashes::default(),
-            outcome: None,
-        };
         let spawned = || std::iter::once(ActorStart::default());
         let starts = (
             spawned().chain(cast.traffic.iter().map(|placed| placed.start)).collect(),
@@ -119,6 +124,7 @@ impl PedestrianEnv {
         let (vehicles, pedestrians) = (1 + cast.traffic.len(), cast.pedestrian_count());
         let none = vec![WalkCommand::default(); pedestrians];
         let walks = Walks { commands: none.clone(), turns: vec![0.0; pedestrians], scratch: none };
+        let nowhere = Spawn { ego: Pose::default(), ego_speed: 0.0, pedestrian: Pose::default() };
         let rule = &scenario.episode;
         let decisions = rule.ticks.div_ceil(rule.hold).min(MOST_ROOM) as usize * pedestrians;
         Self {
@@ -129,7 +135,7 @@ impl PedestrianEnv {
             sensors: PerfectSensors::default(),
             seed,
             next_episode: 0,
-            episode,
+            episode: Episode::new(nowhere, 1.0),
             starts,
             controls: vec![Control::default(); vehicles],
             walks,
@@ -176,18 +182,7 @@ impl PedestrianEnv {
             *command = WalkCommand { heading: start.pose.yaw, speed: 0.0 };
         }
         self.walks.turns.fill(0.0);
-        self.episode = Episode {
-            spawn,
-            width: self.width,
-            held: 0,
-            contact: None,
-            reward: 0.0,
-            least_gap: f64::INFINITY,
-            mode: DrivingMode::Cruise,
-            digest: 0,
-            state_hashes: StateHashes::default(),
-            outcome: None,
-        };
+        self.episode = Episode::new(spawn, self.width);
         for pedestrian in 0..self.world.pedestrians.len() {
             self.episode.least_gap = self.episode.least_gap.min(self.world.gap(0, pedestrian));
         }
