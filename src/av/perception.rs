@@ -22,6 +22,7 @@ impl Actor {
     pub const FALSE_ALARM: ActorId = ActorId::Pedestrian(u8::MAX);
 
     /// A vehicle with this number.
+    #[inline]
     fn of_vehicle(number: u8, vehicle: &Vehicle) -> Self {
         let (state, blueprint) = (&vehicle.state, &vehicle.blueprint);
         Self {

@@ -250,6 +250,7 @@ impl PedestrianEnv {
     }
 
     /// What the driver of a vehicle did in the last tick.
+    #[inline]
     pub fn driven(&self, vehicle: usize) -> Driven {
         Driven { mode: self.policies[vehicle].mode(), control: self.controls[vehicle] }
     }
@@ -316,6 +317,7 @@ impl PedestrianEnv {
     }
 
     /// Asks every driver for the coming tick; gives the fault of the first that fails.
+    #[inline]
     fn drive(&mut self) -> Option<Fault> {
         for (vehicle, (policy, control)) in self.policies.iter_mut().zip(&mut self.controls).enumerate() {
             let chosen = policy.drive(&self.sensors.perceive(&self.world, vehicle));
@@ -439,6 +441,7 @@ impl PedestrianEnv {
     }
 
     /// Adds a tick to the digest, vehicles first, in the order of their numbers, and to the least gap.
+    #[inline]
     fn record(&mut self) {
         let mut digest = self.episode.digest;
         for vehicle in &self.world.vehicles {

@@ -77,6 +77,7 @@ impl Trace {
     }
 
     /// Notes where all actors are after a tick, whether two of them touched in it, and what the driver of each vehicle did.
+    #[inline]
     pub fn watch(&mut self, world: &World, contact: Option<&Contact>, driven: impl Fn(usize) -> Driven) {
         for (number, (track, vehicle)) in self.vehicles.iter_mut().zip(&world.vehicles).enumerate() {
             track.push(VehicleFrame { state: vehicle.state, driven: driven(number) });

@@ -75,12 +75,14 @@ impl Vehicle {
     }
 
     /// Moves on by one tick.
+    #[inline]
     pub(super) fn step(&mut self, control: Control, town: &Town, dt: f64) {
         self.before = self.state;
         self.state = self.before.step(control, &self.blueprint, dt);
         self.obey_signs(town);
     }
 
+    #[inline]
     fn obey_signs(&mut self, town: &Town) {
         let reach = self.blueprint.half_length + 4.0;
         for sign in &town.speed_signs {
@@ -116,6 +118,7 @@ impl Pedestrian {
     }
 
     /// Moves on by one tick.
+    #[inline]
     pub(super) fn step(&mut self, command: WalkCommand, obstacles: &Obstacles, dt: f64) {
         self.before = self.state;
         self.state = self.before.step(command, &self.body, obstacles, dt);

@@ -35,35 +35,40 @@ impl Contact {
         }
     }
 
-    /// Finds the first touch of a vehicle and a pedestrian in the last tick of `dt` (s).
+    /// Whether a vehicle and a pedestrian may have touched in the last tick of `dt` (s). Far apart nothing needs to be computed:
+    /// neither moves more than a few metres in a tick.
+    #[inline]
+    pub(super) fn is_pedestrian_near(vehicle: &Vehicle, pedestrian: &Pedestrian, dt: f64) -> bool {
+        let (blueprint, body) = (&vehicle.blueprint, &pedestrian.body);
+        let reach = blueprint.half_length + blueprint.half_width + body.radius + 2.0;
+        let moved = (vehicle.before.speed + pedestrian.before.speed() + pedestrian.state.speed()) * dt;
+        let apart = (pedestrian.state.pose.position() - vehicle.state.pose.position()).norm_squared();
+        apart <= (reach + moved) * (reach + moved)
+    }
+
+    /// Finds the first touch of a vehicle and a pedestrian in the last tick.
     pub(super) fn with_pedestrian(
         pair: (ActorId, ActorId),
         vehicle: &Vehicle,
         pedestrian: &Pedestrian,
-        dt: f64,
     ) -> Option<Self> {
-        let (blueprint, body) = (&vehicle.blueprint, &pedestrian.body);
         let (from, to) = (pedestrian.before.pose.position(), pedestrian.state.pose.position());
-        // Far apart nothing needs to be computed: neither moves more than a few metres in a tick.
-        let reach = blueprint.half_length + blueprint.half_width + body.radius + 2.0;
-        let moved = (vehicle.before.speed + pedestrian.before.speed() + pedestrian.state.speed()) * dt;
-        let apart = (to - vehicle.state.pose.position()).norm_squared();
-        if apart > (reach + moved) * (reach + moved) {
-            return None;
-        }
-        let start = vehicle.before.outline(blueprint);
-        let touch = first_touch(from, to, body.radius, &start, &vehicle.outline())?;
+        let start = vehicle.before.outline(&vehicle.blueprint);
+        let touch = first_touch(from, to, pedestrian.body.radius, &start, &vehicle.outline())?;
         Some(Self::new(pair, vehicle, &touch))
     }
 
-    /// Finds the first touch of two vehicles in the last tick of `dt` (s).
-    pub(super) fn with_vehicle(pair: (ActorId, ActorId), first: &Vehicle, second: &Vehicle, dt: f64) -> Option<Self> {
+    /// Whether two vehicles may have touched in the last tick of `dt` (s).
+    #[inline]
+    pub(super) fn is_vehicle_near(first: &Vehicle, second: &Vehicle, dt: f64) -> bool {
         let radius = |vehicle: &Vehicle| vehicle.blueprint.half_length + vehicle.blueprint.half_width;
         let reach = radius(first) + radius(second) + (first.before.speed + second.before.speed) * dt;
         let apart = (second.state.pose.position() - first.state.pose.position()).norm_squared();
-        if apart > reach * reach {
-            return None;
-        }
+        apart <= reach * reach
+    }
+
+    /// Finds the first touch of two vehicles in the last tick.
+    pub(super) fn with_vehicle(pair: (ActorId, ActorId), first: &Vehicle, second: &Vehicle) -> Option<Self> {
         let start = |vehicle: &Vehicle| vehicle.before.outline(&vehicle.blueprint);
         let touch = first_touch_of_boxes(&start(first), &first.outline(), &start(second), &second.outline())?;
         Some(Self::new(pair, first, &touch))

@@ -123,25 +123,28 @@ impl World {
         self.first_contact()
     }
 
+    #[inline]
     fn first_contact(&self) -> Option<Contact> {
         let mut first: Option<Contact> = None;
-        let mut note = |found: Option<Contact>| {
-            if let Some(found) = found
-                && first.is_none_or(|first| found.fraction < first.fraction)
-            {
+        let mut note = |found: Contact| {
+            if first.is_none_or(|first| found.fraction < first.fraction) {
                 first = Some(found);
             }
         };
-        for (number, vehicle) in (0..).zip(&self.vehicles) {
-            for (other, pedestrian) in (0..).zip(&self.pedestrians) {
-                let pair = (ActorId::Vehicle(number), ActorId::Pedestrian(other));
-                note(Contact::with_pedestrian(pair, vehicle, pedestrian, self.dt));
+        for (number, vehicle) in self.vehicles.iter().enumerate() {
+            for (other, pedestrian) in self.pedestrians.iter().enumerate() {
+                if Contact::is_pedestrian_near(vehicle, pedestrian, self.dt) {
+                    let pair = (ActorId::Vehicle(number as u8), ActorId::Pedestrian(other as u8));
+                    Contact::with_pedestrian(pair, vehicle, pedestrian).into_iter().for_each(&mut note);
+                }
             }
         }
-        for (number, vehicle) in (0_u8..).zip(&self.vehicles) {
-            for (other, second) in (0_u8..).zip(&self.vehicles).skip(usize::from(number) + 1) {
-                let pair = (ActorId::Vehicle(number), ActorId::Vehicle(other));
-                note(Contact::with_vehicle(pair, vehicle, second, self.dt));
+        for (number, vehicle) in self.vehicles.iter().enumerate() {
+            for (other, second) in self.vehicles.iter().enumerate().skip(number + 1) {
+                if Contact::is_vehicle_near(vehicle, second, self.dt) {
+                    let pair = (ActorId::Vehicle(number as u8), ActorId::Vehicle(other as u8));
+                    Contact::with_vehicle(pair, vehicle, second).into_iter().for_each(&mut note);
+                }
             }
         }
         first
