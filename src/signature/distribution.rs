@@ -217,7 +217,7 @@ mod tests {
         ]);
         let outer = Distribution::Mixture(vec![
             (0.450_444_432_642_284_84, inner),
-            (0.549_555_667_357_715_2, Distribution::Constant(-0.385_707_721_736_751_3)),
+            (0.549_555_567_357_715_2, Distribution::Constant(-0.385_707_721_736_751_3)),
         ]);
         take_out(&outer, 0.288_139_346_871_761_4).unwrap();
     }
