@@ -156,7 +156,7 @@ impl Metrics {
     /// Aggregates runs to cells.
     ///
     /// # Errors
-    /// Those of polars; none for a table made by [`runs`].
+    /// Those of polars; none for a table made by `runs`.
     pub fn of_runs(runs: DataFrame) -> PolarsResult<Self> {
         of_runs(runs)
     }
