@@ -104,7 +104,7 @@ impl Tally {
     /// Adds the episodes of one run: rows of the table `episodes` that differ in nothing that tells runs apart.
     ///
     /// # Errors
-    /// Those of polars; none for a table made by `episodes`(crate::report::episodes).
+    /// Those of polars; none for a table made by `episodes`.
     pub fn add(&mut self, run: &DataFrame) -> PolarsResult<()> {
         if run.height() == 0 {
             return Ok(());
