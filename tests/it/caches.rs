@@ -80,7 +80,7 @@ fn folders_for_reports_share_a_cache_and_none_takes_away_what_another_wants() {
     assert_eq!(cells(&here.join("cache")), 12);
     std::fs::remove_dir_all(here.join("one")).unwrap();
     let told = prune(&[]);
-    assert!(told.contains("removed 0 cells") && told.contains("--prune --gone gives them up"), "{told}");
+    assert!(told.contains("removed 0 cells") && told.contains("--prune --gone removes their cells"), "{told}");
     let told = prune(&["--gone"]);
     assert!(told.contains("removed 6 cells"), "{told}");
     assert_eq!(cells(&here.join("cache")), 6);
@@ -154,7 +154,7 @@ fn a_folder_that_is_no_cache_is_refused_and_left_as_it_is() {
     assert_eq!(names(&here.join("thesis")), ["chapter.tex", "lock"]);
     assert_eq!(std::fs::read_to_string(here.join("thesis/lock")).unwrap(), "mine");
     let nowhere = falsify(&["cells", "out", "--cache", "nowhere"], here);
-    assert!(nowhere.status.code() == Some(2) && error(&nowhere).contains("is not there"), "{nowhere:?}");
+    assert!(nowhere.status.code() == Some(2) && error(&nowhere).contains("does not exist"), "{nowhere:?}");
     // What was begun and not finished is nobody else's.
     std::fs::create_dir_all(here.join("begun/cells")).unwrap();
     run(here, &["--out", "out", "--cache", "begun"]);
