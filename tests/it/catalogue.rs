@@ -1,6 +1,8 @@
 //! A caller adds a kind of driving policy of its own to the catalogue, and scenarios name it like the built-in ones.
 
+use std::collections::BTreeSet;
 use std::path::Path;
+use std::sync::{Arc, Mutex};
 
 use falsify::internal::av::{DrivingMode, DrivingPolicy, Perception};
 use falsify::internal::campaign::{InMemory, Silent, run};
@@ -27,10 +29,16 @@ impl DrivingPolicy for Braking {
     }
 }
 
-fn kind() -> PolicyKind {
+/// The kind, which notes the force of each driver that it makes, in per cent.
+fn kind(made: &Arc<Mutex<BTreeSet<i64>>>) -> PolicyKind {
+    let made = made.clone();
     let force = Param::with_default("force", Type::share(), "1", "Brake, 0 to 1.");
     let signature = Signature::new("braking", "Brakes all the time.", vec![force]);
-    PolicyKind::new(signature, |arguments| Braking { force: arguments.number("force") })
+    PolicyKind::new(signature, move |arguments| {
+        let force = arguments.number("force");
+        made.lock().unwrap().insert((100.0 * force) as i64);
+        Braking { force }
+    })
 }
 
 fn compiled(catalog: &Catalog) -> Compiled {
@@ -41,10 +49,10 @@ import "lib/drivers.scn"
 import "lib/sensors.scn"
 import "lib/towns.scn"
 policy firm = braking()
-policy idle = braking(force: 0, sensors: perfect)
+policy soft = braking(force: 0.25, sensors: perfect)
 campaign braked {
   vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds
-  evaluate { towns: [harbour] policies: [firm, idle] pedestrians: [random] episodes: 20 }
+  evaluate { towns: [harbour] policies: [firm, soft] pedestrians: [random] episodes: 20 }
 }
 "#;
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/braked.scn");
@@ -54,23 +62,24 @@ campaign braked {
 
 #[test]
 fn a_policy_of_the_caller_is_checked_and_driven_like_the_others() {
-    let compiled = compiled(&Catalog::builtin().with_policy(kind()).unwrap());
+    let made = Arc::default();
+    let compiled = compiled(&Catalog::builtin().with_policy(kind(&made)).unwrap());
     let plan = compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));
     let kept = InMemory::default();
     run(&plan.campaigns[0], &Seed::root(1), &kept, &Silent);
     let rows = kept.into_rows();
-    let way = |policy: &str| -> f64 {
+    for policy in ["firm", "soft"] {
         let driven: Vec<_> = rows.iter().filter(|row| row.key.cell.policy == *policy).collect();
         assert_eq!(driven.len(), 20, "{policy}");
         assert!(driven.iter().all(|row| row.outcome.last_mode == DrivingMode::EmergencyStop), "{policy}");
-        driven.iter().filter_map(|row| row.outcome.impact_speed()).sum()
-    };
-    assert!(way("firm") < way("idle"), "the value of the key reaches the driver");
+    }
+    assert_eq!(*made.lock().unwrap(), [25, 100].into(), "the default and the value of the key reach the driver");
 }
 
 #[test]
 fn a_kind_that_the_catalogue_lacks_is_an_error_and_so_is_one_that_it_has() {
     assert!(compiled(&Catalog::builtin()).plan.is_none());
-    let twice = Catalog::builtin().with_policy(kind()).unwrap().with_policy(kind());
+    let made = Arc::default();
+    let twice = Catalog::builtin().with_policy(kind(&made)).unwrap().with_policy(kind(&made));
     assert_eq!(twice.err(), Some(TakenKind { form: "policy", kind: "braking" }));
 }
