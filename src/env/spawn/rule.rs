@@ -150,7 +150,8 @@ impl SpawnRule {
     /// It is 1 when nothing is left to rejection. None, that is unknown, when constraints or the shape of the road reject draws; then
     /// only a [`Survey`] can estimate it.
     pub fn normaliser(&self) -> Option<f64> {
-        (self.constraints.is_empty() && self.road_shape == RoadShape::Any).then_some(1.0)
+        let admits_all = |each: &Constraint| matches!(each, Constraint::Clearance(least) if *least <= 0.0);
+        (self.constraints.iter().all(admits_all) && self.road_shape == RoadShape::Any).then_some(1.0)
     }
 
     /// The rule with the nearest of its distances only: a tenth of them at a share of 0, all at 1, for which it gives none. It
