@@ -3,6 +3,7 @@ use std::ops::Range;
 use super::StoppingRule;
 use crate::compile::{Campaign, Evaluation, Pedestrian};
 use crate::falsifier::TrainError;
+use crate::statistics::Weighted;
 
 /// Episodes of an evaluation that are one piece of work.
 pub const CHUNK: u32 = 10_000;
@@ -44,7 +45,7 @@ impl Evaluation {
     }
 
     /// Whether so many of its episodes, so many of which the driver drove to their end, with so many collisions, are all that it needs.
-    pub fn is_finished_with(&self, episodes: u32, valid: u64, collisions: u64) -> bool {
+    pub fn is_finished_with(&self, episodes: u32, valid: impl Into<Weighted>, collisions: impl Into<Weighted>) -> bool {
         let rule = self.rule();
         let early = self.halfwidth.is_some() && rule.looks().contains(&episodes) && rule.is_met(collisions, valid);
         episodes == self.episodes || early

@@ -56,7 +56,14 @@ pub(super) fn try_chunk(
     let mut note = |episode: u32, outcome: &Outcome, trace: &Trace| {
         let pair = trace.main_pair(&evaluation.scenario);
         let (verdict, near_miss) = (judge(&pair), NearMiss::new(&pair));
-        rows.borrow_mut().add(EpisodeRow { key: key.clone(), episode, outcome: *outcome, verdict, near_miss });
+        rows.borrow_mut().add(EpisodeRow {
+            key: key.clone(),
+            episode,
+            outcome: *outcome,
+            verdict,
+            near_miss,
+            weight: 1.0,
+        });
     };
     let stop = || observer.stop() || keeper.stop();
     let mut tell = |_| {

@@ -1,4 +1,4 @@
-use crate::statistics::wilson_at;
+use crate::statistics::{Weighted, wilson_at};
 
 /// Episodes until the first look; each further look comes at twice as many.
 const FIRST_LOOK: u32 = 1_000;
@@ -34,14 +34,14 @@ impl StoppingRule {
         early.chain([self.most]).collect()
     }
 
-    /// Whether so many collisions in so many valid episodes are enough to stop at a look.
-    pub fn is_met(&self, collisions: u64, episodes: u64) -> bool {
+    /// Whether this number of collisions in this number of valid episodes is enough to stop at a look.
+    pub fn is_met(&self, collisions: impl Into<Weighted>, episodes: impl Into<Weighted>) -> bool {
         let (low, high) = self.interval(collisions, episodes);
         high - low <= 2.0 * self.halfwidth
     }
 
     /// The interval that is looked at.
-    pub fn interval(&self, collisions: u64, episodes: u64) -> (f64, f64) {
+    pub fn interval(&self, collisions: impl Into<Weighted>, episodes: impl Into<Weighted>) -> (f64, f64) {
         wilson_at(collisions, episodes, ALPHA / self.looks().len() as f64)
     }
 }
@@ -83,7 +83,7 @@ mod tests {
                     hits += u64::from((stream.next_u32() as f64) < rate * 2_f64.powi(32));
                     done += 1;
                 }
-                let (low, high) = rule.interval(hits, done.into());
+                let (low, high) = rule.interval(hits, u64::from(done));
                 outside |= rate < low || rate > high;
             }
             missed += u32::from(outside);

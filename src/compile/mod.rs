@@ -44,5 +44,6 @@ pub use plan::{
     Search, SearchKey, Training, TrainingKey,
 };
 pub use policy_kind::{MakePolicy, PolicyKind};
+pub use published::published_columns;
 pub use recipe::Recipe;
 pub use run_id::{NoRunId, RunId};

@@ -1,3 +1,4 @@
+use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -167,6 +168,20 @@ pub struct TrainingKey {
     pub run: u32,
 }
 
+impl TrainingKey {
+    /// Whether another training differs in its run alone.
+    pub fn is_of_same_cell(&self, other: &Self) -> bool {
+        (&self.reward, &self.town, &self.policy) == (&other.reward, &other.town, &other.policy)
+    }
+}
+
+/// `r1 in harbour against careful, run 0`.
+impl fmt::Display for TrainingKey {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} in {} against {}, run {}", self.reward, self.town, self.policy, self.run)
+    }
+}
+
 /// One training.
 #[derive(Debug, Clone)]
 pub struct Training {
@@ -258,6 +273,21 @@ pub struct SearchKey {
     pub block: u32,
     /// Number of the run, from 0.
     pub run: u32,
+}
+
+impl SearchKey {
+    /// Whether another search differs in its run alone.
+    pub fn is_of_same_cell(&self, other: &Self) -> bool {
+        (&self.falsifier, &self.town, &self.policy, self.block)
+            == (&other.falsifier, &other.town, &other.policy, other.block)
+    }
+}
+
+/// `chance in harbour against careful, run 0`.
+impl fmt::Display for SearchKey {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} in {} against {}, run {}", self.falsifier, self.town, self.policy, self.run)
+    }
 }
 
 /// One falsifier that looks for failures of one policy in one town.

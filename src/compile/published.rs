@@ -17,6 +17,11 @@ const FIGURES: [(&str, &str, &str, &str); 6] = [
 /// What the spreads are called in the reference.
 const SPREAD: &str = "Sample standard deviation of that over the published runs.";
 
+/// The columns of `cells`, without `_mean`, that published figures can be compared with.
+pub fn published_columns() -> impl Iterator<Item = &'static str> {
+    FIGURES.into_iter().map(|(column, ..)| column)
+}
+
 /// The form `published`.
 pub fn form() -> Form {
     let names = |form| Type::List(Box::new(Type::Reference(form)));

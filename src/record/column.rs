@@ -133,6 +133,44 @@ impl<K: Kind> Family<K> {
     }
 }
 
+/// The two columns of an interval, `…_low` and `…_high`.
+#[derive(Debug, Clone, Copy)]
+pub struct Interval {
+    /// What the names begin with.
+    pub name: &'static str,
+    unit: &'static str,
+    doc: &'static str,
+}
+
+impl Interval {
+    /// The interval of this name, unit and meaning.
+    pub const fn new(name: &'static str, unit: &'static str, doc: &'static str) -> Self {
+        Self { name, unit, doc }
+    }
+
+    /// The names of both columns.
+    pub fn names(&self) -> [String; 2] {
+        [format!("{}_low", self.name), format!("{}_high", self.name)]
+    }
+
+    /// The columns of a table whose rows give these ends.
+    pub fn of<'t, R>(&self, ends: impl Fn(&R) -> Option<(f64, f64)> + Copy + 't) -> [Entry<'t, R>; 2] {
+        self.of_ends(move |row| ends(row).map(|(low, _)| low), move |row| ends(row).map(|(_, high)| high))
+    }
+
+    /// The columns of a table whose rows give each end on its own.
+    pub fn of_ends<'t, R>(
+        &self,
+        low: impl Fn(&R) -> Option<f64> + 't,
+        high: impl Fn(&R) -> Option<f64> + 't,
+    ) -> [Entry<'t, R>; 2] {
+        let [low_name, high_name] = self.names();
+        let (unit, doc) = (self.unit.into(), self.doc.into());
+        let low = Entry::new::<f64, _>(low_name.into(), unit, doc, low);
+        [low, Entry::new::<f64, _>(high_name.into(), self.unit.into(), self.doc.into(), high)]
+    }
+}
+
 /// Makes a column of this name from rows.
 type WriteRows<'t, R> = dyn Fn(PlSmallStr, &[R]) -> Series + 't;
 
@@ -253,6 +291,13 @@ impl<'t, R> Table<'t, R> {
     /// The table of some rows, in their order.
     pub fn frame(&self, rows: &[R]) -> DataFrame {
         DataFrame::new(rows.len(), self.values(rows)).expect("the columns of a table have different names")
+    }
+
+    /// What runs and cells make of its columns, in the order of their tables.
+    pub fn metrics(&self) -> Vec<super::Metric> {
+        let mut all: Vec<super::Metric> = self.entries.iter().flat_map(|entry| entry.metrics.clone()).collect();
+        all.sort_by_key(|metric| metric.place);
+        all
     }
 
     /// What is said of it.

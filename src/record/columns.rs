@@ -45,6 +45,13 @@ pub const BLOCK: Column<u32> = Column::new("block", "", "number of the `evaluate
 pub const EPISODE: Column<u32> =
     Column::new("episode", "", "number of the episode, from 0; equal numbers of a place have equal starts");
 
+/// How much an episode counts. No table has it yet; without it each episode counts once.
+pub const WEIGHT: Column<f64> = Column::new(
+    "weight",
+    "",
+    "how much the episode counts in rates and intervals; 1 unless its start was drawn otherwise than the scenario says",
+);
+
 /// How the episode ended.
 pub const OUTCOME: Column<String> = Column::new(
     "outcome",
@@ -95,6 +102,10 @@ pub const PET: Column<f64> = Column::new(
 /// What the driver did.
 pub const DRIVING_MODE: Column<String> =
     Column::new("driving_mode", "", "what the driver did at the pedestrian's last decision");
+/// Side of the impact.
+pub const IMPACT: Column<String> = Column::new("impact", "", "side of the impact: `front`, `left`, `right` or `rear`");
+/// Whether the car moved.
+pub const MOTION: Column<String> = Column::new("motion", "", "`moving` or `standing`: the car at the touch");
 /// Position of the car.
 pub const EGO_X: Column<f64> = Column::new("ego_x_m", "m", "start of the car, in the world frame");
 /// Position of the car.

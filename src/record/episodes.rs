@@ -53,9 +53,7 @@ pub fn episode_table() -> Table<'static, EpisodeRow> {
 
 /// What runs and cells make of episodes, in the order of their tables.
 pub fn metrics() -> Vec<Metric> {
-    let mut all: Vec<Metric> = outcome_table().entries.iter().flat_map(|entry| entry.metrics.clone()).collect();
-    all.sort_by_key(|metric| metric.place);
-    all
+    episode_table().metrics()
 }
 
 /// The names of the columns of a cell's key.

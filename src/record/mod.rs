@@ -13,8 +13,10 @@ mod episodes;
 mod read;
 mod tally;
 mod stored;
+#[cfg(test)]
+mod tests;
 
-pub use column::{Cell, Column, ColumnReference, Entry, Family, Kind, Table, TableReference};
+pub use column::{Cell, Column, ColumnReference, Entry, Family, Interval, Kind, Table, TableReference};
 pub use episodes::{
     EPISODES, IN_ERROR, cell_key, cell_key_names, cell_key_references, episode_table, episodes, metrics, run_key_names,
     run_key_references,

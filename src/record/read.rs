@@ -6,7 +6,7 @@ use super::columns::{
     ADVERSARY, AVOIDS, BLOCK, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
     EPISODE_LENGTH, EPISODE_REWARD, ERROR, FRONT, IMPACT_BEARING, IMPACT_SPEED, IN_SIGHT, LEAST_GAP, MIN_TTC, MOVING,
     OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, REWARD, RUN, RUN_ID, TICKS, TOWN, TRAIL,
-    TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT,
+    TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT, WEIGHT,
 };
 use super::episodes::named;
 use super::{CellKey, RunKey};
@@ -14,6 +14,7 @@ use crate::av::DrivingMode;
 use crate::env::{Ending, Outcome, Spawn};
 use crate::geometry::Pose;
 use crate::judge::{Label, Reference};
+use crate::statistics::Weighted;
 
 impl CellKey {
     /// The key in a row of a table.
@@ -50,12 +51,28 @@ impl RunKey {
     }
 }
 
+/// The weights of a table of episodes; 1 for all where it has none.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Weights<'a>(Option<&'a Float64Chunked>);
+
+impl<'a> Weights<'a> {
+    pub(super) fn read(table: &'a DataFrame) -> PolarsResult<Self> {
+        let has = table.get_column_index(WEIGHT.name).is_some();
+        Ok(Self(has.then(|| WEIGHT.read(table)).transpose()?))
+    }
+
+    pub(super) fn get(&self, row: usize) -> f64 {
+        self.0.map_or(1.0, |weights| weights.get(row).unwrap_or_default())
+    }
+}
+
 /// A table of episodes, read row by row.
 ///
 /// Missing numbers are none where that means something, and 0 elsewhere.
 #[derive(Debug, Clone, Copy)]
 pub struct EpisodeTable<'a> {
     table: &'a DataFrame,
+    weights: Weights<'a>,
     episode: &'a UInt32Chunked,
     outcome: &'a StringChunked,
     error: &'a StringChunked,
@@ -91,6 +108,7 @@ impl<'a> EpisodeTable<'a> {
     pub fn new(table: &'a DataFrame) -> PolarsResult<Self> {
         Ok(Self {
             table,
+            weights: Weights::read(table)?,
             episode: EPISODE.read(table)?,
             outcome: OUTCOME.read(table)?,
             error: ERROR.read(table)?,
@@ -135,6 +153,11 @@ impl<'a> EpisodeTable<'a> {
     /// Number of the episode.
     pub fn episode(&self, row: usize) -> u32 {
         self.episode.get(row).unwrap_or_default()
+    }
+
+    /// How much it counts.
+    pub fn weight(&self, row: usize) -> f64 {
+        self.weights.get(row)
     }
 
     /// Why it is in error; none if it is not.
@@ -212,12 +235,14 @@ impl<'a> EpisodeTable<'a> {
         self.in_sight.get(row)
     }
 
-    /// How many collisions a reference driver avoids.
+    /// The collisions that a reference driver avoids, with their weights.
     ///
     /// # Errors
     /// The column is missing or holds something else.
-    pub fn avoided(&self, reference: Reference) -> PolarsResult<u64> {
-        Ok(AVOIDS.read(reference.name(), self.table)?.sum().unwrap_or(0).into())
+    pub fn avoided(&self, reference: Reference) -> PolarsResult<Weighted> {
+        let (avoids, mut all) = (AVOIDS.read(reference.name(), self.table)?, Weighted::default());
+        self.rows().filter(|row| avoids.get(*row) == Some(true)).for_each(|row| all.include(self.weight(row)));
+        Ok(all)
     }
 
     /// The start.

@@ -17,4 +17,7 @@ pub struct EpisodeRow {
     pub verdict: Option<Verdict>,
     /// How near it came to a touch.
     pub near_miss: NearMiss,
+    /// How much it counts: the probability of its start in the scenario by that with which it was drawn. 1 today, since starts are
+    /// drawn as the scenario says; tables have no column of it yet.
+    pub weight: f64,
 }

@@ -3,16 +3,18 @@ use polars::prelude::{DataFrame, PolarsResult};
 use super::EpisodeRow;
 use super::columns::{COLLISION, OUTCOME};
 use super::episodes::named;
+use super::read::Weights;
+use crate::statistics::Weighted;
 
 /// Some episodes of an evaluation, counted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Tally {
     /// The number of episodes.
     pub episodes: u32,
-    /// The number without error.
-    pub valid: u64,
-    /// The number of collisions.
-    pub collisions: u64,
+    /// Those without error, with their weights.
+    pub valid: Weighted,
+    /// The collisions, with their weights.
+    pub collisions: Weighted,
     /// Whether no more are needed.
     pub enough: bool,
 }
@@ -23,19 +25,28 @@ impl Tally {
     /// # Errors
     /// A column is missing or holds something else.
     pub fn of(table: &DataFrame) -> PolarsResult<Self> {
-        let errors = OUTCOME.read(table)?.iter().filter(|outcome| *outcome == Some(named::ERROR)).count();
-        Ok(Self {
-            episodes: table.height() as u32,
-            valid: (table.height() - errors) as u64,
-            collisions: u64::from(COLLISION.read(table)?.sum().unwrap_or_default()),
-            enough: false,
-        })
+        let (outcomes, collisions) = (OUTCOME.read(table)?, COLLISION.read(table)?);
+        let weights = Weights::read(table)?;
+        let mut tally = Self::default();
+        for row in 0..table.height() {
+            let (in_error, hit) = (outcomes.get(row) == Some(named::ERROR), collisions.get(row).unwrap_or_default());
+            tally.count(weights.get(row), in_error, hit);
+        }
+        Ok(tally)
+    }
+
+    fn count(&mut self, weight: f64, in_error: bool, collision: bool) {
+        self.episodes += 1;
+        if !in_error {
+            self.valid.include(weight);
+        }
+        if collision {
+            self.collisions.include(weight);
+        }
     }
 
     /// Counts an episode too.
     pub fn add(&mut self, row: &EpisodeRow) {
-        self.episodes += 1;
-        self.valid += u64::from(row.outcome.fault().is_none());
-        self.collisions += u64::from(row.outcome.is_collision());
+        self.count(row.weight, row.outcome.fault().is_some(), row.outcome.is_collision());
     }
 }

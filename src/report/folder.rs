@@ -8,30 +8,10 @@ use polars_io::csv::write::CsvWriter;
 use polars_io::parquet::write::ParquetWriter;
 use tempfile::TempDir;
 
-use super::TableStream;
+use super::{TableStream, catalogue};
 
 /// The file whose presence marks a folder as a finished report.
 pub(super) const MARK: &str = "manifest.toml";
-/// The tables of a report, as CSV and Parquet.
-const TABLES: &[&str] = &[
-    "episodes",
-    "ticks",
-    "runs",
-    "cells",
-    "comparisons",
-    "transfer",
-    "published",
-    "failure_modes",
-    "mode_counts",
-    "mode_accumulation",
-    "explanations",
-    "explanation_features",
-    "learning_curve",
-    "searches",
-    "search_cells",
-    "search_failures",
-];
-
 /// Why a report could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
@@ -275,7 +255,7 @@ fn make_way(place: &Path) -> Result<(), WriteError> {
 fn is_ours(name: &str) -> bool {
     let (stem, extension) = name.split_once('.').unwrap_or((name, ""));
     match extension {
-        "csv" | "parquet" => TABLES.contains(&stem),
+        "csv" | "parquet" => catalogue().iter().any(|table| table.name == stem),
         "svg" => {
             ["learning_", "town-", "figure-"].iter().any(|prefix| stem.starts_with(prefix))
                 || stem == "mode_accumulation"

@@ -1,13 +1,13 @@
 use std::collections::BTreeMap;
 
+use super::aggregate::{CELLS, RUNS};
 use super::failure_modes::{self, CellModes};
-use super::metrics::{CELLS, RUNS};
 use super::render::{
     Section, accumulation_figure, file_names, mode_panels, modes_section, published_section, rule_bars, search_section,
     summary, trainings_section, write_page,
 };
 use super::{
-    FailureModes, Gathered, Manifest, Metrics, ReportFolder, WriteError, beside, evidence, learning_curve, published,
+    FailureModes, Gathered, Manifest, Metrics, ReportFolder, WriteError, beside, infer, learning_curve, published,
     search_cell_table, search_cells, search_failures, searches, town_map,
 };
 use crate::campaign::Finished;
@@ -38,10 +38,10 @@ pub fn write(
     let metrics = Metrics::of_runs(gathered.runs.clone()).map_err(failed(CELLS))?;
     folder.table(RUNS, &metrics.runs)?;
     let evidence = &gathered.evidence;
-    let cells = metrics.cells.hstack(&evidence::cell_columns(&evidence.cells)).map_err(failed(CELLS))?;
+    let cells = metrics.cells.hstack(&infer::cell_columns(&evidence.cells)).map_err(failed(CELLS))?;
     folder.table(CELLS, &cells)?;
-    folder.table("comparisons", &evidence::comparison_table(&evidence.comparisons))?;
-    folder.table("transfer", &evidence::transfer_table(&evidence.transfers))?;
+    folder.table("comparisons", &infer::comparison_table(&evidence.comparisons))?;
+    folder.table("transfer", &infer::transfer_table(&evidence.transfers))?;
     let modes = modes.finish();
     let modes_sections = write_failure_modes(folder, &modes)?;
     folder.table("learning_curve", &learning_curve(&finished.trainings))?;

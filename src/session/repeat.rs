@@ -65,6 +65,7 @@ impl Source {
             outcome,
             verdict,
             near_miss,
+            weight: 1.0,
         }]);
         let scenario = &evaluation.scenario;
         self.compared(name, who(evaluation), scenario, (outcome, trace, verdict), &stored, &again)

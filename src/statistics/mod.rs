@@ -10,6 +10,7 @@ mod quantile;
 mod mcnemar;
 mod adjust;
 mod sample;
+mod weighted;
 
 pub use adjust::{benjamini_hochberg, holm};
 pub use mcnemar::mcnemar;
@@ -17,6 +18,7 @@ pub use normal::{normal_below, normal_quantile};
 pub use quantile::{interquartile_mean, quantile};
 pub use sample::{Estimate, Sample};
 pub use student::{mean_interval, student_quantile, student_tails};
+pub use weighted::Weighted;
 pub use wilson::{wilson, wilson_at};
 
 /// The cases of a name that `tests/reference/statistics/record_statistics.py` has recorded, each a list of numbers.

@@ -1,6 +1,6 @@
 use rand::Rng;
 
-use super::{normal_quantile, quantile, student_quantile, student_tails};
+use super::{Weighted, normal_quantile, quantile, student_quantile, student_tails};
 use crate::seed::{Seed, Stream};
 
 /// How often a sample is drawn again.
@@ -24,8 +24,8 @@ pub struct Sample {
     pub first: usize,
     /// Whether the members of each group come from trainings, so that one of them says nothing about another.
     pub trained: [bool; 2],
-    /// From how many episodes a figure is estimated.
-    pub episodes: u64,
+    /// The episodes that a figure is estimated from; with weights their effective number counts.
+    pub episodes: Weighted,
 }
 
 /// What is said about further trainings by a test: a 95 % interval, and how probable a figure so far from 0 is by chance.
@@ -112,7 +112,7 @@ impl Sample {
         let [(first, _), (second, _)] = self.groups();
         common -= 2.0 * self.mean_covariance(&first, &second);
         let variance = between + common.max(0.0);
-        let least = 1.0 / self.episodes.max(1) as f64;
+        let least = 1.0 / self.episodes.effective_size().max(1.0);
         let (error, degrees) = if variance <= least * least {
             (least, fewest)
         } else {

@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{CODE, Ids, State, Store, StoreError};
 use crate::campaign::{CHUNK, Cell, cells};
-use crate::compile::{Campaign, Evaluation, Pedestrian};
+use crate::compile::Campaign;
+use crate::record::RunKey;
 
 /// What is remembered of a campaign: which cells it wanted last, and from what each of its cells was made last. It only explains; what
 /// is there is there without it.
@@ -129,29 +130,16 @@ fn recipe(campaign: &Campaign, cell: Cell) -> String {
 pub fn cell_name(campaign: &Campaign, cell: Cell) -> String {
     match cell {
         Cell::Training(index) => {
-            let key = &campaign.trainings[index].key;
-            format!("train {} in {} against {}, run {}", key.reward, key.town, key.policy, key.run)
+            format!("train {}", campaign.trainings[index].key)
         }
         Cell::Chunk { evaluation, chunk } => {
-            let each = &campaign.evaluations[evaluation];
-            let place = format!("{} in {} against {}", pedestrian(each), each.town, each.policy);
-            let body = format!("{}, {}, block {}", each.vehicle, each.adversary, each.block);
-            format!("try {place} ({body}) from episode {}", u64::from(chunk) * u64::from(CHUNK))
+            let key = RunKey::of(&campaign.evaluations[evaluation]);
+            let first = u64::from(chunk) * u64::from(CHUNK);
+            format!("try {}, run {}, from episode {first}", key.cell.in_full(), key.run)
         }
         Cell::Search(index) => {
             let key = &campaign.searches[index].key;
-            let place = format!("{} in {} against {}", key.falsifier, key.town, key.policy);
-            format!("search {place}, run {}, block {}", key.run, key.block)
+            format!("search {key}, block {}", key.block)
         }
-    }
-}
-
-fn pedestrian(evaluation: &Evaluation) -> String {
-    let (who, key) = (evaluation.pedestrian, &evaluation.trained);
-    match who {
-        Pedestrian::Trained(_) | Pedestrian::Sampled(_) => {
-            format!("{} {} of {} against {}, run {}", who.name(), key.reward, key.town, key.policy, key.run)
-        }
-        _ => format!("{} ({}, run {})", who.name(), key.reward, key.run),
     }
 }

@@ -36,7 +36,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
         ],
     ),
     ("judge", &["geometry", "sim", "av", "env"]),
-    ("record", &["geometry", "av", "env", "compile", "judge"]),
+    ("record", &["statistics", "geometry", "av", "env", "compile", "judge"]),
     ("campaign", &["seed", "statistics", "rl", "env", "compile", "falsifier", "judge", "record"]),
     ("analysis", &["seed", "av", "env", "judge"]),
     (

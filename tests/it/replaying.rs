@@ -69,16 +69,7 @@ fn a_report_can_be_replayed_drawn_and_verified() {
     let told: serde_json::Value = serde_json::from_slice(&told.stdout).unwrap();
     assert_eq!((told["equal"].as_bool(), told["digest"].as_str()), (Some(true), Some(hit[3].as_str())));
     let way = std::fs::read_to_string(here.join("way.csv")).unwrap();
-    let dictionary = include_str!("../../reports/README.md");
-    let (_, part) = dictionary.split_once("\nTicks, one row each").unwrap();
-    let (part, _) = part.split_once("\n## ").unwrap();
-    let cells = part.lines().filter_map(|line| line.strip_prefix("| `")?.split("` |").next());
-    let explained: Vec<&str> = cells.flat_map(|cell| cell.split("`, `")).collect();
-    assert_eq!(
-        explained,
-        way.lines().next().unwrap().split(',').collect::<Vec<_>>(),
-        "reports/README.md, in its order"
-    );
+    assert_eq!(crate::tidy::explained("ticks"), way.lines().next().unwrap().split(',').collect::<Vec<_>>());
     let ticks = rows(here, "way", &["tick", "gap_m"]);
     assert_eq!(ticks.len().to_string(), (hit[5].parse::<usize>().unwrap() + 1).to_string());
 

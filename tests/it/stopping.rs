@@ -46,7 +46,7 @@ fn an_evaluation_ends_at_the_first_look_at_which_its_interval_is_narrow_enough()
         let first = rule
             .looks()
             .into_iter()
-            .find(|look| *look as usize > rows.len() || rule.is_met(hits(*look), (*look).into()));
+            .find(|look| *look as usize > rows.len() || rule.is_met(hits(*look), u64::from(*look)));
         assert_eq!(first, Some(rows.len() as u32), "{pedestrian}");
         assert!(rows.iter().zip(0..).all(|(row, episode)| row.episode == episode));
     }

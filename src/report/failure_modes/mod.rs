@@ -15,4 +15,6 @@ pub use campaign::FailureModes;
 pub use cell::{CellModes, Mode, Target};
 pub use repeat::MOST as MOST_REPEATED;
 pub use sample::{MOST_CASES, MOST_FAILURES};
-pub use tables::{accumulated, explanation_features, explanations, failure_modes, mode_accumulation, mode_counts};
+pub use tables::{
+    accumulated, explanation_features, explanations, failure_modes, mode_accumulation, mode_counts, references,
+};

@@ -5,7 +5,7 @@ use crate::statistics::recorded;
 fn exact(first: &[f64], second: &[f64]) -> Sample {
     let values = [first, second].concat();
     let covariance = vec![0.0; values.len() * values.len()];
-    Sample { covariance, first: first.len(), values, trained: [true; 2], episodes: 1_000 }
+    Sample { covariance, first: first.len(), values, trained: [true; 2], episodes: 1_000.into() }
 }
 
 /// Values, covariance, and who belongs to the first group, as `record_statistics.py` writes them.
@@ -18,7 +18,7 @@ fn unpack(case: &[f64]) -> (Sample, &[f64]) {
         covariance: covariance.to_vec(),
         first,
         trained: [true; 2],
-        episodes: case[2] as u64,
+        episodes: (case[2] as u64).into(),
     };
     (sample, wanted)
 }

@@ -5,6 +5,7 @@ use polars::prelude::{DataFrame, PolarsResult};
 use super::super::sections::{place, training};
 use crate::record::{CellKey, metric};
 use crate::report::Cell;
+use crate::statistics::Weighted;
 
 /// A cell with what it is called on the page.
 #[derive(Debug, Clone)]
@@ -77,9 +78,9 @@ pub const RATES: [metric::Rate; 3] = [metric::COLLISION_RATE, metric::MOVING_RAT
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct RunRates {
     /// Episodes of all runs.
-    pub episodes: u64,
+    pub episodes: Weighted,
     /// Failures of all runs.
-    pub failures: [u64; 3],
+    pub failures: [Weighted; 3],
     /// The rate of each run.
     pub rates: [Vec<f64>; 3],
 }
@@ -96,10 +97,10 @@ pub fn run_rates(runs: &DataFrame) -> PolarsResult<BTreeMap<CellKey, RunRates>> 
     for row in 0..runs.height() {
         let found = all.entry(CellKey::read(runs, row)?).or_default();
         let tried = u64::from(episodes.get(row).unwrap_or_default());
-        found.episodes += tried;
+        found.episodes += tried.into();
         for (number, count) in counts.iter().enumerate() {
             let count = u64::from(count.get(row).unwrap_or_default());
-            found.failures[number] += count;
+            found.failures[number] += count.into();
             if tried > 0 {
                 found.rates[number].push(count as f64 / tried as f64);
             }

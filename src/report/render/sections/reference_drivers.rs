@@ -2,19 +2,19 @@ use super::names::{head, names};
 use crate::judge::Reference;
 use crate::report::render::table::{Column, Section, Table, Value};
 use crate::report::{Cell, CellEvidence};
-use crate::statistics::wilson;
+use crate::statistics::{Weighted, wilson};
 
 /// Collision rates with reference drivers at the brake; none without any collision.
 pub fn reference_drivers(cells: &[Cell], evidence: &[(&Cell, &CellEvidence)]) -> Option<Section> {
-    if evidence.iter().all(|(_, found)| found.collisions == 0) {
+    if evidence.iter().all(|(_, found)| found.collisions.count() == 0) {
         return None;
     }
     let mut columns = head();
     columns.push(Column::number("collision rate"));
     columns.extend(Reference::ALL.map(|reference| Column::number(reference.name())));
     let row = |(cell, found): &(&Cell, &CellEvidence)| {
-        let rate = |count: u64| {
-            let share = count as f64 / found.episodes as f64;
+        let rate = |count: Weighted| {
+            let share = count.share_of(&found.episodes).unwrap_or_default();
             Value::Estimate(Some(share), Some(wilson(count, found.episodes)), 2)
         };
         let mut row = names(cell, cells);
@@ -22,7 +22,7 @@ pub fn reference_drivers(cells: &[Cell], evidence: &[(&Cell, &CellEvidence)]) ->
         row.extend(Reference::ALL.map(|reference| rate(found.split(reference).1)));
         row
     };
-    let rows = evidence.iter().filter(|(_, found)| found.episodes > 0).map(row).collect();
+    let rows = evidence.iter().filter(|(_, found)| found.episodes.count() > 0).map(row).collect();
     Some(Section {
         id: "reference-drivers",
         name: "Reference drivers",

@@ -2,8 +2,8 @@ use polars::prelude::*;
 
 use crate::judge::Label;
 use crate::record::metric::{self, How, Which};
-use crate::record::{self, CellKey, columns};
-use crate::statistics::wilson;
+use crate::record::{self, CellKey, ColumnReference, Metric, TableReference, columns};
+use crate::statistics::{Weighted, wilson};
 
 /// The tables of metrics.
 #[derive(Debug, Clone)]
@@ -15,7 +15,7 @@ pub struct Metrics {
 }
 
 /// A mean over runs, and the standard deviation between them when there is more than one.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Spread {
     /// The mean; none when no run has a value.
     pub mean: Option<f64>,
@@ -24,7 +24,7 @@ pub struct Spread {
 }
 
 /// A cell, for people.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Cell {
     /// Which cell.
     pub key: CellKey,
@@ -65,9 +65,9 @@ pub struct Cell {
 }
 
 /// The stem of the files of the table of runs.
-pub(super) const RUNS: &str = "runs";
+pub const RUNS: &str = "runs";
 /// The stem of the files of the table of cells.
-pub(super) const CELLS: &str = "cells";
+pub const CELLS: &str = "cells";
 
 /// Aggregates episodes to runs and runs to cells, each in the order of first appearance. Episodes in which the driver failed
 /// are counted as `errors` and enter nothing else.
@@ -83,8 +83,12 @@ pub fn metrics(episodes: &DataFrame) -> PolarsResult<Metrics> {
 /// # Errors
 /// As [`metrics`].
 pub fn runs(episodes: &DataFrame) -> PolarsResult<DataFrame> {
-    let (all, mut aggregated, mut rates) = (record::metrics(), Vec::new(), Vec::new());
-    for metric in &all {
+    to_runs(episodes, &record::metrics())
+}
+
+fn to_runs(episodes: &DataFrame, metrics: &[Metric]) -> PolarsResult<DataFrame> {
+    let (mut aggregated, mut rates) = (Vec::new(), Vec::new());
+    for metric in metrics {
         match metric.how {
             How::Count(count) => aggregated.push(counted(count.which).alias(count.name())),
             How::Mean(mean) if mean.of_valid => aggregated.push(col(mean.name).filter(valid()).mean()),
@@ -95,39 +99,42 @@ pub fn runs(episodes: &DataFrame) -> PolarsResult<DataFrame> {
     let by_run = record::run_key_names().map(col);
     let runs = episodes.clone().lazy().group_by_stable(by_run.collect::<Vec<_>>()).agg(aggregated).with_columns(rates);
     let mut runs = runs.collect()?;
-    add_intervals(&mut runs, &all)?;
+    add_intervals(&mut runs, metrics)?;
     Ok(runs)
 }
 
-fn of_runs(runs: DataFrame) -> PolarsResult<Metrics> {
-    let all = record::metrics();
+fn to_cells(runs: &DataFrame, metrics: &[Metric]) -> PolarsResult<DataFrame> {
     let mut aggregated = vec![len().cast(DataType::UInt32).alias(metric::RUNS.name())];
-    for metric in &all {
+    for metric in metrics {
         if let How::Count(count) = metric.how {
             aggregated.push(col(count.name()).cast(DataType::UInt32).sum());
         }
     }
-    for name in all.iter().filter(|metric| metric.is_averaged()).map(record::Metric::name) {
+    for name in metrics.iter().filter(|metric| metric.is_averaged()).map(Metric::name) {
         aggregated.push(col(&name).mean().alias(metric::MEAN.name(&name)));
         aggregated.push(col(&name).std(1).alias(metric::SD.name(&name)));
     }
     let by_cell: Vec<Expr> = record::cell_key_names().map(col).collect();
     let mut cells = runs.clone().lazy().group_by_stable(by_cell).agg(aggregated).collect()?;
-    add_intervals(&mut cells, &all)?;
-    Ok(Metrics { runs, cells })
+    add_intervals(&mut cells, metrics)?;
+    Ok(cells)
 }
 
 /// Adds Wilson's intervals to runs or cells.
-fn add_intervals(table: &mut DataFrame, metrics: &[record::Metric]) -> PolarsResult<()> {
+fn add_intervals(table: &mut DataFrame, metrics: &[Metric]) -> PolarsResult<()> {
     for metric in metrics {
         let How::Rate(rate) = metric.how else { continue };
-        let (hits, trials) = (rate.part.read(table)?, rate.whole.read(table)?);
-        let pairs = hits.into_no_null_iter().zip(trials.into_no_null_iter());
-        let (low, high): (Vec<f64>, Vec<f64>) = pairs.map(|(hits, trials)| wilson(hits.into(), trials.into())).unzip();
+        let pairs = weighted(rate.part, table)?.into_iter().zip(weighted(rate.whole, table)?);
+        let (low, high): (Vec<f64>, Vec<f64>) = pairs.map(|(hits, trials)| wilson(hits, trials)).unzip();
         table.with_column(Column::new(metric::WILSON_LOW.name(rate.name).into(), low))?;
         table.with_column(Column::new(metric::WILSON_HIGH.name(rate.name).into(), high))?;
     }
     Ok(())
+}
+
+/// A count of runs or cells. Episodes have no weights in these tables yet, so they are plain.
+fn weighted(count: metric::Count, table: &DataFrame) -> PolarsResult<Vec<Weighted>> {
+    Ok(count.read(table)?.into_no_null_iter().map(|count| u64::from(count).into()).collect())
 }
 
 /// Whether the driver drove to the end of the episode.
@@ -152,13 +159,51 @@ fn ratio(part: &str, whole: &str) -> Expr {
     when(col(whole).gt(lit(0u32))).then(share).otherwise(lit(NULL).cast(DataType::Float64))
 }
 
+/// What is said of the tables of runs and of cells; what [`infer`](crate::report::infer) adds to the latter is not among it.
+pub fn references(metrics: &[Metric]) -> [TableReference; 2] {
+    let interval = |metric: &Metric| match metric.how {
+        How::Rate(rate) => vec![metric::WILSON_LOW.reference(rate.name), metric::WILSON_HIGH.reference(rate.name)],
+        _ => Vec::new(),
+    };
+    let is_rate = |metric: &&Metric| matches!(metric.how, How::Rate(_));
+    let is_count = |metric: &&Metric| matches!(metric.how, How::Count(_));
+    let mut runs = record::run_key_references();
+    runs.extend(metrics.iter().filter(|metric| !is_rate(metric)).map(Metric::reference));
+    runs.extend(metrics.iter().filter(is_rate).map(Metric::reference));
+    runs.extend(metrics.iter().flat_map(interval));
+    let mut cells = record::cell_key_references();
+    cells.push(metric::RUNS.at(0).reference());
+    cells.extend(metrics.iter().filter(is_count).map(Metric::reference));
+    for averaged in metrics.iter().filter(|metric| metric.is_averaged()).map(Metric::reference) {
+        let over = |family: &record::Family<f64>| {
+            let doc = format!("{}: {}", averaged.doc, "mean and sample standard deviation over the runs of the cell");
+            ColumnReference { unit: averaged.unit.clone(), doc: doc.into(), ..family.reference(&averaged.name) }
+        };
+        cells.extend([over(&metric::MEAN), over(&metric::SD)]);
+    }
+    cells.extend(metrics.iter().flat_map(interval));
+    [
+        TableReference {
+            name: RUNS,
+            doc: "One row for each run: a controller of one training in one town against one policy.",
+            columns: runs,
+        },
+        TableReference {
+            name: CELLS,
+            doc: "One row for each cell: all runs that differ in their number alone.",
+            columns: cells,
+        },
+    ]
+}
+
 impl Metrics {
     /// Aggregates runs to cells.
     ///
     /// # Errors
     /// Those of polars; none for a table made by `runs`.
     pub fn of_runs(runs: DataFrame) -> PolarsResult<Self> {
-        of_runs(runs)
+        let cells = to_cells(&runs, &record::metrics())?;
+        Ok(Self { runs, cells })
     }
 
     /// The cells, for people.
@@ -262,6 +307,7 @@ mod tests {
             },
             verdict,
             near_miss: crate::judge::NearMiss::default(),
+            weight: 1.0,
         }
     }
 
@@ -311,6 +357,31 @@ mod tests {
         assert_eq!(cell.collision, Spread { mean: Some(0.5), sd: None }, "a run of errors alone has no rate");
         assert_eq!(cell.reward_sum.mean, Some(2.5));
         assert_eq!(cell.interval, wilson(1, 2));
+    }
+
+    #[test]
+    fn a_new_quantity_of_an_episode_is_one_entry() {
+        const HURRY: record::Column<f64> = record::Column::new("hurry", "1/s", "how soon it was over");
+        let entry = HURRY.of(|row: &EpisodeRow| 1.0 / f64::from(row.outcome.ticks)).aggregated([metric::Mean::new(
+            &HURRY,
+            "mean hurry",
+        )
+        .at(u8::MAX)]);
+        let table = record::episode_table().column(entry);
+        let all = table.metrics();
+        let episodes = table.frame(&[row(0, 0, None), row(1, 0, Some((true, 4.0)))]);
+        let runs = to_runs(&episodes, &all).unwrap();
+        let cells = to_cells(&runs, &all).unwrap();
+        for (table, name) in [(&episodes, "hurry"), (&runs, "hurry"), (&cells, "hurry_mean"), (&cells, "hurry_sd")] {
+            assert!(table.column(name).is_ok(), "{name}");
+        }
+        assert_eq!(cells.column("hurry_mean").unwrap().f64().unwrap().get(0), Some(0.1));
+        let [said_of_runs, said_of_cells] = references(&all);
+        assert!(said_of_runs.columns.iter().any(|column| column.name == "hurry" && column.doc == "mean hurry"));
+        assert!(said_of_cells.columns.iter().any(|column| column.name == "hurry_mean" && column.unit == "1/s"));
+        // All else stays as it is.
+        let before = metrics(&record::episodes(&[])).unwrap();
+        assert_eq!((cells.width(), runs.width()), (before.cells.width() + 2, before.runs.width() + 1));
     }
 
     #[test]

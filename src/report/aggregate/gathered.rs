@@ -2,11 +2,11 @@ use std::collections::BTreeMap;
 
 use polars::prelude::{DataFrame, PolarsResult};
 
-use super::evidence::{Evidence, Gathering};
 use super::metrics::runs;
-use super::{Episodes, FailureModes, ReportFolder, Run, Starts, Tally, WriteError};
+use super::{Episodes, Run};
 use crate::compile::Evaluation;
 use crate::record::{self, EPISODES, EpisodeTable};
+use crate::report::{Evidence, FailureModes, Gathering, ReportFolder, Starts, Tally, WriteError};
 use crate::seed::Seed;
 
 /// What one pass over all episodes brings: small tables, counts, and a bounded sample.

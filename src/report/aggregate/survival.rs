@@ -59,7 +59,7 @@ mod tests {
     use super::*;
 
     /// Recorded from lifelines by `tests/reference/kaplan_meier/record_medians.py`.
-    const RECORDED: &str = include_str!("../../tests/reference/kaplan_meier/medians.json");
+    const RECORDED: &str = include_str!("../../../tests/reference/kaplan_meier/medians.json");
 
     #[test]
     fn medians_and_intervals_are_those_of_lifelines() {

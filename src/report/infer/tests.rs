@@ -3,9 +3,10 @@ use crate::av::DrivingMode;
 use crate::env::{Ending, Outcome, Spawn};
 use crate::geometry::Pose;
 use crate::judge::NearMiss;
+use crate::record::columns::WEIGHT;
 use crate::record::{CellKey, EpisodeRow, RunKey, episodes};
 use crate::seed::Seed;
-use polars::prelude::DataFrame;
+use polars::prelude::{Column, DataFrame};
 
 /// A run whose episodes collide, with a moving car, where the word says `x`; `e` is an error.
 fn run(controller: &str, reward: &str, run: u32, town: &str, word: &str) -> DataFrame {
@@ -48,6 +49,7 @@ fn run(controller: &str, reward: &str, run: u32, town: &str, word: &str) -> Data
             },
             verdict: None,
             near_miss: NearMiss { min_ttc: Some(episode as f64), pet: None },
+            weight: 1.0,
         }
     };
     episodes(&word.chars().enumerate().map(row).collect::<Vec<_>>())
@@ -67,7 +69,7 @@ fn every_run_is_listed_and_quantiles_leave_collisions_apart() {
         run("trained", "r1", 2, "a", "....."),
     ]);
     let [cell] = &found.cells[..] else { panic!("{found:?}") };
-    assert_eq!((cell.episodes, cell.collisions), (14, 6));
+    assert_eq!((cell.episodes, cell.collisions), (14.into(), 6.into()));
     let between = cell.between(Figure::Collision);
     assert_eq!(between.by_run, [Some(0.6), Some(0.75), Some(0.0)]);
     assert!((between.iqm.unwrap() - 0.45).abs() < 1e-12);
@@ -173,4 +175,27 @@ fn what_is_not_kept_counts_in_sums_and_hardly_changes_an_interval() {
     for (exact, near) in exact.covariance.iter().zip(&near.covariance) {
         assert!((near / exact - 1.0).abs() < 0.02 || (near - exact).abs() < 1e-6, "{near} for {exact}");
     }
+}
+
+#[test]
+fn episodes_count_by_their_weights() {
+    let word = "xx..x.....";
+    let with = |weight: fn(usize) -> f64| {
+        let weights: Vec<f64> = (0..word.len()).map(weight).collect();
+        let mut run = run("trained", "r1", 0, "a", word);
+        run.with_column(Column::new(WEIGHT.name.into(), weights)).unwrap();
+        gather(vec![run]).cells.remove(0)
+    };
+    let plain = gather(vec![run("trained", "r1", 0, "a", word)]).cells.remove(0);
+    let rate = |cell: &CellEvidence| cell.between(Figure::Collision).by_run[0].unwrap();
+    assert_eq!(with(|_| 1.0), plain, "weights of 1 are none");
+    assert!((rate(&with(|_| 0.25)) - rate(&plain)).abs() < 1e-12, "equal weights change no rate");
+    // The first three, of which two collide, count ten times: 21 of 37.
+    let heavy = with(|episode| if episode < 3 { 10.0 } else { 1.0 });
+    assert!((rate(&heavy) - 21.0 / 37.0).abs() < 1e-12);
+    assert_eq!((heavy.collisions.count(), heavy.collisions.sum()), (3, 21.0));
+    let width = |cell: &CellEvidence| cell.between(Figure::Collision).bootstrap.map(|(low, high)| high - low).unwrap();
+    assert!(width(&heavy) > width(&plain), "unequal weights say less");
+    // A reward's mean counts by weight, too, and other figures follow.
+    assert_eq!(heavy.between(Figure::Reward).by_run, [Some(0.0)]);
 }

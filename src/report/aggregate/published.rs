@@ -1,7 +1,8 @@
-use polars::prelude::{Column, DataFrame, NamedFrom, Series};
+use polars::prelude::DataFrame;
 
 use super::{Cell, Spread};
 use crate::compile::{Published, PublishedCell, PublishedFigure};
+use crate::record::{Column, Interval, Table, cell_key, metric};
 use crate::statistics::student_quantile;
 
 /// A spread that is printed as 0.00 may have been as large as this.
@@ -98,15 +99,7 @@ fn matching<'a>(theirs: &'a PublishedCell, cells: &'a [Cell]) -> impl Iterator<I
 }
 
 fn compare<'a>(table: &'a Published, published: PublishedFigure, cell: &'a Cell) -> Beside<'a> {
-    let ours = match published.column {
-        "collision_rate" => cell.collision,
-        "front_rate" => cell.front,
-        "moving_rate" => cell.moving,
-        "episode_reward" => cell.reward_sum,
-        "episode_length_s" => cell.length,
-        "impact_speed_mps" => cell.impact_speed,
-        other => panic!("`{other}` is no figure of a cell"),
-    };
+    let ours = figure(cell, published.column).expect("checked: every published figure is one of a cell");
     let difference = ours.mean.map(|mean| mean - published.mean);
     let interval = difference.zip(ours.sd).zip(published.sd).and_then(|((difference, sd), theirs)| {
         let half = welch((sd, cell.runs), (theirs.max(ROUNDED_AWAY), table.runs))?;
@@ -114,6 +107,19 @@ fn compare<'a>(table: &'a Published, published: PublishedFigure, cell: &'a Cell)
     });
     let (source, docs) = (&table.source, &table.docs);
     Beside { source, docs, cell, published, published_runs: table.runs, ours, difference, interval }
+}
+
+/// The figure of a cell that published ones are compared with, by its column without `_mean`.
+fn figure(cell: &Cell, column: &str) -> Option<Spread> {
+    let figures = [
+        (metric::COLLISION_RATE.name, cell.collision),
+        (metric::FRONT_RATE.name, cell.front),
+        (metric::MOVING_RATE.name, cell.moving),
+        (metric::EPISODE_REWARD.name, cell.reward_sum),
+        (metric::EPISODE_LENGTH.name, cell.length),
+        (metric::IMPACT_SPEED.name, cell.impact_speed),
+    ];
+    figures.into_iter().find(|(name, _)| *name == column).map(|(_, spread)| spread)
 }
 
 /// Half the width of Welch's 95 % interval of a difference of two means, from their standard deviations and numbers.
@@ -128,44 +134,66 @@ fn welch((a, n): (f64, u32), (b, m): (f64, u32)) -> Option<f64> {
 
 /// Published figures beside ours as a table, one row for each figure.
 pub fn published(all: &[Beside<'_>]) -> DataFrame {
-    let text = |name: &str, value: &dyn Fn(&Beside<'_>) -> String| {
-        Column::from(Series::new(name.into(), all.iter().map(value).collect::<Vec<String>>()))
-    };
-    let count = |name: &str, value: &dyn Fn(&Beside<'_>) -> u32| {
-        Column::from(Series::new(name.into(), all.iter().map(value).collect::<Vec<u32>>()))
-    };
-    let number = |name: &str, value: &dyn Fn(&Beside<'_>) -> Option<f64>| {
-        Column::from(Series::new(name.into(), all.iter().map(value).collect::<Vec<Option<f64>>>()))
-    };
-    let columns = vec![
-        text("source", &|row| row.source.to_string()),
-        text("reward", &|row| row.cell.key.reward.clone()),
-        text("train_town", &|row| row.cell.key.train_town.clone()),
-        text("train_policy", &|row| row.cell.key.train_policy.clone()),
-        text("pedestrian", &|row| row.cell.key.controller.clone()),
-        text("town", &|row| row.cell.key.town.clone()),
-        text("policy", &|row| row.cell.key.policy.clone()),
-        text("vehicle", &|row| row.cell.key.vehicle.clone()),
-        text("adversary", &|row| row.cell.key.adversary.clone()),
-        count("block", &|row| row.cell.key.block),
-        text("figure", &|row| row.published.column.to_string()),
-        number("published_mean", &|row| Some(row.published.mean)),
-        number("published_sd", &|row| row.published.sd),
-        count("published_runs", &|row| row.published_runs),
-        number("mean", &|row| row.ours.mean),
-        number("sd", &|row| row.ours.sd),
-        count("runs", &|row| row.cell.runs),
-        number("difference", &|row| row.difference),
-        number("difference_low", &|row| row.interval.map(|interval| interval.0)),
-        number("difference_high", &|row| row.interval.map(|interval| interval.1)),
-        text("agreement", &|row| row.agreement().name().to_string()),
-    ];
-    DataFrame::new(all.len(), columns).expect("all columns have a value for every row")
+    published_table().frame(&all.iter().collect::<Vec<_>>())
+}
+
+/// The columns of [`published`].
+pub fn published_table<'a>() -> Table<'a, &'a Beside<'a>> {
+    type Row<'a> = &'a Beside<'a>;
+    let (text, number) = (Column::<String>::new, Column::<f64>::new);
+    Table::new(
+        "published",
+        "One row for each figure that others have published and the campaign names with `beside`, with ours and the difference.",
+    )
+    .column(text("source", "", "where the published figure is from").of(|row: &Row<'_>| row.source.to_string()))
+    .columns(cell_key(|row: &Row<'_>| &row.cell.key))
+    .column(
+        text("figure", "", "our column for the figure, without `_mean`").of(|row: &Row<'_>| row.published.column),
+    )
+    .column(number("published_mean", "as the figure", "published mean").of(|row: &Row<'_>| row.published.mean))
+    .column(
+        number("published_sd", "as the figure", "published standard deviation").of(|row: &Row<'_>| row.published.sd),
+    )
+    .column(
+        Column::<u32>::new("published_runs", "", "number of trainings of the published figure")
+            .of(|row: &Row<'_>| row.published_runs),
+    )
+    .column(number("mean", "as the figure", "our mean").of(|row: &Row<'_>| row.ours.mean))
+    .column(number("sd", "as the figure", "our standard deviation").of(|row: &Row<'_>| row.ours.sd))
+    .column(Column::<u32>::new("runs", "", "number of our trainings").of(|row: &Row<'_>| row.cell.runs))
+    .column(number("difference", "as the figure", "ours less theirs").of(|row: &Row<'_>| row.difference))
+    .columns(
+        Interval::new(
+            "difference",
+            "as the figure",
+            "Welch's 95 % interval of the difference between trainings here and there; a published spread of 0.00 counts as 0.004",
+        )
+        .of(|row: &Row<'_>| row.interval),
+    )
+    .column(
+        text(
+            "agreement",
+            "",
+            "`within its spread` (no farther from the published mean than its standard deviation), `indistinct` (farther, but the interval \
+             contains 0), `differs`, or `unknown` without spreads",
+        )
+        .of(|row: &Row<'_>| row.agreement().name()),
+    )
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_figure_that_can_be_published_is_one_of_a_cell() {
+        let row = crate::record::episodes(&[]);
+        let metrics = crate::report::metrics(&row).unwrap();
+        for column in crate::compile::published_columns() {
+            assert!(figure(&Cell::default(), column).is_some(), "{column}");
+            assert!(metrics.cells.column(&metric::MEAN.name(column)).is_ok(), "{column}");
+        }
+    }
 
     #[test]
     fn welchs_interval_is_scipys() {

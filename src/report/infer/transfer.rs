@@ -1,5 +1,6 @@
 use std::collections::BTreeMap;
 
+use super::place::least;
 use super::{CellEvidence, Figure};
 use crate::record::CellKey;
 use crate::seed::Seed;
@@ -108,7 +109,7 @@ fn gap(home: &(Vec<u32>, Sample), away: &(Vec<u32>, Sample)) -> Option<(Sample, 
         covariance,
         first: pairs.len(),
         trained: [true; 2],
-        episodes: home.1.episodes.min(away.1.episodes),
+        episodes: least([home.1.episodes, away.1.episodes].into_iter()),
     };
     let means = [
         pairs.iter().map(|(i, _)| home.1.values[*i]).sum::<f64>() / n,

@@ -2,7 +2,7 @@ use std::ops::Range;
 
 use super::Figure;
 use super::tried::Tried;
-use crate::statistics::Sample;
+use crate::statistics::{Sample, Weighted};
 
 /// All runs that were tried from the same beginnings, with those of a cell side by side.
 pub struct Place {
@@ -66,9 +66,14 @@ impl Place {
             covariance,
             first: first.len(),
             trained: [trained(cell), other.is_some_and(trained)],
-            episodes: members.iter().map(|run| self.tried[*run].episodes()).min().unwrap_or(0),
+            episodes: least(members.iter().map(|run| self.tried[*run].episodes())),
         })
     }
+}
+
+/// The count that says least.
+pub fn least(counts: impl Iterator<Item = Weighted>) -> Weighted {
+    counts.min_by(|a, b| a.effective_size().total_cmp(&b.effective_size())).unwrap_or_default()
 }
 
 /// A figure of all runs of a place.

@@ -5,11 +5,13 @@ use polars::prelude::{DataFrame, PolarsError, PolarsResult};
 use polars_io::parquet::write::{BatchedWriter, ParquetWriter};
 use rayon::prelude::*;
 
-use super::{Episodes, ReportFolder, WriteError, ticks};
+use super::ticks::TICKS;
+use super::{Episodes, ticks};
 use crate::campaign::{Finished, watch};
 use crate::compile::{Evaluation, Pedestrian};
 use crate::env::{Outcome, Trace};
 use crate::record::EpisodeTable;
+use crate::report::{ReportFolder, WriteError};
 use crate::rl::ActorCritic;
 use crate::seed::Seed;
 
@@ -43,7 +45,7 @@ impl<'a> Wanted<'a> {
                 trained.and_then(|training| training.result.as_ref().ok()).map(|trained| &trained.actor_critic);
             let learnt = matches!(evaluation.pedestrian, Pedestrian::Trained(_) | Pedestrian::Sampled(_));
             let chosen = run.parts().map(|part| chosen(&part?, all)).collect::<PolarsResult<Vec<_>>>();
-            let episodes = chosen.map_err(|source| WriteError::Table { name: "ticks".into(), source })?.concat();
+            let episodes = chosen.map_err(|source| WriteError::Table { name: TICKS.into(), source })?.concat();
             if !episodes.is_empty() && (trained.is_some() || !learnt) {
                 wanted.push(Self { evaluation, trained: trained.filter(|_| learnt), episodes });
             }
@@ -87,8 +89,9 @@ pub fn write_ticks(folder: &ReportFolder, seed: &Seed, wanted: &[Wanted<'_>]) ->
         together.into_iter().flatten()
     });
     let Some(first) = tables.next() else { return Ok(()) };
-    folder
-        .write("ticks.parquet", |file| stream(file, first, tables).map_err(|error| io::Error::other(error.to_string())))
+    folder.write(&format!("{TICKS}.parquet"), |file| {
+        stream(file, first, tables).map_err(|error| io::Error::other(error.to_string()))
+    })
 }
 
 /// Writes tables of the same columns one after another.

@@ -4,6 +4,7 @@ use super::Figure;
 use crate::judge::{Label, Reference};
 use crate::record::{CellKey, EpisodeTable};
 use crate::seed::Seed;
+use crate::statistics::Weighted;
 
 impl CellKey {
     /// The branch of a seed that belongs to the place.
@@ -47,16 +48,18 @@ pub struct Tried {
     /// Post-encroachment times of the other episodes (s), of those that have one and are kept.
     pub pet: Vec<f64>,
     /// How many collisions each reference driver avoids.
-    pub avoided: [u64; 6],
+    pub avoided: [Weighted; 6],
     /// How many episodes there are, errors among them.
     size: usize,
-    /// How many of all episodes have each flag.
-    counts: [u64; 5],
-    /// Sum over all episodes.
+    /// The episodes with each flag, of all.
+    counts: [Weighted; 5],
+    /// Sum over all episodes, each times its weight.
     reward: f64,
     /// Of the episodes that are kept.
     flags: Vec<u8>,
     rewards: Vec<f64>,
+    /// How much each of them counts; empty where all count 1.
+    weights: Vec<f64>,
 }
 
 impl Tried {
@@ -75,12 +78,13 @@ impl Tried {
             impact_speeds: Vec::new(),
             min_ttc: Vec::new(),
             pet: Vec::new(),
-            avoided: [0; 6],
+            avoided: Default::default(),
             size,
-            counts: [0; 5],
+            counts: Default::default(),
             reward: -0.0,
             flags: Vec::new(),
             rewards: Vec::new(),
+            weights: Vec::new(),
         };
         for row in table.rows().filter(|row| table.error(*row).is_none()) {
             let episode = table.episode(row) as usize;
@@ -92,14 +96,21 @@ impl Tried {
                 | flag(table.is_moving(row), is::MOVING)
                 | flag(table.label(row) == Some(Label::Preventable), is::PREVENTABLE);
             let reward = table.reward(row).unwrap_or_default();
-            for (count, flag) in tried.counts.iter_mut().zip(is::ALL) {
-                *count += u64::from(known & flag != 0);
+            let weight = table.weight(row);
+            for (count, _) in tried.counts.iter_mut().zip(is::ALL).filter(|(_, flag)| known & flag != 0) {
+                count.include(weight);
             }
-            tried.reward += reward;
+            tried.reward += weight * reward;
             if episode >= kept {
                 continue;
             }
             (flags[episode], rewards[episode]) = (known, reward);
+            if weight != 1.0 && tried.weights.is_empty() {
+                tried.weights = vec![1.0; flags.len()];
+            }
+            if let Some(kept) = tried.weights.get_mut(episode) {
+                *kept = weight;
+            }
             if collision {
                 tried.impact_speeds.extend(table.impact_speed(row));
             } else {
@@ -115,17 +126,21 @@ impl Tried {
     }
 
     /// Episodes that the driver drove to their end.
-    pub fn episodes(&self) -> u64 {
+    pub fn episodes(&self) -> Weighted {
         self.count(is::VALID)
     }
 
     /// Collisions.
-    pub fn collisions(&self) -> u64 {
+    pub fn collisions(&self) -> Weighted {
         self.count(is::COLLISION)
     }
 
-    fn count(&self, flag: u8) -> u64 {
-        is::ALL.iter().zip(self.counts).find(|(known, _)| **known == flag).map_or(0, |(_, count)| count)
+    fn count(&self, flag: u8) -> Weighted {
+        is::ALL
+            .iter()
+            .zip(self.counts)
+            .find(|(known, _)| **known == flag)
+            .map_or_else(Weighted::default, |(_, count)| count)
     }
 
     /// By how much what two runs have in common is more than what their kept episodes show: episodes to kept ones.
@@ -149,7 +164,7 @@ impl Tried {
     /// A figure, and by how much each episode that is kept moves it away from its mean; none when it has no value.
     pub fn influence(&self, figure: Figure) -> Option<(f64, Vec<f64>)> {
         let (whole, flag) = (if figure == Figure::Front { is::COLLISION } else { is::VALID }, part(figure));
-        let count = self.count(whole) as f64;
+        let count = self.count(whole).sum();
         if count == 0.0 {
             return None;
         }
@@ -158,9 +173,10 @@ impl Tried {
             _ => f64::from(u8::from(self.flags[episode] & flag != 0)),
         };
         let counts = |episode: &usize| self.flags[*episode] & whole != 0;
-        let sum = if figure == Figure::Reward { self.reward } else { self.count(flag) as f64 };
+        let sum = if figure == Figure::Reward { self.reward } else { self.count(flag).sum() };
         let mean = sum / count;
-        let pull = |episode| if counts(&episode) { (value(episode) - mean) / count } else { 0.0 };
+        let weight = |episode: usize| self.weights.get(episode).copied().unwrap_or(1.0);
+        let pull = |episode| if counts(&episode) { weight(episode) * (value(episode) - mean) / count } else { 0.0 };
         Some((mean, (0..self.flags.len()).map(pull).collect()))
     }
 }

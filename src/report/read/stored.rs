@@ -10,10 +10,13 @@ use polars_io::csv::write::CsvWriter;
 use polars_io::parquet::read::ParquetReader;
 use polars_io::{SerReader, SerWriter};
 
-use super::folder::MARK;
-use super::{Manifest, pedestrian_file};
 use crate::compile::{RunId, TrainingKey};
 use crate::env::StateHashes;
+use crate::record::EPISODES;
+use crate::record::columns::{EPISODE, RUN_ID, TRAIL};
+use crate::report::aggregate::{BEGINNING, COMMANDS, FAILURE, FAILURES, FOUND_AFTER, RUNS, TICKS};
+use crate::report::folder::MARK;
+use crate::report::{Manifest, pedestrian_file};
 use crate::rl::{ActorCritic, CheckpointError};
 use crate::sim::WalkCommand;
 
@@ -123,9 +126,9 @@ impl StoredReport {
     /// A table that is damaged.
     pub fn holds(&self, run: RunId) -> Result<bool, ReadError> {
         let name = run.to_string();
-        for table in ["runs", "search_failures"] {
-            let Some(ids) = self.read(table, Some(&["run_id"]), None)? else { continue };
-            if self.texts(table, &ids, "run_id")?.contains(&name) {
+        for table in [RUNS, FAILURES] {
+            let Some(ids) = self.read(table, Some(&[RUN_ID.name]), None)? else { continue };
+            if self.texts(table, &ids, RUN_ID.name)?.contains(&name) {
                 return Ok(true);
             }
         }
@@ -138,13 +141,13 @@ impl StoredReport {
     /// A table that is damaged.
     pub fn episode(&self, run: RunId, episode: u32, guess: usize) -> Result<Option<DataFrame>, ReadError> {
         let wanted = (run.to_string(), episode.to_string());
-        if let Some(row) = self.rows("episodes", guess, 1)?
-            && self.names("episodes", &row, "episode")?.contains(&wanted)
+        if let Some(row) = self.rows(EPISODES, guess, 1)?
+            && self.names(EPISODES, &row, EPISODE.name)?.contains(&wanted)
         {
             return Ok(Some(row));
         }
         let place = self.index()?.iter().position(|name| *name == wanted);
-        place.map_or(Ok(None), |place| self.rows("episodes", place, 1))
+        place.map_or(Ok(None), |place| self.rows(EPISODES, place, 1))
     }
 
     /// The names of all episodes, run and number, in the order of the table.
@@ -152,8 +155,8 @@ impl StoredReport {
     /// # Errors
     /// A table that is damaged.
     pub fn index(&self) -> Result<Vec<(String, String)>, ReadError> {
-        let table = self.read("episodes", Some(&["run_id", "episode"]), None)?;
-        table.map_or(Ok(Vec::new()), |table| self.names("episodes", &table, "episode"))
+        let table = self.read(EPISODES, Some(&[RUN_ID.name, EPISODE.name]), None)?;
+        table.map_or(Ok(Vec::new()), |table| self.names(EPISODES, &table, EPISODE.name))
     }
 
     /// The row of a failure that a search found.
@@ -161,10 +164,10 @@ impl StoredReport {
     /// # Errors
     /// A table that is damaged.
     pub fn search_failure(&self, run: RunId, number: u32) -> Result<Option<DataFrame>, ReadError> {
-        let Some(table) = self.read("search_failures", Some(&["run_id", "failure"]), None)? else { return Ok(None) };
+        let Some(table) = self.read(FAILURES, Some(&[RUN_ID.name, FAILURE.name]), None)? else { return Ok(None) };
         let wanted = (run.to_string(), number.to_string());
-        let place = self.names("search_failures", &table, "failure")?.iter().position(|name| *name == wanted);
-        place.map_or(Ok(None), |place| self.rows("search_failures", place, 1))
+        let place = self.names(FAILURES, &table, FAILURE.name)?.iter().position(|name| *name == wanted);
+        place.map_or(Ok(None), |place| self.rows(FAILURES, place, 1))
     }
 
     /// The names of all failures of searches, search and number, in the order of the table.
@@ -172,8 +175,8 @@ impl StoredReport {
     /// # Errors
     /// A table that is damaged.
     pub fn search_failures(&self) -> Result<Vec<(String, String)>, ReadError> {
-        let table = self.read("search_failures", Some(&["run_id", "failure"]), None)?;
-        table.map_or(Ok(Vec::new()), |table| self.names("search_failures", &table, "failure"))
+        let table = self.read(FAILURES, Some(&[RUN_ID.name, FAILURE.name]), None)?;
+        table.map_or(Ok(Vec::new()), |table| self.names(FAILURES, &table, FAILURE.name))
     }
 
     /// The ticks of an episode, where the report holds them.
@@ -181,12 +184,12 @@ impl StoredReport {
     /// # Errors
     /// A table that is damaged.
     pub fn ticks(&self, run: RunId, episode: u32) -> Result<Option<DataFrame>, ReadError> {
-        let Some(table) = self.read("ticks", Some(&["run_id", "episode"]), None)? else { return Ok(None) };
+        let Some(table) = self.read(TICKS, Some(&[RUN_ID.name, EPISODE.name]), None)? else { return Ok(None) };
         let wanted = (run.to_string(), episode.to_string());
-        let names = self.names("ticks", &table, "episode")?;
+        let names = self.names(TICKS, &table, EPISODE.name)?;
         let Some(first) = names.iter().position(|name| *name == wanted) else { return Ok(None) };
         let length = names[first..].iter().take_while(|name| **name == wanted).count();
-        self.rows("ticks", first, length)
+        self.rows(TICKS, first, length)
     }
 
     /// The pedestrian of a training.
@@ -232,7 +235,7 @@ impl StoredReport {
 
     /// The names of rows: the run and a number.
     fn names(&self, table: &str, rows: &DataFrame, number: &str) -> Result<Vec<(String, String)>, ReadError> {
-        let (runs, numbers) = (self.texts(table, rows, "run_id")?, self.texts(table, rows, number)?);
+        let (runs, numbers) = (self.texts(table, rows, RUN_ID.name)?, self.texts(table, rows, number)?);
         Ok(runs.into_iter().zip(numbers).collect())
     }
 }
@@ -251,7 +254,7 @@ pub fn value(row: &DataFrame, column: &str) -> String {
 
 /// The trail of the first row, if it has one.
 pub fn trail(row: &DataFrame) -> Option<StateHashes> {
-    value(row, "trail").parse().ok()
+    value(row, TRAIL.name).parse().ok()
 }
 
 /// The failure of a search in the first row; none when its columns hold something else.
@@ -262,9 +265,9 @@ pub fn failure(row: &DataFrame) -> Option<StoredFailure> {
     };
     let number = |column: &str| u64::from_str(&value(row, column)).ok();
     Some(StoredFailure {
-        beginning: number("beginning")?,
-        ticks: number("found_after_ticks")?,
-        commands: value(row, "commands").split_whitespace().map(command).collect::<Option<_>>()?,
+        beginning: number(BEGINNING.name)?,
+        ticks: number(FOUND_AFTER.name)?,
+        commands: value(row, COMMANDS.name).split_whitespace().map(command).collect::<Option<_>>()?,
     })
 }
 

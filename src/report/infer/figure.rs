@@ -1,3 +1,5 @@
+use crate::record::metric;
+
 /// A figure of a pedestrian that is averaged over trainings and compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Figure {
@@ -22,11 +24,11 @@ impl Figure {
     /// What its columns begin with.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Collision => "collision_rate",
-            Self::Front => "front_rate",
-            Self::Moving => "moving_rate",
-            Self::Preventable => "preventable_rate",
-            Self::Reward => "episode_reward",
+            Self::Collision => metric::COLLISION_RATE.name,
+            Self::Front => metric::FRONT_RATE.name,
+            Self::Moving => metric::MOVING_RATE.name,
+            Self::Preventable => metric::PREVENTABLE_RATE.name,
+            Self::Reward => metric::EPISODE_REWARD.name,
         }
     }
 

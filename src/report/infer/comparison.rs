@@ -82,7 +82,9 @@ pub fn compare(place: &Place, measured: &Measured, (first, second): (usize, usiz
     let (a, b) = sample.values.split_at(sample.first);
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let cut = |(low, high): (f64, f64)| (low.clamp(-1.0, 1.0), high.clamp(-1.0, 1.0));
-    let (test, p, student) = if a.len() == 1 && b.len() == 1 {
+    let plain = ours.episodes().is_plain() && theirs.episodes().is_plain();
+    // An exact test counts pairs; it has no form for pairs of different weights.
+    let (test, p, student) = if plain && a.len() == 1 && b.len() == 1 {
         let (only_first, only_second) = ours.discordant(theirs, figure);
         (Test::McNemar, Some(mcnemar(only_first, only_second)), None)
     } else {
@@ -96,7 +98,7 @@ pub fn compare(place: &Place, measured: &Measured, (first, second): (usize, usiz
         second: theirs.key.clone(),
         figure,
         runs: [a.len() as u64, b.len() as u64],
-        episodes: sample.episodes,
+        episodes: sample.episodes.count(),
         values: [mean(a), mean(b)],
         difference: sample.estimate(),
         bootstrap: cut(sample.bootstrap(&seed.child(figure.name()))),

@@ -1,7 +1,8 @@
 use polars::prelude::{AnyValue, DataFrame};
 
-use super::metrics;
-use crate::record::episodes;
+use crate::record::metric::MEAN;
+use crate::record::{ColumnReference, metrics};
+use crate::report::aggregate::references;
 
 /// What the tables of cells must not show, as `preventable_rate > 0.05 and town == village`.
 #[derive(Debug, Clone, PartialEq)]
@@ -106,8 +107,9 @@ impl Gate {
     /// # Errors
     /// It has another form, or names no column.
     pub fn parse(text: &str) -> Result<Self, GateError> {
-        let cells = metrics(&episodes(&[])).expect("no episodes make an empty table").cells;
-        let conditions = text.split(" and ").map(|part| Condition::parse(part, &cells)).collect::<Result<_, _>>()?;
+        let [_, cells] = references(&metrics());
+        let conditions =
+            text.split(" and ").map(|part| Condition::parse(part, &cells.columns)).collect::<Result<_, _>>()?;
         Ok(Self { text: text.trim().to_string(), conditions })
     }
 
@@ -150,7 +152,7 @@ impl Gate {
 }
 
 impl Condition {
-    fn parse(text: &str, cells: &DataFrame) -> Result<Self, GateError> {
+    fn parse(text: &str, columns: &[ColumnReference]) -> Result<Self, GateError> {
         let form = || GateError::Form { text: text.trim().to_string() };
         let at = text.find(['<', '>', '=', '!']).ok_or_else(form)?;
         let (sign, comparison) = SIGNS.into_iter().find(|(sign, _)| text[at..].starts_with(sign)).ok_or_else(form)?;
@@ -159,10 +161,11 @@ impl Condition {
             return Err(form());
         }
         // Metrics of runs have their mean in the table of cells.
-        let names = [name.to_string(), format!("{name}_mean")];
-        let column = names.iter().find_map(|name| cells.column(name).ok()).ok_or_else(|| unknown(name, cells))?;
+        let names = [name.to_string(), MEAN.name(name)];
+        let column = names.iter().find_map(|name| columns.iter().find(|column| column.name == *name));
+        let column = column.ok_or_else(|| unknown(name, columns))?;
         let kind = |holds, advice| GateError::Kind { name: name.to_string(), holds, advice };
-        let bound = if column.dtype().is_string() {
+        let bound = if column.holds.is_string() {
             if !matches!(comparison, Comparison::Equal | Comparison::Unequal) {
                 return Err(kind("words", "compare it by == or !="));
             }
@@ -171,13 +174,14 @@ impl Condition {
             let number = bound.parse().ok().filter(|number: &f64| number.is_finite());
             Bound::Number(number.ok_or_else(|| kind("numbers", "compare it with a number, without a unit"))?)
         };
-        Ok(Self { column: column.name().to_string(), comparison, bound })
+        Ok(Self { column: column.name.to_string(), comparison, bound })
     }
 }
 
-fn unknown(name: &str, cells: &DataFrame) -> GateError {
-    let columns: Vec<String> = cells.get_column_names().into_iter().map(ToString::to_string).collect();
-    let bare = |column: &str| column.strip_suffix("_mean").unwrap_or(column).to_string();
+fn unknown(name: &str, columns: &[ColumnReference]) -> GateError {
+    let columns: Vec<String> = columns.iter().map(|column| column.name.to_string()).collect();
+    let suffix = MEAN.name("");
+    let bare = |column: &str| column.strip_suffix(&suffix).unwrap_or(column).to_string();
     let distance = |column: &&String| strsim::damerau_levenshtein(name, &bare(column));
     let near = columns.iter().min_by_key(distance).filter(|column| distance(column) <= name.len().div_ceil(3));
     let nearest = near.or_else(|| columns.iter().find(|column| !name.is_empty() && column.starts_with(name))).cloned();
@@ -206,7 +210,14 @@ mod tests {
             Judged::Missing(_) => 'm',
             Judged::Elsewhere => 'e',
         };
-        let conditions = text.split(" and ").map(|part| Condition::parse(part, &cells()).unwrap()).collect();
+        let said = |column: &Column| ColumnReference {
+            name: column.name().to_string().into(),
+            unit: "".into(),
+            doc: "".into(),
+            holds: column.dtype().clone(),
+        };
+        let columns: Vec<ColumnReference> = cells().columns().iter().map(said).collect();
+        let conditions = text.split(" and ").map(|part| Condition::parse(part, &columns).unwrap()).collect();
         Gate { text: text.into(), conditions }.judge(&cells()).iter().map(letter).collect()
     }
 

@@ -4,7 +4,7 @@ use super::tried::Tried;
 use crate::judge::Reference;
 use crate::record::CellKey;
 use crate::seed::Seed;
-use crate::statistics::{Sample, interquartile_mean, mean_interval, quantile};
+use crate::statistics::{Sample, Weighted, interquartile_mean, mean_interval, quantile};
 
 /// A figure between trainings.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -41,9 +41,9 @@ pub struct CellEvidence {
     /// Which cell.
     pub key: CellKey,
     /// Episodes of all runs.
-    pub episodes: u64,
+    pub episodes: Weighted,
     /// Collisions of all runs.
-    pub collisions: u64,
+    pub collisions: Weighted,
     /// In the order of [`Figure::ALL`].
     pub between: [Between; 5],
     /// Median, 90th and 99th percentile of the impact speeds (m/s).
@@ -53,7 +53,7 @@ pub struct CellEvidence {
     /// The same of post-encroachment times (s).
     pub pet: Quantiles,
     /// How many collisions each reference driver avoids, in the order of [`Reference::ALL`].
-    pub avoided: [u64; 6],
+    pub avoided: [Weighted; 6],
     /// The samples of [`Figure::COMPARED`] with the numbers of their runs, for transfer gaps.
     pub(super) samples: [Option<(Vec<u32>, Sample)>; 3],
 }
@@ -104,7 +104,7 @@ impl CellEvidence {
     }
 
     /// Collisions that a reference driver would have avoided, and those that it would not.
-    pub fn split(&self, reference: Reference) -> (u64, u64) {
+    pub fn split(&self, reference: Reference) -> (Weighted, Weighted) {
         let avoided = self.avoided[reference as usize];
         (avoided, self.collisions - avoided)
     }

@@ -1,0 +1,102 @@
+use super::*;
+use crate::av::{DrivingMode, Fault};
+use crate::env::{Ending, Outcome, Spawn};
+use crate::geometry::Pose;
+use crate::judge::{Label, NearMiss, Reference, Sight, Trial, Verdict};
+use crate::statistics::Weighted;
+
+fn key() -> RunKey {
+    let cell = CellKey {
+        block: 2,
+        town: "harbour".into(),
+        policy: "careful".into(),
+        vehicle: "v".into(),
+        adversary: "w".into(),
+        controller: "trained".into(),
+        reward: "r1".into(),
+        train_town: "village".into(),
+        train_policy: "blind".into(),
+    };
+    RunKey { id: "1a2b3c4d".parse().unwrap(), cell, run: 3 }
+}
+
+fn row(episode: u32, ending: Ending) -> EpisodeRow {
+    let hit = matches!(ending, Ending::Collision { .. });
+    let spawn = Spawn { ego: Pose::new(1.0, -2.0, 0.0), ego_speed: 7.0, pedestrian: Pose::new(5.0, 6.5, 0.0) };
+    let trial = Trial { impact_speed: None, time: 1.0, least_gap: 0.5 };
+    EpisodeRow {
+        key: key().into(),
+        episode,
+        outcome: Outcome {
+            spawn,
+            ending,
+            reward: 0.25,
+            ticks: 90,
+            duration: 4.5,
+            least_gap: if hit { 0.0 } else { 1.5 },
+            last_mode: DrivingMode::Cruise,
+            digest: 0xfeed_0000_0000_0001,
+            state_hashes: Default::default(),
+        },
+        verdict: hit.then_some(Verdict {
+            label: Label::Contested,
+            warning: 2.0,
+            foreseeable: true,
+            sight: Sight { hidden: 0.5, seen: 1.0 },
+            impact_speed: 4.0,
+            trials: [trial; 6],
+        }),
+        near_miss: NearMiss { min_ttc: Some(0.75), pet: None },
+        weight: 1.0,
+    }
+}
+
+fn rows() -> Vec<EpisodeRow> {
+    let hit = Ending::Collision { front: true, moving: true, impact_speed: 4.0, bearing: 0.0 };
+    vec![row(0, hit), row(1, Ending::Timeout), row(2, Ending::Lost), row(3, Ending::Error(Fault::Ended))]
+}
+
+#[test]
+fn rows_that_are_read_back_are_those_that_were_written() {
+    let (rows, table) = (rows(), episodes(&rows()));
+    let read = EpisodeTable::new(&table).unwrap();
+    assert_eq!(read.rows(), 0..4);
+    assert_eq!(read.key().unwrap(), key());
+    for (place, row) in rows.iter().enumerate().take(3) {
+        assert_eq!(read.outcome(place).as_ref(), Some(&row.outcome));
+        assert_eq!((read.episode(place), read.error(place)), (row.episode, None));
+        assert_eq!(read.label(place), row.verdict.map(|verdict| verdict.label));
+        assert_eq!(read.min_ttc(place), Some(0.75));
+    }
+    assert_eq!(read.outcome(3), None);
+    assert!(read.error(3).is_some_and(|error| !error.is_empty()) && read.min_ttc(3).is_none());
+    assert_eq!(read.avoided(Reference::ALL[0]).unwrap(), Weighted::from(1));
+}
+
+#[test]
+fn stored_episodes_get_the_key_of_their_run_and_missing_ones_are_in_error() {
+    let rows = rows();
+    let (first, done) = encode(None, &rows[..2]).unwrap();
+    let (all, more) = encode(Some(&first), &rows[2..3]).unwrap();
+    assert_eq!((done, more), (2, 3));
+    let whole = Chunk { outcomes: decode(&all).unwrap(), error: String::new() };
+    assert!(whole.clone().into_episodes(&key(), 0..3).unwrap().equals_missing(&episodes(&rows[..3])));
+    let cut = Chunk { error: "too slow".into(), ..whole };
+    let table = cut.into_episodes(&key(), 0..5).unwrap();
+    let read = EpisodeTable::new(&table).unwrap();
+    assert_eq!((read.rows(), read.error(3), read.error(4)), (0..5, Some("too slow"), Some("too slow")));
+    assert_eq!((read.episode(4), read.ticks(4), read.is_collision(4)), (4, None, false));
+    let tally = Tally::of(&table).unwrap();
+    assert_eq!((tally.episodes, tally.valid, tally.collisions), (5, 3.into(), 1.into()));
+    assert_eq!(super::tally(&all).unwrap().valid, 3.into());
+    assert!(decode(b"no table").is_err());
+}
+
+#[test]
+fn a_key_is_told_in_words() {
+    let mut key = key();
+    assert_eq!(key.to_string(), "trained r1 (village, blind) in harbour against careful, run 3");
+    assert_eq!(key.cell.in_full(), "trained r1 (village, blind) in harbour against careful, v, w, block 2");
+    (key.cell.train_town, key.cell.train_policy) = Default::default();
+    assert_eq!(key.cell.to_string(), "trained r1 in harbour against careful");
+}

@@ -1,0 +1,28 @@
+//! Episodes to runs, runs to cells; searches to cells of searches; the tables of all of them.
+//!
+//! Metrics are aggregated in two steps, as in the paper: episodes → run → cell. A "±" is the standard deviation over runs, that is
+//! over trainings. An interval is Wilson's over the episodes of all runs together and says nothing about further trainings;
+//! [`infer`](super::infer) has intervals that do.
+
+mod episodes;
+mod metrics;
+mod gathered;
+mod learning_curve;
+mod survival;
+mod searches;
+mod published;
+mod ticks;
+mod tick_file;
+
+pub use episodes::{Episodes, Run};
+pub use gathered::{Gathered, gather};
+pub use learning_curve::{learning_curve, learning_curve_table};
+pub use metrics::{CELLS, Cell, Metrics, RUNS, Spread, metrics, references};
+pub use published::{Agreement, Beside, beside, published, published_table};
+pub use searches::{
+    Average, BEGINNING, COMMANDS, FAILURE, FAILURES, FOUND_AFTER, SearchCell, failure_table, search_cell_columns,
+    search_cell_table, search_cells, search_failures, search_table, searches,
+};
+pub use survival::MedianTime;
+pub use tick_file::{Wanted, write_ticks};
+pub use ticks::{TICKS, tick_table, ticks};

@@ -1,0 +1,343 @@
+use std::collections::BTreeSet;
+
+use polars::prelude::DataFrame;
+
+use super::survival::{MedianTime, median_time};
+use crate::analysis::Impact;
+use crate::campaign::SearchResult;
+use crate::compile::SearchKey;
+use crate::env::{Ending, Outcome};
+use crate::falsifier::Failure;
+use crate::record::columns::{
+    BLOCK, DIGEST, DRIVING_MODE, EPISODE_LENGTH, EPISODE_REWARD, IMPACT, IMPACT_SPEED, MOTION, POLICY, REWARD, RUN,
+    RUN_ID, TOWN, TRAIL,
+};
+use crate::record::metric::MEAN;
+use crate::record::{Column, Entry, Interval, Table};
+use crate::statistics::mean_interval;
+
+/// A search in figures.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figures {
+    failures: usize,
+    failed_beginnings: usize,
+    failure_rate: Option<f64>,
+    first: Option<u64>,
+    distinct: usize,
+    tried_collisions: usize,
+    tried_rate: Option<f64>,
+}
+
+impl Figures {
+    fn new(result: &SearchResult) -> Self {
+        let spent = &result.spent;
+        let share = |part: usize, whole: u64| (whole > 0).then(|| part as f64 / whole as f64);
+        let kinds: BTreeSet<_> = spent.failures.iter().map(|failure| kind(&failure.outcome)).collect();
+        let tried_collisions = result.tried.iter().filter(|outcome| outcome.is_collision()).count();
+        Self {
+            failures: spent.failures.len(),
+            failed_beginnings: spent.failures.iter().map(|failure| failure.beginning).collect::<BTreeSet<_>>().len(),
+            failure_rate: share(spent.failures.len(), spent.episodes),
+            first: spent.failures.first().map(|failure| failure.ticks),
+            distinct: kinds.len(),
+            tried_collisions,
+            tried_rate: share(tried_collisions, result.tried.len() as u64),
+        }
+    }
+}
+
+/// What tells failures apart: where the car was hit, whether it moved, what its driver was doing.
+fn kind(outcome: &Outcome) -> (Impact, bool, &'static str) {
+    match outcome.ending {
+        Ending::Collision { front, moving, bearing, .. } => {
+            (Impact::new(front, bearing), moving, outcome.last_mode.name())
+        }
+        _ => unreachable!("a failure is a collision"),
+    }
+}
+
+/// All runs of a falsifier in one town against one policy, for people.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SearchCell {
+    /// Which falsifier, town and policy; the run is the first.
+    pub key: SearchKey,
+    /// Simulator ticks that each run might use.
+    pub budget: u64,
+    /// How many runs.
+    pub runs: usize,
+    /// How many of them found nothing.
+    pub censored: usize,
+    /// Ticks to the first failure.
+    pub first_failure: MedianTime,
+    /// Share of the episodes that failed; as all of these, mean over runs and interval.
+    pub failure_rate: Average,
+    /// Failures.
+    pub failures: Average,
+    /// Beginnings from which a failure was found.
+    pub failed_beginnings: Average,
+    /// Kinds of failures.
+    pub distinct: Average,
+    /// Collision rate of the pedestrian it ended up with.
+    pub tried_rate: Average,
+}
+
+/// A mean over runs with Student's 95 % interval; the mean is none without a value, the interval with fewer than two.
+pub type Average = (Option<f64>, Option<(f64, f64)>);
+
+fn average(values: impl Iterator<Item = Option<f64>>) -> Average {
+    let values: Vec<f64> = values.flatten().collect();
+    if values.is_empty() {
+        return (None, None);
+    }
+    let (mean, interval) = mean_interval(&values);
+    // Nothing that is averaged here can be below zero.
+    (Some(mean), interval.map(|(low, high)| (low.max(0.0), high)))
+}
+
+/// Gathers runs to cells, in the order of first appearance.
+pub fn search_cells(results: &[SearchResult]) -> Vec<SearchCell> {
+    let mut cells: Vec<Vec<&SearchResult>> = Vec::new();
+    for result in results {
+        match cells.iter_mut().find(|cell| cell[0].key.is_of_same_cell(&result.key)) {
+            Some(cell) => cell.push(result),
+            None => cells.push(vec![result]),
+        }
+    }
+    cells.iter().map(|cell| gather(cell)).collect()
+}
+
+fn gather(cell: &[&SearchResult]) -> SearchCell {
+    let figures: Vec<Figures> = cell.iter().map(|result| Figures::new(result)).collect();
+    let times: Vec<(f64, bool)> = figures
+        .iter()
+        .zip(cell)
+        .map(|(figures, result)| (figures.first.unwrap_or(result.spent.ticks) as f64, figures.first.is_some()))
+        .collect();
+    let over = |value: &dyn Fn(&Figures) -> Option<f64>| average(figures.iter().map(value));
+    SearchCell {
+        key: cell[0].key.clone(),
+        budget: cell[0].budget,
+        runs: cell.len(),
+        censored: figures.iter().filter(|figures| figures.first.is_none()).count(),
+        first_failure: median_time(&times),
+        failure_rate: share(over(&|figures| figures.failure_rate)),
+        failures: over(&|figures| Some(figures.failures as f64)),
+        failed_beginnings: over(&|figures| Some(figures.failed_beginnings as f64)),
+        distinct: over(&|figures| Some(figures.distinct as f64)),
+        tried_rate: share(over(&|figures| figures.tried_rate)),
+    }
+}
+
+/// Cuts the interval of a share at 1.
+fn share((mean, interval): Average) -> Average {
+    (mean, interval.map(|(low, high)| (low, high.min(1.0))))
+}
+
+/// The falsifier of a search.
+const FALSIFIER: Column<String> = Column::new("falsifier", "", "name of the falsifier");
+/// Its number in the search.
+pub const FAILURE: Column<u64> =
+    Column::new("failure", "", "number of the failure in its search, from 0; `RUN_ID:FAILURE` is its name");
+/// The start.
+pub const BEGINNING: Column<u64> = Column::new("beginning", "", "number of its start");
+/// Ticks when it was found.
+pub const FOUND_AFTER: Column<u64> = Column::new("found_after_ticks", "", "simulator ticks that the search had used");
+/// The commands of the pedestrian.
+pub const COMMANDS: Column<String> = Column::new(
+    "commands",
+    "",
+    "`heading@speed` in rad and m/s, one for each decision, in the world frame; equal seeds, starts and commands give equal digests",
+);
+/// The stem of the files of the table of failures.
+pub const FAILURES: &str = "search_failures";
+
+/// What each run may use.
+const BUDGET: Column<u64> = Column::new("budget_ticks", "", "simulator ticks that each run may use");
+// The columns of searches that cells of searches summarise.
+const FAILURE_COUNT: &str = "failures";
+const FAILURE_RATE: &str = "failure_rate";
+const FAILED_STARTS: &str = "failed_beginnings";
+const FIRST_FAILURE: &str = "first_failure_ticks";
+const DISTINCT: &str = "distinct_failures";
+const TRIED_RATE: &str = "tried_rate";
+
+/// The columns of a search's key, without the run.
+fn search_key<'t, R>(key: impl Fn(&R) -> &SearchKey + Copy + 't) -> [Entry<'t, R>; 6] {
+    [
+        FALSIFIER.of(move |row: &R| key(row).falsifier.clone()),
+        Column::<String>::new("method", "", "kind of the falsifier").of(move |row: &R| key(row).method),
+        REWARD
+            .of(move |row: &R| key(row).reward.clone())
+            .meaning("reward that it maximises; empty for a falsifier without a reward"),
+        TOWN.of(move |row: &R| key(row).town.clone()),
+        POLICY.of(move |row: &R| key(row).policy.clone()),
+        Column::<u64>::new(BLOCK.name, "", "number of the `search` block in its campaign, from 0")
+            .of(move |row: &R| u64::from(key(row).block)),
+    ]
+}
+
+/// The number of a search's run.
+fn run<'t, R>(key: impl Fn(&R) -> &SearchKey + 't) -> Entry<'t, R> {
+    Column::<u64>::new(RUN.name, "", "number of the run, from 0").of(move |row: &R| u64::from(key(row).run))
+}
+
+/// A search with its figures.
+pub type Searched<'a> = (&'a SearchResult, Figures);
+
+/// Searches as a table, one row each, in the order given.
+pub fn searches(results: &[SearchResult]) -> DataFrame {
+    let rows: Vec<Searched<'_>> = results.iter().map(|result| (result, Figures::new(result))).collect();
+    search_table().frame(&rows)
+}
+
+/// The columns of [`searches`].
+pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
+    type Row<'a> = Searched<'a>;
+    let (count, number) = (Column::<u64>::new, Column::<f64>::new);
+    Table::new(
+        "searches",
+        "One row for each search: a falsifier in one town against one policy, one run. Rates within a search are shares of what it tried, \
+         not the failure rate of the driver.",
+    )
+    .column(RUN_ID.of(|row: &Row<'_>| row.0.key.id.to_string()))
+    .columns(search_key(|row: &Row<'_>| &row.0.key))
+    .column(run(|row: &Row<'_>| &row.0.key))
+    .column(BUDGET.of(|row: &Row<'_>| row.0.budget))
+    .column(
+        count(
+            "used_ticks",
+            "",
+            "simulator ticks that it used; less than a command is left over, more by `ppo` with several environments, which stops when the \
+             first has used its share",
+        )
+        .of(|row: &Row<'_>| row.0.spent.ticks),
+    )
+    .column(
+        count("episodes", "", "episodes that came to an end, without one that the budget cut off")
+            .of(|row: &Row<'_>| row.0.spent.episodes),
+    )
+    .column(
+        count(
+            "beginnings",
+            "",
+            "different starts of these episodes; starts 0, 1, 2, … of a run are the same for all falsifiers",
+        )
+        .of(|row: &Row<'_>| row.0.spent.beginnings),
+    )
+    .column(count(FAILURE_COUNT, "", "episodes that ended in a collision").of(|row: &Row<'_>| row.1.failures as u64))
+    .column(number(FAILURE_RATE, "", "their share of `episodes`").of(|row: &Row<'_>| row.1.failure_rate))
+    .column(
+        count(
+            FAILED_STARTS,
+            "",
+            "starts from which a collision was found; the fair count between methods that leave a start after a collision (`cem`, `cma_es`, \
+             `mcts`) and those that walk once from each",
+        )
+        .of(|row: &Row<'_>| row.1.failed_beginnings as u64),
+    )
+    .column(
+        number(FIRST_FAILURE, "", "ticks used when the first was found, its own included; missing if none was found")
+            .of(|row: &Row<'_>| row.1.first.map(|ticks| ticks as f64)),
+    )
+    .column(Column::<bool>::new("censored", "", "whether none was found").of(|row: &Row<'_>| row.1.first.is_none()))
+    .column(
+        count(
+            DISTINCT,
+            "",
+            "different triples of side of the impact, car moving or standing, and what its driver did at the last decision",
+        )
+        .of(|row: &Row<'_>| row.1.distinct as u64),
+    )
+    .column(
+        count(
+            "tried_episodes",
+            "",
+            "fresh episodes of the controller that the falsifier ended with, outside the budget; their starts are those of `evaluate`",
+        )
+        .of(|row: &Row<'_>| row.0.tried.len() as u64),
+    )
+    .column(count("tried_collisions", "", "collisions of these").of(|row: &Row<'_>| row.1.tried_collisions as u64))
+    .column(number(TRIED_RATE, "", "their share of `tried_episodes`").of(|row: &Row<'_>| row.1.tried_rate))
+}
+
+/// Cells of searches as a table, one row each, in the order given.
+pub fn search_cell_table(cells: &[SearchCell]) -> DataFrame {
+    search_cell_columns().frame(cells)
+}
+
+/// The columns of [`search_cell_table`].
+pub fn search_cell_columns() -> Table<'static, SearchCell> {
+    let count = Column::<u64>::new;
+    let time = "Kaplan and Meier's median of `first_failure_ticks` with Brookmeyer and Crowley's 95 % interval on the log-log scale; \
+                what the runs do not show is missing, the high end always with fewer than seven runs";
+    Table::new(
+        "search_cells",
+        "One row for each falsifier, town and policy, over all runs. Runs have different seeds *and* starts.",
+    )
+    .columns(search_key(|cell: &SearchCell| &cell.key))
+    .column(count("runs", "", "number of runs").of(|cell: &SearchCell| cell.runs as u64))
+    .column(BUDGET.of(|cell: &SearchCell| cell.budget))
+    .column(
+        count("censored_runs", "", "number of runs that found nothing").of(|cell: &SearchCell| cell.censored as u64),
+    )
+    .column(Entry::new::<f64, _>(
+        format!("{FIRST_FAILURE}_median").into(),
+        "".into(),
+        time.into(),
+        |cell: &SearchCell| cell.first_failure.median,
+    ))
+    .columns(
+        Interval::new(FIRST_FAILURE, "", time)
+            .of_ends(|cell: &SearchCell| cell.first_failure.low, |cell: &SearchCell| cell.first_failure.high),
+    )
+    .columns(averaged(FAILURE_RATE, |cell| cell.failure_rate))
+    .columns(averaged(FAILURE_COUNT, |cell| cell.failures))
+    .columns(averaged(FAILED_STARTS, |cell| cell.failed_beginnings))
+    .columns(averaged(DISTINCT, |cell| cell.distinct))
+    .columns(averaged(TRIED_RATE, |cell| cell.tried_rate))
+}
+
+/// The mean of a column over runs with its interval.
+fn averaged(name: &'static str, value: fn(&SearchCell) -> Average) -> Vec<Entry<'static, SearchCell>> {
+    let doc = "mean over `runs` with Student's 95 % interval, cut at 0 and for rates at 1";
+    let mut entries = vec![MEAN.of(name, move |cell: &SearchCell| value(cell).0).meaning(doc)];
+    entries.extend(Interval::new(name, "", doc).of(move |cell: &SearchCell| value(cell).1));
+    entries
+}
+
+/// A failure of a search with its number.
+pub type Found<'a> = (&'a SearchResult, &'a Failure, u64);
+
+/// The failures of all searches as a table, one row each, in the order in which they were found.
+pub fn search_failures<'a>(results: &'a [SearchResult]) -> DataFrame {
+    let numbered = |result: &'a SearchResult| (0..).zip(&result.spent.failures).map(move |(k, each)| (result, each, k));
+    let rows: Vec<Found<'_>> = results.iter().flat_map(numbered).collect();
+    failure_table().frame(&rows)
+}
+
+/// The columns of [`search_failures`].
+pub fn failure_table<'a>() -> Table<'a, Found<'a>> {
+    type Row<'a> = Found<'a>;
+    Table::new(FAILURES, "One row for each failure that a search found, with the commands that lead to it.")
+        .column(RUN_ID.of(|row: &Row<'_>| row.0.key.id.to_string()))
+        .columns(search_key(|row: &Row<'_>| &row.0.key))
+        .column(run(|row: &Row<'_>| &row.0.key))
+        .column(FAILURE.of(|row: &Row<'_>| row.2))
+        .column(BEGINNING.of(|row: &Row<'_>| row.1.beginning))
+        .column(FOUND_AFTER.of(|row: &Row<'_>| row.1.ticks))
+        .column(IMPACT.of(|row: &Row<'_>| kind(&row.1.outcome).0.name()))
+        .column(MOTION.of(|row: &Row<'_>| if kind(&row.1.outcome).1 { "moving" } else { "standing" }))
+        .column(DRIVING_MODE.of(|row: &Row<'_>| kind(&row.1.outcome).2))
+        .column(IMPACT_SPEED.of(|row: &Row<'_>| row.1.outcome.impact_speed()))
+        .column(EPISODE_REWARD.of(|row: &Row<'_>| row.1.outcome.reward))
+        .column(EPISODE_LENGTH.of(|row: &Row<'_>| row.1.outcome.duration))
+        .column(COMMANDS.of(|row: &Row<'_>| commands(row.1)))
+        .column(DIGEST.of(|row: &Row<'_>| format!("{:016x}", row.1.outcome.digest)))
+        .column(TRAIL.of(|row: &Row<'_>| row.1.outcome.state_hashes.to_string()))
+}
+
+/// Commands as `heading@speed` (rad, m/s), with all the digits that it takes to read the same numbers back.
+fn commands(failure: &Failure) -> String {
+    let each = failure.commands.iter().map(|command| format!("{}@{}", command.heading, command.speed));
+    each.collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,22 @@
+//! What the results show of further trainings and episodes: intervals, comparisons on common starts, transfer gaps.
+//!
+//! Episodes come run by run and are kept as long as the runs of their place come: a town, a policy, a vehicle and an adversary of one
+//! `evaluate` block. All controllers of a place have the same starts.
+
+mod figure;
+mod tried;
+mod place;
+mod cell;
+mod comparison;
+mod transfer;
+mod gather;
+mod tables;
+#[cfg(test)]
+mod tests;
+
+pub use cell::{CellEvidence, Quantiles};
+pub use comparison::{Comparison, Test};
+pub use figure::Figure;
+pub use gather::{Evidence, Gathering};
+pub use tables::{cell_columns, cell_table, comparison_columns, comparison_table, transfer_columns, transfer_table};
+pub use transfer::{Change, Transfer};
