@@ -6,81 +6,81 @@ use crate::falsifier::TrainingRun;
 use crate::record::{EpisodeRow, Tally};
 use crate::rl::Trained;
 
-/// What somebody holds while nobody else may work on the same cell.
+/// A claim on a cell; while it is held, no other thread or process works on that cell.
 pub type Claim = Box<dyn Send>;
 
-/// Keeps what a campaign has finished, and gives it back when it is run again. Called from many threads.
+/// Stores the finished cells of a campaign, and returns them when it is run again. Called from many threads.
 ///
-/// A cell is claimed, asked for, worked on, handed over, and let go, in this order. Whoever cannot keep something says so by
-/// [`Keeper::stop`] and tells its user why.
+/// A cell is claimed, asked for, worked on, stored and released, in this order. An implementation that can no longer store returns
+/// `true` from [`Keeper::stop`] and reports the cause to its user.
 pub trait Keeper: Sync {
-    /// Takes a cell in hand; none while somebody else has it.
+    /// Claims a cell; none while another worker has it.
     fn claim(&self, cell: Cell) -> Option<Claim> {
         let _ = cell;
         Some(Box::new(()))
     }
 
-    /// A training that is finished.
+    /// A finished training.
     fn training(&self, training: usize) -> Option<Trained> {
         let _ = training;
         None
     }
 
-    /// A training that was begun, as [`TrainingRun::state`] wrote it.
+    /// The state of an unfinished training, as [`TrainingRun::state`] wrote it.
     fn begun(&self, training: usize) -> Option<Vec<u8>> {
         let _ = training;
         None
     }
 
-    /// Hears of a training between two updates, of the last one before it is given up for now too (`last`).
+    /// Called between two updates of a training, and after the last update before it stops for now (`last`).
     fn checkpoint(&self, training: usize, run: &TrainingRun, last: bool) {
         let _ = (training, run, last);
     }
 
-    /// Keeps a training that is finished.
+    /// Stores a finished training.
     fn keep_training(&self, training: usize, trained: &Trained) {
         let _ = (training, trained);
     }
 
-    /// What is there of a chunk: its first episodes.
+    /// Counts the stored episodes of a chunk, its first ones.
     fn episodes(&self, evaluation: usize, chunk: u32) -> Tally {
         let _ = (evaluation, chunk);
         Tally::default()
     }
 
-    /// Hears of the episodes of a chunk that have followed those that were there, all of them every time. With the last ones
-    /// comes why there are no more, unless all are there or somebody asked to stop.
+    /// Called with the episodes of a chunk that follow the stored ones, each time with all of them. `end` says whether more follow, and
+    /// why not.
     fn keep_episodes(&self, evaluation: usize, chunk: u32, rows: &[EpisodeRow], end: Progress<'_>);
 
-    /// A search that is finished.
+    /// A finished search.
     fn search(&self, search: usize) -> Option<SearchResult> {
         let _ = search;
         None
     }
 
-    /// Keeps a search that is finished.
+    /// Stores a finished search.
     fn keep_search(&self, search: usize, result: &SearchResult) {
         let _ = (search, result);
     }
 
-    /// Whether a cell has had its share of time, or of ticks.
+    /// The limit of time or of ticks that a cell has reached, if any.
     fn limit(&self, cell: Cell, ticks: u64) -> Option<CellError> {
         let _ = (cell, ticks);
         None
     }
 
-    /// Whether nothing can be kept any more.
+    /// Whether nothing can be stored any more.
     fn stop(&self) -> bool {
         false
     }
 }
 
-/// How far a chunk has come.
+/// The progress of a chunk.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Progress<'a> {
     /// More episodes follow.
     UnderWay,
-    /// No more follow now: all are there, or somebody asked to stop.
+    /// No more follow now: all are there, or the user asked to stop.
     Ended,
     /// No more are needed: the stopping rule is met.
     Enough,
@@ -88,7 +88,7 @@ pub enum Progress<'a> {
     Failed(&'a CellError),
 }
 
-/// Keeps episodes in memory and nothing else, for few of them.
+/// Stores episodes in memory and nothing else; for a small number.
 #[derive(Debug, Default)]
 pub struct InMemory {
     chunks: Mutex<BTreeMap<(usize, u32), Vec<EpisodeRow>>>,

@@ -5,11 +5,11 @@ const FIRST_LOOK: u32 = 1_000;
 /// The chance that an interval misses the rate, over all looks together.
 const ALPHA: f64 = 0.05;
 
-/// Until when an evaluation goes on: until the 95 % interval of its collision rate is narrow enough.
+/// When an evaluation stops: when the 95 % interval of its collision rate is narrow enough.
 ///
-/// It looks after 1,000 episodes, after 2,000, 4,000 and so on, and at the end. Looking often and stopping when one likes what one sees
-/// would make intervals too optimistic, so each of the K looks has 0.05 / K to spend (Bonferroni): the intervals at all looks hold
-/// the rate together in 95 % of all evaluations. Looks depend on counts of whole episodes alone, never on time or threads.
+/// It looks after 1,000 episodes, 2,000, 4,000 and so on, and at the end. Frequent looks with early stopping would make intervals too
+/// optimistic. So each of the K looks has an error of 0.05 / K (Bonferroni): in 95 % of all evaluations the intervals at all looks
+/// contain the rate. Looks depend on counts of whole episodes alone, never on time or threads.
 ///
 /// # Source
 /// Chow and Robbins, *On the asymptotic theory of fixed-width sequential confidence intervals for the mean*, Annals of
@@ -21,9 +21,9 @@ pub struct StoppingRule {
 }
 
 impl StoppingRule {
-    /// A rule that stops at this half-width, if there is one, and after the most episodes in any case.
+    /// A rule that stops at this half-width, if there is one, and at the latest after `most` episodes.
     pub fn new(halfwidth: Option<f64>, most: u32) -> Self {
-        // Nothing is narrower than nothing: without a half-width there is one look, at the end.
+        // No interval has a width of 0: without a half-width there is one look, at the end.
         Self { halfwidth: halfwidth.unwrap_or(0.0), most }
     }
 

@@ -32,7 +32,7 @@ pub struct Gathered {
     pub first_unpaid: Option<String>,
     /// Whether every driver drove at least one episode in every town to its end.
     pub every_driver_drove: bool,
-    /// Intervals over trainings, comparisons on common beginnings, transfer gaps.
+    /// Intervals over trainings, comparisons on common starts, transfer gaps.
     pub evidence: Evidence,
     /// Where trained pedestrians began, by town.
     pub starts: BTreeMap<String, Starts>,

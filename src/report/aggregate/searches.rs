@@ -73,7 +73,7 @@ pub struct SearchCell {
     pub failure_rate: Average,
     /// Failures.
     pub failures: Average,
-    /// Beginnings from which a failure was found.
+    /// Starts from which a failure was found.
     pub failed_beginnings: Average,
     /// Kinds of failures.
     pub distinct: Average,

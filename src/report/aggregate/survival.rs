@@ -14,11 +14,11 @@ pub struct MedianTime {
 ///
 /// # Source
 /// Kaplan and Meier, JASA 53, 1958; interval of Brookmeyer and Crowley, Biometrics 38, 1982, over the band of Greenwood's
-/// variance on the log-log scale, as in lifelines. Where nobody is left the band has no upper end, as in R.
+/// variance on the log-log scale, as in lifelines. Where none is left the band has no upper end, as in R.
 pub fn median_time(times: &[(f64, bool)]) -> MedianTime {
     const Z: f64 = 1.959_963_984_540_054;
     let mut sorted = times.to_vec();
-    // Whoever is censored at a time was still there at it.
+    // A run that is censored at a time was still at risk then.
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
     let (mut survival, mut variance) = (1.0, 0.0);
     let mut found = MedianTime::default();

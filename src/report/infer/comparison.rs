@@ -7,7 +7,7 @@ use crate::statistics::{benjamini_hochberg, holm, mcnemar};
 /// How a p-value was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Test {
-    /// Student's t over trainings, with what common beginnings add: about further trainings and episodes.
+    /// Student's t over trainings, with the covariance of common starts: about further trainings and episodes.
     Student,
     /// McNemar's exact test on pairs of episodes: about these two pedestrians and further episodes.
     McNemar,
@@ -26,7 +26,7 @@ impl Test {
     }
 }
 
-/// Two pedestrians that met the same beginnings.
+/// Two cells with common starts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
     /// The first.
@@ -37,13 +37,13 @@ pub struct Comparison {
     pub figure: Figure,
     /// Runs of both.
     pub runs: [u64; 2],
-    /// Beginnings that each run met.
+    /// Starts that each run had.
     pub episodes: u64,
     /// The figure of both, mean over runs.
     pub values: [f64; 2],
     /// First less second.
     pub difference: f64,
-    /// 95 % interval by hierarchical bootstrap on common beginnings.
+    /// 95 % interval by hierarchical bootstrap on common starts.
     pub bootstrap: (f64, f64),
     /// Student's 95 % interval.
     pub student: Option<(f64, f64)>,

@@ -8,7 +8,7 @@ use super::transfer::{Transfer, transfers};
 use super::tried::{KEPT, Tried};
 use crate::seed::Seed;
 
-/// Everything that a campaign shows beside means.
+/// What the results of a campaign show beside means.
 #[derive(Debug, Clone, Default)]
 pub struct Evidence {
     /// One for each cell, in the order of first appearance.
@@ -20,7 +20,7 @@ pub struct Evidence {
 }
 
 /// Gathers the evidence from the episodes of a campaign, run by run in the plan's order: one table for each run of a pedestrian in
-/// one town against one policy. The resampling hangs on the seed and the names of a place alone.
+/// one town against one policy. The resampling depends on the seed and the names of a place alone.
 #[derive(Debug, Clone)]
 pub struct Gathering {
     seed: Seed,

@@ -4,7 +4,7 @@ use super::Figure;
 use super::tried::Tried;
 use crate::statistics::{Sample, Weighted};
 
-/// All runs that were tried from the same beginnings, with those of a cell side by side.
+/// All runs with common starts, those of a cell side by side.
 pub struct Place {
     /// The runs.
     pub tried: Vec<Tried>,

@@ -93,7 +93,7 @@ fn pedestrian(key: &CellKey) -> (u32, [&String; 6]) {
     (key.block, names)
 }
 
-/// The gaps of the trainings that were tried in both places, and their means there. The places have beginnings of their own.
+/// The gaps of the trainings that were tried in both places, and their means there. Each place has its own starts.
 fn gap(home: &(Vec<u32>, Sample), away: &(Vec<u32>, Sample)) -> Option<(Sample, [f64; 2])> {
     let both = |run: &(usize, &u32)| Some((run.0, away.0.iter().position(|other| other == run.1)?));
     let pairs: Vec<(usize, usize)> = home.0.iter().enumerate().filter_map(|run| both(&run)).collect();

@@ -20,8 +20,8 @@ impl CellKey {
     }
 }
 
-/// How many episodes of a run are looked at one by one, for sampling errors, pairs and quantiles: what memory evidence takes does not
-/// grow with those beyond, which count in sums alone. From so many, an error is known to 0.3 %.
+/// The number of first episodes of a run that are kept one by one, for sampling errors, pairs and quantiles. Later episodes count in
+/// sums alone, so memory does not grow with them. From this number, an error is known to 0.3 %.
 pub const KEPT: usize = 100_000;
 
 /// What is known of an episode, in a byte.
@@ -34,7 +34,7 @@ mod is {
     pub const ALL: [u8; 5] = [VALID, COLLISION, FRONT, MOVING, PREVENTABLE];
 }
 
-/// One run, tried: as much of its episodes as evidence needs.
+/// One run: as much of its episodes as inference needs.
 #[derive(Debug, Clone)]
 pub struct Tried {
     /// Its cell.
@@ -47,9 +47,9 @@ pub struct Tried {
     pub min_ttc: Vec<f64>,
     /// Post-encroachment times of the other episodes (s), of those that have one and are kept.
     pub pet: Vec<f64>,
-    /// How many collisions each reference driver avoids.
+    /// The collisions that each reference driver avoids.
     pub avoided: [Weighted; 6],
-    /// How many episodes there are, errors among them.
+    /// The number of episodes, errors included.
     size: usize,
     /// The episodes with each flag, of all.
     counts: [Weighted; 5],
@@ -149,7 +149,7 @@ impl Tried {
         self.size.min(other.size) as f64 / kept.max(1) as f64
     }
 
-    /// Pairs of equal beginnings, of those kept, in which only this one collided, or had another rate's event, and in which only the
+    /// Pairs of equal starts, of those kept, in which only this one collided, or had another rate's event, and in which only the
     /// other did.
     pub fn discordant(&self, other: &Self, figure: Figure) -> (u64, u64) {
         let flag = part(figure);
