@@ -107,12 +107,8 @@ fn show_plan(plan: &Plan) -> String {
             }
         }
         for training in &campaign.trainings {
-            let key = &training.key;
             let environments = console::count(training.environments, "environment");
-            text.push_str(&format!(
-                "  training: {} in {} against {}, run {}, {environments}\n",
-                key.reward, key.town, key.policy, key.run
-            ));
+            text.push_str(&format!("  training: {}, {environments}\n", training.key));
             text.push_str(&show_scenario(&training.scenario));
             text.push_str(&indented(&outline(&training.config)));
         }

@@ -1,6 +1,6 @@
 use super::console;
 use crate::campaign::Cell;
-use crate::compile::Pedestrian;
+use crate::record::RunKey;
 use crate::session::Listing;
 use crate::store::Known;
 
@@ -10,38 +10,22 @@ pub fn list(listing: &Listing) {
     let known = |cell| tasks[&cell].clone();
     console::say(&format!("campaign {name}"));
     for (number, training) in campaign.trainings.iter().enumerate() {
-        let key = &training.key;
         let decisions = training.config.total_steps;
         let state = told(&known(Cell::Training(number)), "updates");
-        console::say(&format!(
-            "  train  {} in {} against {}, run {}: {decisions} decisions [{state}]",
-            key.reward, key.town, key.policy, key.run
-        ));
+        console::say(&format!("  train  {}: {decisions} decisions [{state}]", training.key));
     }
     for (number, evaluation) in campaign.evaluations.iter().enumerate() {
-        let key = &evaluation.trained;
-        let who = match evaluation.pedestrian {
-            who @ (Pedestrian::Trained(_) | Pedestrian::Sampled(_)) => {
-                format!("{} {} of {} against {}, run {}", who.name(), key.reward, key.town, key.policy, key.run)
-            }
-            other => format!("{} ({}, run {})", other.name(), key.reward, key.run),
-        };
         let chunks = (0..evaluation.chunks()).map(|chunk| known(Cell::Chunk { evaluation: number, chunk }));
         console::say(&format!(
-            "  try    {who} in {} against {}: {} episodes [{}]",
-            evaluation.town,
-            evaluation.policy,
+            "  try    {}: {} episodes [{}]",
+            RunKey::of(evaluation),
             evaluation.episodes,
             together(&chunks.collect::<Vec<_>>())
         ));
     }
     for (number, search) in campaign.searches.iter().enumerate() {
-        let key = &search.key;
         let state = told(&known(Cell::Search(number)), "episodes");
-        console::say(&format!(
-            "  search {} in {} against {}, run {}: {} ticks [{state}]",
-            key.falsifier, key.town, key.policy, key.run, search.budget
-        ));
+        console::say(&format!("  search {}: {} ticks [{state}]", search.key, search.budget));
     }
     let all = tasks.len();
     let there = tasks.values().filter(|known| **known == Known::Finished).count();

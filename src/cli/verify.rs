@@ -63,8 +63,7 @@ pub fn verify(options: &VerifyOptions) -> ExitCode {
     console::say(&format!("episodes and failures of searches: {repeated} repeated, {equal} equal"));
     if let Some(trainings) = &verified.trainings {
         for key in &trainings.different {
-            let who = format!("{} in {} against {}, run {}", key.reward, key.town, key.policy, key.run);
-            console::fail(&format!("the training of {who} differs from the report"));
+            console::fail(&format!("the training of {key} differs from the report"));
         }
         let equal = trainings.repeated - trainings.different.len();
         console::say(&format!("trainings: {} repeated, {equal} equal", trainings.repeated));

@@ -59,8 +59,9 @@ impl Source {
         let (outcome, trace) = seen.into_iter().next().expect("an episode that is tried comes to an end");
         let pair = trace.main_pair(&evaluation.scenario);
         let (verdict, near_miss) = (judge(&pair), NearMiss::new(&pair));
+        let key = std::sync::Arc::new(RunKey::of(evaluation));
         let again = record::episodes(&[EpisodeRow {
-            key: RunKey::of(evaluation).into(),
+            key: key.clone(),
             episode: name.number,
             outcome,
             verdict,
@@ -68,7 +69,7 @@ impl Source {
             weight: 1.0,
         }]);
         let scenario = &evaluation.scenario;
-        self.compared(name, who(evaluation), scenario, (outcome, trace, verdict), &stored, &again)
+        self.compared(name, key.to_string(), scenario, (outcome, trace, verdict), &stored, &again)
     }
 
     fn repeat_failure(&self, name: EpisodeName, search: &Search) -> Result<Repeated, Error> {
@@ -87,7 +88,7 @@ impl Source {
         // A table of this failure alone would count it as the first.
         let again = if outcome.is_collision() { search_row(search, failure) } else { Default::default() };
         let key = &search.key;
-        let title = format!("found by {} in {} against {}, run {}", key.falsifier, key.town, key.policy, key.run);
+        let title = format!("found by {key}");
         let verdict = judge(&trace.main_pair(&search.scenario));
         self.compared(name, title, &search.scenario, (outcome, trace, verdict), &stored, &again)
     }
@@ -132,18 +133,4 @@ fn search_row(search: &Search, failure: Failure) -> report::Row {
     let spent = Spent { ticks: 0, episodes: 0, beginnings: 0, failures: vec![failure], stopped: false };
     let key = search.key.clone();
     report::search_failures(&[SearchResult { key, budget: search.budget, spent, tried: Vec::new(), error: None }])
-}
-
-/// Who walks where and against whom, in words.
-fn who(evaluation: &Evaluation) -> String {
-    let key = &evaluation.trained;
-    let trained = if key.town.is_empty() {
-        format!("{} ({}, run {})", evaluation.pedestrian.name(), key.reward, key.run)
-    } else {
-        format!("{} {} ({}, {}), run {}", evaluation.pedestrian.name(), key.reward, key.town, key.policy, key.run)
-    };
-    format!(
-        "{trained}, in {} against {}, {} and {}",
-        evaluation.town, evaluation.policy, evaluation.vehicle, evaluation.adversary
-    )
 }

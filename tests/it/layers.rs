@@ -91,6 +91,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "env",
             "falsifier",
             "compile",
+            "record",
             "campaign",
             "report",
             "store",

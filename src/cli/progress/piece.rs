@@ -98,15 +98,9 @@ impl Piece {
 
     fn new(campaign: &Campaign, kind: Kind, place: usize) -> Self {
         let name = match kind {
-            Kind::Training => {
-                let key = &campaign.trainings[place].key;
-                format!("{} in {} against {}, run {}", key.reward, key.town, key.policy, key.run)
-            }
+            Kind::Training => campaign.trainings[place].key.to_string(),
             Kind::Evaluation => evaluation(&campaign.evaluations[place]),
-            Kind::Search => {
-                let key = &campaign.searches[place].key;
-                format!("{} in {} against {}, run {}", key.falsifier, key.town, key.policy, key.run)
-            }
+            Kind::Search => campaign.searches[place].key.to_string(),
         };
         let (done, before, state) = (AtomicU64::new(0), AtomicU64::new(0), Mutex::default());
         Self { kind, place, name, total: 0, done, before, state }
