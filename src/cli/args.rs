@@ -6,7 +6,6 @@ use super::check::{self, CheckOptions};
 use super::debug::{self, DebugOptions};
 use super::explain::{self, ExplainOptions};
 use super::fmt::{self, FmtOptions};
-use super::later::Later;
 use super::map::{self, MapOptions};
 use super::merge::{self, MergeOptions};
 use super::new::{self, NewOptions};
@@ -15,7 +14,8 @@ use super::replay::{self, ReplayOptions};
 use super::run::RunOptions;
 use super::status::{self, StatusOptions};
 use super::verify::{self, VerifyOptions};
-use super::{config, lsp};
+use super::config::{self, ConfigOptions};
+use super::lsp;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -56,49 +56,49 @@ pub struct Arguments {
 pub enum Command {
     /// Run the campaigns of scenario files: train pedestrians, evaluate them, search for failures, and write reports.
     #[command(after_help = EXAMPLES)]
-    Run(Later<RunOptions>),
+    Run(RunOptions),
     /// Merge the work of the shards of a run, and write its reports.
     #[command(after_help = merge::EXAMPLES)]
-    Merge(Later<MergeOptions>),
+    Merge(MergeOptions),
     /// Show how far the campaigns of a folder are, whether a process works on them, and how to continue.
     #[command(after_help = status::EXAMPLES)]
-    Status(Later<StatusOptions>),
+    Status(StatusOptions),
     /// Show the settings of this folder, from flags, the environment and falsify.toml.
     #[command(after_help = config::EXAMPLES)]
-    Config,
+    Config(ConfigOptions),
     /// Repeat an episode of a report, describe it, and compare it with the report.
     #[command(after_help = replay::EXAMPLES)]
-    Replay(Later<ReplayOptions>),
+    Replay(ReplayOptions),
     /// Draw an episode of a report, as six frames or as an animation.
     #[command(after_help = render::EXAMPLES)]
-    Render(Later<RenderOptions>),
+    Render(RenderOptions),
     /// Repeat a sample of what a report holds and compare it byte for byte.
     #[command(after_help = verify::EXAMPLES)]
-    Verify(Later<VerifyOptions>),
+    Verify(VerifyOptions),
     /// Show how much finished work is stored for the campaigns of a folder, and remove what none of them needs.
     #[command(after_help = cells::EXAMPLES)]
-    Cells(Later<CellsOptions>),
+    Cells(CellsOptions),
     /// Find mistakes in scenario files without running anything.
     #[command(after_help = check::EXAMPLES)]
-    Check(Later<CheckOptions>),
+    Check(CheckOptions),
     /// Explain a diagnostic, a form, a kind or a key of the language.
     #[command(after_help = explain::EXAMPLES)]
-    Explain(Later<ExplainOptions>),
+    Explain(ExplainOptions),
     /// Write a commented scenario to start from.
     #[command(after_help = new::EXAMPLES)]
-    New(Later<NewOptions>),
+    New(NewOptions),
     /// Give scenario files their canonical layout.
     #[command(after_help = fmt::EXAMPLES)]
-    Fmt(Later<FmtOptions>),
+    Fmt(FmtOptions),
     /// Draw a town, and list what its map holds and what was skipped.
     #[command(after_help = map::EXAMPLES)]
-    Map(Later<MapOptions>),
+    Map(MapOptions),
     /// Work on a driver of your own.
     #[command(subcommand)]
     Av(AvCommand),
     /// Show a file as it is parsed, checked or planned.
     #[command(after_help = debug::EXAMPLES)]
-    Debug(Later<DebugOptions>),
+    Debug(DebugOptions),
     /// Serve an editor: diagnostics, help, completion, definitions, layout. It speaks the language server protocol on the standard streams.
     #[command(after_help = lsp::EXAMPLES)]
     Lsp {

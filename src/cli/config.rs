@@ -1,5 +1,5 @@
 use clap::parser::ValueSource;
-use clap::{Arg, ArgAction, ArgMatches, Command};
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
 
 use super::console;
 use super::exit_code::ExitCode;
@@ -13,9 +13,28 @@ Examples:
 
 A flag comes before the environment, which comes before falsify.toml, in this folder or the nearest one above.";
 
-/// Gives the command `config` the options that it shows.
-pub fn with_options(command: Command) -> Command {
-    command.args(settings::options())
+/// Options of `falsify config`: the settings themselves. Their values are read from the matches.
+#[derive(Debug)]
+pub struct ConfigOptions;
+
+impl Args for ConfigOptions {
+    fn augment_args(command: Command) -> Command {
+        command.args(settings::options())
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for ConfigOptions {
+    fn from_arg_matches(_: &ArgMatches) -> Result<Self, Error> {
+        Ok(Self)
+    }
+
+    fn update_from_arg_matches(&mut self, _: &ArgMatches) -> Result<(), Error> {
+        Ok(())
+    }
 }
 
 /// `falsify config`: every setting with its value and where it comes from, in the form of `falsify.toml`.

@@ -1,7 +1,6 @@
 //! The command line: arguments, commands, progress, exit codes.
 
 mod args;
-mod later;
 mod exit_code;
 mod console;
 mod failure;
@@ -36,8 +35,6 @@ mod av_check;
 pub use args::Arguments;
 pub use exit_code::ExitCode;
 
-use later::Later;
-
 use clap::{ArgMatches, Command, CommandFactory, FromArgMatches};
 
 /// Runs the program with the arguments of the process. A bug ends in [`ExitCode::Internal`].
@@ -54,7 +51,7 @@ pub fn main() -> ExitCode {
 }
 
 fn run_command() -> ExitCode {
-    let mut known = command();
+    let mut known = Arguments::command();
     let (mut arguments, mut matches) = match parse(&mut known) {
         Ok(parsed) => parsed,
         Err(code) => return code,
@@ -68,7 +65,7 @@ fn run_command() -> ExitCode {
             Err(code) => return code,
         };
         if let Some(settings) = &settings {
-            let mut with_defaults = settings::apply(later::at_once(Arguments::command()), settings);
+            let mut with_defaults = settings::apply(Arguments::command(), settings);
             (arguments, matches) = match parse(&mut with_defaults) {
                 Ok(parsed) => parsed,
                 Err(code) => return code,
@@ -78,37 +75,32 @@ fn run_command() -> ExitCode {
     // Its place is soon needed for other things.
     drop(known);
     match arguments.command {
-        args::Command::Config => {
+        args::Command::Config(_) => {
             let (_, options) = matches.subcommand().expect("it is the command `config`");
             config::config(options, settings.as_ref())
         }
-        args::Command::Run(Later(options)) => run::run(&options),
-        args::Command::Status(Later(options)) => status::status(&options),
-        args::Command::Merge(Later(options)) => merge::merge(&options),
-        args::Command::Replay(Later(options)) => replay::replay(&options),
-        args::Command::Render(Later(options)) => render::render(&options),
-        args::Command::Verify(Later(options)) => verify::verify(&options),
-        args::Command::Cells(Later(options)) => cells::cells(&options),
-        args::Command::Check(Later(options)) => check::check(&options),
-        args::Command::Explain(Later(options)) => explain::explain(&options),
-        args::Command::New(Later(options)) => new::new(&options),
-        args::Command::Debug(Later(options)) => debug::debug(&options),
+        args::Command::Run(options) => run::run(&options),
+        args::Command::Status(options) => status::status(&options),
+        args::Command::Merge(options) => merge::merge(&options),
+        args::Command::Replay(options) => replay::replay(&options),
+        args::Command::Render(options) => render::render(&options),
+        args::Command::Verify(options) => verify::verify(&options),
+        args::Command::Cells(options) => cells::cells(&options),
+        args::Command::Check(options) => check::check(&options),
+        args::Command::Explain(options) => explain::explain(&options),
+        args::Command::New(options) => new::new(&options),
+        args::Command::Debug(options) => debug::debug(&options),
         args::Command::Lsp { .. } => lsp::lsp(),
-        args::Command::Fmt(Later(options)) => fmt::fmt(&options),
-        args::Command::Map(Later(options)) => map::map(&options),
+        args::Command::Fmt(options) => fmt::fmt(&options),
+        args::Command::Map(options) => map::map(&options),
         args::Command::Av(args::AvCommand::Check(options)) => av_check::check(&options),
         args::Command::Completions { shell } => {
             let mut script = Vec::new();
-            clap_complete::generate(shell, &mut command(), "falsify", &mut script);
+            clap_complete::generate(shell, &mut Arguments::command(), "falsify", &mut script);
             console::say(String::from_utf8_lossy(&script).trim_end());
             ExitCode::Done
         }
     }
-}
-
-/// All commands, those with options without them until they are chosen.
-fn command() -> Command {
-    later::when_chosen(Arguments::command())
 }
 
 /// Reads the arguments of the process; the error is the exit code, after the reason has been printed.

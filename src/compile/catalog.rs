@@ -3,7 +3,7 @@ use std::sync::Arc;
 use super::falsifier::FalsifierKind;
 use super::policy_kind::{PolicyKind, with_sensors};
 use crate::av::external::Opener;
-use crate::signature::{Form, Signature, Type, Vocabulary};
+use crate::signature::{Form, Vocabulary};
 
 /// A kind whose name another kind of the same form has.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -27,18 +27,6 @@ pub struct Catalog {
 }
 
 impl Catalog {
-    /// The declarations that keys refer to when they are not given: names of the standard library's.
-    pub(super) fn default_names(&self) -> Vec<&'static str> {
-        fn note(signature: &Signature, found: &mut Vec<&'static str>) {
-            let references = signature.params.iter().filter(|param| matches!(param.ty, Type::Reference(_)));
-            found.extend(references.filter_map(|param| param.default));
-            signature.children.iter().for_each(|child| note(child, found));
-        }
-        let mut found = Vec::new();
-        self.forms.iter().flat_map(|form| form.plain.iter().chain(&form.kinds)).for_each(|each| note(each, &mut found));
-        found
-    }
-
     /// The same, and scenarios may start programs in this way.
     pub fn with_opener(self, opener: Arc<dyn Opener>) -> Self {
         Self { opener: Some(opener), ..self }

@@ -4,7 +4,7 @@ use super::Catalog;
 use crate::lang::mistakes::{Mistake, mistakes};
 use crate::lang::nearest;
 use crate::lang::words::{WORDS, Word};
-use crate::lang::{DIMENSIONS, functions, library_statements};
+use crate::lang::{DIMENSIONS, functions, library};
 use crate::signature::{Event, Param, Signature, Type, Variable, bounds};
 use crate::units::{Dimension, UNIT_NAMES, parse_unit};
 
@@ -283,7 +283,7 @@ fn all_functions() -> String {
 /// What the standard library declares under a name.
 fn in_library(word: &str) -> Vec<String> {
     let shown = |(file, text): (&str, &str)| format!("import \"std/{file}\"\n\n{}", indented(text.trim_end()));
-    library_statements(word).into_iter().map(shown).collect()
+    library::statements(word).map(shown).collect()
 }
 
 fn unknown(word: &str, known: &[String], form: &str) -> String {

@@ -67,19 +67,9 @@ pub fn compile_with(
     read: &dyn Reader,
     sources: &mut Sources,
 ) -> Result<Compiled, Unreadable> {
-    let mut words = catalog.default_names();
-    words.extend(overrides.settings.iter().map(String::as_str));
-    let mut loaded = lang::load_named(paths, &words, read, sources)?;
+    let loaded = lang::load(paths, read, sources)?;
     let (settings, unreadable) = lang::settings(&overrides.settings, sources);
-    let (mut variants, mut diagnostics) = understand(loaded.clone(), &settings, catalog, sources);
-    if overrides.imported_towns || !diagnostics.is_empty() {
-        // What a user means who made a mistake may be anywhere in the library.
-        loaded.complete(sources);
-        (variants, diagnostics) = understand(loaded, &settings, catalog, sources);
-    } else {
-        // The trees have done their work; their place is soon needed for towns.
-        drop(loaded);
-    }
+    let (variants, mut diagnostics) = understand(loaded, &settings, catalog, sources);
     diagnostics.extend(unreadable);
     let is_error = |each: &Diagnostic| each.severity == Severity::Error;
     let mut shared = Shared::default();

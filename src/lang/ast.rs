@@ -60,6 +60,8 @@ pub struct Param {
     pub value: Expression,
     /// Where it is set to that, if not where it is declared.
     pub setting: Option<Span>,
+    /// All of it, with its documentation.
+    pub span: Span,
 }
 
 /// `form name = kind(…) { … }`
@@ -77,7 +79,7 @@ pub struct Declaration {
     pub entries: Vec<Entry>,
     /// From the form to the name or kind, for messages.
     pub head: Span,
-    /// All of it.
+    /// All of it, with its documentation.
     pub span: Span,
 }
 

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::codes;
 use super::repair::unbraced;
+use super::tokens::{TokenKind, tokens};
 use crate::diagnostic::{Diagnostic, SourceId, Span};
 
 /// How deep brackets may nest.
@@ -84,94 +85,47 @@ fn statement(text: &str, byte: usize) -> Range<usize> {
     start..after.find(begins).unwrap_or(text.len())
 }
 
-/// Gives the places outside of brackets where a line begins as statements do: with a letter, or with the documentation of what
-/// comes next.
+/// Finds the first bracket without its partner.
 ///
 /// # Errors
-/// The first bracket without its partner, or nesting beyond [`MAX_DEPTH`].
-pub fn scan(source: SourceId, text: &str) -> Result<Vec<usize>, Box<Diagnostic>> {
-    let bytes = text.as_bytes();
+/// That bracket, a comment that is never closed, or nesting beyond [`MAX_DEPTH`].
+pub fn scan(source: SourceId, text: &str) -> Result<(), Box<Diagnostic>> {
     let at = |start: usize| Span { source, start, end: start + 1 };
-    let mut open: Vec<(u8, usize)> = Vec::new();
-    let mut starts = Vec::new();
-    let begins = |index: usize, open: &[(u8, usize)]| open.is_empty() && (index == 0 || bytes[index - 1] == b'\n');
-    // Whether documentation stands before what comes next.
-    let mut documented = false;
+    let mut open: Vec<(char, usize)> = Vec::new();
     // The last text that does not end on its line, which may have swallowed a bracket.
     let mut unended = None;
     // The last comment that holds a closing bracket.
     let mut commented: Option<Span> = None;
-    let mut index = 0;
-    while index < bytes.len() {
-        match bytes[index] {
-            b'/' if bytes.get(index + 1) == Some(&b'/') => {
-                let begun = index;
-                if bytes.get(index + 2) == Some(&b'/') {
-                    if begins(index, &open) && !documented {
-                        starts.push(index);
-                    }
-                    documented = true;
-                }
-                index =
-                    bytes[index..].iter().position(|b| matches!(b, b'\n' | b'\r')).map_or(bytes.len(), |n| index + n);
-                if bytes[begun..index].iter().any(|byte| matches!(byte, b'}' | b')' | b']')) {
-                    commented = Some(at(begun));
-                }
+    for token in tokens(text) {
+        match token.kind {
+            TokenKind::LineComment | TokenKind::Doc if token.text(text).contains(['}', ')', ']']) => {
+                commented = Some(at(token.start));
             }
-            b'/' if bytes.get(index + 1) == Some(&b'*') => {
-                let opened = index;
-                index = end_of(bytes, index + 2, b"*/");
-                if index >= bytes.len() {
-                    return Err(Box::new(codes::unclosed_comment(at(opened))));
-                }
-            }
-            b'"' => {
-                let opened = index;
-                let end = bytes[index + 1..].iter().position(|b| matches!(b, b'"' | b'\n' | b'\r'));
-                index = end.map_or(bytes.len(), |n| index + 1 + n);
-                if bytes.get(index) != Some(&b'"') {
-                    unended = Some(at(opened));
-                }
-            }
-            byte @ (b'{' | b'(' | b'[') => {
-                open.push((byte, index));
+            TokenKind::OpenComment => return Err(Box::new(codes::unclosed_comment(at(token.start)))),
+            TokenKind::OpenText => unended = Some(at(token.start)),
+            TokenKind::Open => {
+                open.extend(token.text(text).chars().map(|bracket| (bracket, token.start)));
                 if open.len() > MAX_DEPTH {
-                    return Err(Box::new(codes::too_deep(at(index), MAX_DEPTH)));
+                    return Err(Box::new(codes::too_deep(at(token.start), MAX_DEPTH)));
                 }
             }
-            byte @ (b'}' | b')' | b']') => match open.pop() {
-                Some((opening, _)) if closes(opening, byte) => {}
+            TokenKind::Close => match open.pop() {
+                Some((opening, _)) if closes(opening, token.text(text)) => {}
                 Some((opening, place)) => {
-                    return Err(Box::new(codes::mismatched_bracket(at(index), at(place), opening as char)));
+                    return Err(Box::new(codes::mismatched_bracket(at(token.start), at(place), opening)));
                 }
-                None => return Err(Box::new(codes::stray_bracket(at(index)))),
+                None => return Err(Box::new(codes::stray_bracket(at(token.start)))),
             },
-            byte if !byte.is_ascii_whitespace() => {
-                if byte.is_ascii_alphabetic() && begins(index, &open) && !documented {
-                    starts.push(index);
-                }
-                documented = false;
-            }
             _ => {}
         }
-        index += 1;
     }
-    match open.pop() {
-        Some((opening, place)) => {
-            let unended = unended.filter(|text| text.start > place);
-            let line = text[place..].find(['\n', '\r']).map_or(text.len(), |end| place + end);
-            let commented = commented.filter(|comment| (place..line).contains(&comment.start));
-            Err(Box::new(codes::unclosed_bracket(at(place), opening as char, unended, commented)))
-        }
-        None => Ok(starts),
-    }
+    let Some((opening, place)) = open.pop() else { return Ok(()) };
+    let unended = unended.filter(|text| text.start > place);
+    let line = text[place..].find(['\n', '\r']).map_or(text.len(), |end| place + end);
+    let commented = commented.filter(|comment| (place..line).contains(&comment.start));
+    Err(Box::new(codes::unclosed_bracket(at(place), opening, unended, commented)))
 }
 
-fn closes(opening: u8, closing: u8) -> bool {
-    matches!((opening, closing), (b'{', b'}') | (b'(', b')') | (b'[', b']'))
-}
-
-fn end_of(bytes: &[u8], from: usize, mark: &[u8]) -> usize {
-    let found = bytes.get(from..).and_then(|rest| rest.windows(mark.len()).position(|window| window == mark));
-    found.map_or(bytes.len(), |n| from + n + mark.len() - 1)
+fn closes(opening: char, closing: &str) -> bool {
+    matches!((opening, closing), ('{', "}") | ('(', ")") | ('[', "]"))
 }

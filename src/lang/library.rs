@@ -1,6 +1,10 @@
 //! The standard library: scenario files that come with the program.
 
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+
+use super::parse;
+use crate::diagnostic::{Sources, Span};
 
 /// The folder under which its files are shown and know each other; no file system has it.
 const FOLDER: &str = "<std>";
@@ -16,9 +20,43 @@ const FILES: &[(&str, &str)] = &[
     ("towns.scn", include_str!("../../scenarios/lib/towns.scn")),
 ];
 
-/// Its files: names and texts.
-pub(super) fn files() -> impl Iterator<Item = (&'static str, &'static str)> {
-    FILES.iter().copied()
+/// A declaration or a parameter of the library.
+struct Statement {
+    file: &'static str,
+    /// The form; `param` of a parameter.
+    form: String,
+    name: String,
+    /// It, with its documentation.
+    text: &'static str,
+}
+
+/// All statements with a name, by file. They are needed only for messages and explanations, so they are read once, on demand.
+static STATEMENTS: LazyLock<Vec<Statement>> = LazyLock::new(|| {
+    let read = |(file, text): &(&'static str, &'static str)| {
+        let tree = parse(Sources::default().add(file, *text), text).0;
+        let (file, text) = (*file, *text);
+        let statement = move |form: &str, name: &str, span: Span| {
+            let (form, name, text) = (form.to_string(), name.to_string(), &text[span.start..span.end]);
+            Statement { file, form, name, text }
+        };
+        let params: Vec<_> = tree.params.iter().map(|param| statement("param", &param.name.text, param.span)).collect();
+        let declared = tree.declarations.into_iter().filter_map(move |each| {
+            let name = each.name.as_ref()?;
+            Some(statement(&each.form.text, &name.text, each.span))
+        });
+        params.into_iter().chain(declared)
+    };
+    FILES.iter().flat_map(read).collect()
+});
+
+/// The file that declares something.
+pub(super) fn home(form: &str, name: &str) -> Option<&'static str> {
+    STATEMENTS.iter().find(|each| each.form == form && each.name == name).map(|each| each.file)
+}
+
+/// The statements that declare something of this name, each with its file.
+pub fn statements(name: &str) -> impl Iterator<Item = (&'static str, &'static str)> {
+    STATEMENTS.iter().filter(move |each| each.name == name).map(|each| (each.file, each.text))
 }
 
 /// The names of its files, as they stand after `std/` in an import.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
 use super::ast::File;
-use super::{codes, library, parse, shelf};
+use super::{codes, library, parse};
 use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
 
 /// Reads files; the only way in which the front end reaches the outside. A function that gives a file's text is one.
@@ -56,44 +56,8 @@ pub struct Loaded {
 /// # Errors
 /// The first named file that cannot be read, with the reason. An import that cannot be read is a diagnostic instead.
 pub fn load(paths: &[PathBuf], read: &dyn Reader, sources: &mut Sources) -> Result<Loaded, Unreadable> {
-    load_as(paths, false, read, sources)
-}
-
-/// Does as [`load`], but takes of the standard library only what is named: in a file that is none of the library's, in these
-/// words, or in what is taken. Files in which nothing is wrong mean the same either way. [`Loaded::complete`] adds the rest.
-///
-/// # Errors
-/// As [`load`].
-pub fn load_named(
-    paths: &[PathBuf],
-    words: &[&str],
-    read: &dyn Reader,
-    sources: &mut Sources,
-) -> Result<Loaded, Unreadable> {
-    if paths.iter().any(|path| library::holds(path)) {
-        return load(paths, read, sources);
-    }
-    let mut loaded = load_as(paths, true, read, sources)?;
-    shelf::read_named(&mut loaded.files, words, sources);
-    Ok(loaded)
-}
-
-impl Loaded {
-    /// Adds what [`load_named`] has left out.
-    pub fn complete(&mut self, sources: &Sources) {
-        for file in &mut self.files {
-            let source = sources.get(file.source);
-            if library::holds(&source.path) {
-                let (whole, _) = parse(file.source, &source.text);
-                (file.params, file.declarations) = (whole.params, whole.declarations);
-            }
-        }
-    }
-}
-
-fn load_as(paths: &[PathBuf], shelving: bool, read: &dyn Reader, sources: &mut Sources) -> Result<Loaded, Unreadable> {
     let (known, files, diagnostics) = (BTreeMap::new(), Vec::new(), Vec::new());
-    let mut loader = Loader { shelving, read, sources, known, files, diagnostics };
+    let mut loader = Loader { read, sources, known, files, diagnostics };
     let mut roots = Vec::new();
     for path in paths {
         let source = loader.file(path, &mut Vec::new()).map_err(|source| Unreadable { path: path.clone(), source })?;
@@ -110,8 +74,6 @@ fn load_as(paths: &[PathBuf], shelving: bool, read: &dyn Reader, sources: &mut S
 const LONGEST_CHAIN: usize = 256;
 
 struct Loader<'a> {
-    /// Whether only the headings of the library's files are read.
-    shelving: bool,
     read: &'a dyn Reader,
     sources: &'a mut Sources,
     known: BTreeMap<PathBuf, SourceId>,
@@ -137,8 +99,7 @@ impl Loader<'_> {
         };
         self.known.insert(key, source);
         let text = &self.sources.get(source).text;
-        let (mut file, mut diagnostics) =
-            parse(source, if of_library && self.shelving { shelf::heading(text) } else { text });
+        let (mut file, mut diagnostics) = parse(source, text);
         let unread = !diagnostics.is_empty();
         self.diagnostics.append(&mut diagnostics);
         if file.edition.is_none() && !unread {

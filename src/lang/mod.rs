@@ -2,7 +2,7 @@
 //!
 //! | phase | function | from → to |
 //! |---|---|---|
-//! | load | [`load`], [`load_named`] | paths → [`ast::File`]s, imports followed, every file read once |
+//! | load | [`load`] | paths → [`ast::File`]s, imports followed, every file read once |
 //! | parse | [`parse`] | text → [`ast::File`] |
 //! | lay out | [`format()`] | text → the same text in its canonical layout |
 //! | check | [`check`] | files, [`Form`](crate::signature::Form)s, vocabulary → [`hir::Program`] |
@@ -12,7 +12,7 @@
 
 mod load;
 pub mod library;
-mod shelf;
+pub mod tokens;
 mod parse;
 pub mod ast;
 mod brackets;
@@ -36,11 +36,10 @@ mod outline;
 pub use check::{Checked, check, once};
 pub use format::format;
 pub use formula::functions;
-pub use load::{Loaded, Reader, Unreadable, load, load_named, reason};
+pub use load::{Loaded, Reader, Unreadable, load, reason};
 pub use outline::outline;
 pub use params::{DIMENSIONS, OTHER_TYPES};
 pub use parse::parse;
 pub use settings::{Matrix, Setting, apply, matrices, settings};
-pub use shelf::library_statements;
 pub use suggest::nearest;
 pub use value::distributions;

@@ -6,7 +6,7 @@ use std::ops::Bound;
 use super::ast::{File, Import, Name};
 use super::codes;
 use super::hir::ParamId;
-use super::shelf;
+use super::library;
 use super::suggest::nearest;
 use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
 use crate::signature::{DeclarationId, Form};
@@ -89,7 +89,7 @@ impl<'a> Names<'a> {
         // All of it cannot be imported beside a name of its own. Somebody who has very many of them will be told.
         const MOST: usize = 1000;
         let own = self.known.iter().filter(|(_, (_, span))| span.source == word.source).take(MOST);
-        let clash = own.map(|((form, name), _)| shelf::home(form, name)).any(|home| home == Some(file));
+        let clash = own.map(|((form, name), _)| library::home(form, name)).any(|home| home == Some(file));
         let import = if clash { format!("import {name} from \"{path}\"") } else { format!("import \"{path}\"") };
         let text = &sources.get(word.source).text;
         let line = text[word.end..].lines().next().unwrap_or_default();

@@ -5,13 +5,11 @@ mod junk;
 
 use pest::Parser;
 use pest::iterators::Pair;
-use std::ops::Range;
 use std::sync::Arc;
 
 use super::ast::{Clause, Declaration, Entry, Expression, ExpressionKind, File, Import, Known, Name, Param, Property};
 use super::{brackets, codes, repair};
 use crate::diagnostic::{Diagnostic, SourceId, Span};
-use crate::units::parse_unit;
 
 #[allow(missing_docs, reason = "the derive writes the enum; the grammar documents the rules")]
 pub(super) mod rules {
@@ -26,27 +24,19 @@ use rules::{Rule, ScenarioParser};
 /// The longest file that is read (bytes).
 const MAX_BYTES: usize = 4 << 20;
 
-/// How many bytes are given to the parser at once, if statements allow: it remembers all that it has found in them until it ends.
-const LEAST_PART: usize = 1 << 10;
-
 /// Reads a file's text into a tree, with everything that could be read and one diagnostic for each statement that
 /// could not.
 pub fn parse(source: SourceId, text: &str) -> (File, Vec<Diagnostic>) {
-    let whole = 0..text.len();
     if text.len() > MAX_BYTES {
         let span = Span { source, start: 0, end: 0 };
         return (File { torn: true, ..empty(source) }, vec![codes::too_large(span, text.len(), MAX_BYTES)]);
     }
     match brackets::scan(source, text) {
-        Ok(starts) => {
-            let read = read_parts(source, text, parts(&starts, text.len(), LEAST_PART));
-            // A statement may go on where another seemed to begin.
-            if read.1.is_empty() { read } else { read_parts(source, text, [whole]) }
-        }
+        Ok(()) => read(source, text),
         Err(diagnostic) => {
             let balanced = brackets::balance(source, text, *diagnostic);
             let (mut file, diagnostics) = match balanced.text {
-                Some(text) => read_parts(source, &text, [whole]),
+                Some(text) => read(source, &text),
                 None => (File { torn: true, ..empty(source) }, Vec::new()),
             };
             file.unread.splice(0..0, balanced.left_out.iter().flat_map(|part| names_of(&text[part.clone()])));
@@ -55,35 +45,19 @@ pub fn parse(source: SourceId, text: &str) -> (File, Vec<Diagnostic>) {
     }
 }
 
-/// The text between places where statements may begin, in parts of at least so many bytes.
-fn parts(starts: &[usize], end: usize, least: usize) -> Vec<Range<usize>> {
-    let (mut parts, mut begin) = (Vec::new(), 0);
-    for start in starts {
-        if *start >= begin + least {
-            parts.push(begin..*start);
-            begin = *start;
-        }
-    }
-    parts.push(begin..end);
-    parts
-}
-
-/// Reads parts of a text, each of whole statements.
-fn read_parts(source: SourceId, text: &str, parts: impl IntoIterator<Item = Range<usize>>) -> (File, Vec<Diagnostic>) {
-    let mut reader = Reader { source, offset: 0, headless: false, diagnostics: Vec::new() };
+/// Reads a text whose brackets are balanced.
+fn read(source: SourceId, text: &str) -> (File, Vec<Diagnostic>) {
+    let mut reader = Reader { source, headless: false, diagnostics: Vec::new() };
     let mut file = empty(source);
-    for part in parts {
-        reader.offset = part.start;
-        match ScenarioParser::parse(Rule::file, &text[part]) {
-            Ok(mut pairs) => {
-                for pair in pairs.next().expect("a parse gives its rule").into_inner() {
-                    reader.item(pair, &mut file);
-                }
+    match ScenarioParser::parse(Rule::file, text) {
+        Ok(mut pairs) => {
+            for pair in pairs.next().expect("a parse gives its rule").into_inner() {
+                reader.item(pair, &mut file);
             }
-            Err(error) => {
-                file.torn = true;
-                reader.diagnostics.push(reader.syntax_error(&error, 0, 0));
-            }
+        }
+        Err(error) => {
+            file.torn = true;
+            reader.diagnostics.push(reader.syntax_error(&error, 0, 0));
         }
     }
     (file, reader.diagnostics)
@@ -120,23 +94,9 @@ fn names_of(statement: &str) -> impl Iterator<Item = String> {
     words.into_iter()
 }
 
-/// Reads statements of a text that hold no mistake: those of the standard library.
-pub(super) fn parse_part(source: SourceId, text: &str, part: Range<usize>) -> File {
-    let (file, diagnostics) = read_parts(source, text, [part]);
-    assert!(diagnostics.is_empty(), "the library can be read: {diagnostics:?}");
-    file
-}
-
 /// Reads a value that stands alone, such as a default in a signature.
 pub(super) fn parse_value(source: SourceId, text: &str) -> Result<Expression, Box<Diagnostic>> {
-    match plain_quantity(source, text) {
-        Some(kind) => Ok(Expression { kind, span: Span { source, start: 0, end: text.len() } }),
-        None => parse_any_value(source, text),
-    }
-}
-
-fn parse_any_value(source: SourceId, text: &str) -> Result<Expression, Box<Diagnostic>> {
-    let mut reader = Reader { source, offset: 0, headless: false, diagnostics: Vec::new() };
+    let mut reader = Reader { source, headless: false, diagnostics: Vec::new() };
     brackets::scan(source, text)?;
     match ScenarioParser::parse(Rule::whole_value, text) {
         Ok(mut pairs) => {
@@ -147,24 +107,8 @@ fn parse_any_value(source: SourceId, text: &str) -> Result<Expression, Box<Diagn
     }
 }
 
-/// What most defaults are, for which the grammar is a long way: a number, perhaps with a unit after one blank.
-fn plain_quantity(source: SourceId, text: &str) -> Option<ExpressionKind> {
-    let (number, unit) = text.split_once(' ').map_or((text, None), |(number, unit)| (number, Some(unit)));
-    let (whole, part) = number.split_once('.').unwrap_or((number, "0"));
-    let digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
-    let known = |unit: &str| unit.bytes().all(|byte| byte.is_ascii_alphabetic()) && parse_unit(unit).is_ok();
-    if !digits(whole) || !digits(part) || !unit.is_none_or(known) {
-        return None;
-    }
-    let place = Span { source, start: number.len() + 1, end: text.len() };
-    let unit = unit.map(|unit| Name { text: unit.to_string(), span: place });
-    Some(ExpressionKind::Number { value: read_number(number), unit })
-}
-
 struct Reader {
     source: SourceId,
-    /// Where the text that is being parsed begins in the source.
-    offset: usize,
     /// Whether the last statement is the head of a declaration without braces: indented lines are what it was to hold.
     headless: bool,
     diagnostics: Vec<Diagnostic>,
@@ -175,7 +119,7 @@ impl Reader {
         let span = pair.as_span();
         // Blanks that were read in the hope of more belong to nobody.
         let end = span.start() + span.as_str().trim_end().len();
-        Span { source: self.source, start: self.offset + span.start(), end: self.offset + end }
+        Span { source: self.source, start: span.start(), end: end }
     }
 
     fn name(&self, pair: Pair<Rule>) -> Name {
@@ -255,6 +199,7 @@ impl Reader {
     }
 
     fn param(&mut self, pair: Pair<Rule>) -> Param {
+        let span = self.span(&pair);
         let mut docs = Vec::new();
         let mut names = Vec::new();
         let mut value = None;
@@ -268,7 +213,7 @@ impl Reader {
         }
         let mut names = names.into_iter();
         let mut name = || names.next().expect("a parameter has a name and a type");
-        Param { docs, name: name(), ty: name(), value: value.expect("a parameter has a value"), setting: None }
+        Param { docs, name: name(), ty: name(), value: value.expect("a parameter has a value"), setting: None, span }
     }
 
     fn declaration(&mut self, pair: Pair<Rule>) -> Declaration {
@@ -352,7 +297,7 @@ impl Reader {
 
     /// A part of the text that is being parsed, as a place of the source.
     fn place(&self, start: usize, end: usize) -> Span {
-        Span { source: self.source, start: self.offset + start, end: self.offset + end }
+        Span { source: self.source, start: start, end: end }
     }
 }
 

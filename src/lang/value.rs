@@ -9,8 +9,8 @@ use std::f64::consts::TAU;
 use super::ast::{Expression, ExpressionKind, Known};
 use super::codes;
 use super::formula::{Scope, Sort, formula};
+use super::library;
 use super::names::Names;
-use super::shelf;
 use crate::diagnostic::{Diagnostic, Sources, Span};
 use crate::signature::{Form, Formula, LEAST, MOST, Type, Value, VariableId, Vocabulary, bounds, short};
 use crate::units::Dimension;
@@ -168,7 +168,7 @@ pub(super) fn value(
             {
                 None
             }
-            None if let Some(file) = shelf::home(form, word) => {
+            None if let Some(file) = library::home(form, word) => {
                 let added = context.names.another_import(word, file, context.sources);
                 diagnostics.push(codes::not_imported(span, form, word, file, added));
                 None

@@ -2,6 +2,7 @@
 
 use super::visible::dimension as measured;
 use crate::compile::Catalog;
+use crate::lang::tokens::{TokenKind, is_word, tokens};
 use crate::signature::{Param, Signature};
 use crate::units::Dimension;
 
@@ -58,21 +59,24 @@ pub enum Place<'a> {
     Nothing,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Kind {
-    Word,
-    Number,
-    Text,
-    Sign,
-}
-
 #[derive(Debug, Clone, Copy)]
 struct Token<'a> {
     text: &'a str,
-    kind: Kind,
+    kind: TokenKind,
     end: usize,
     /// Whether it is the first on its line.
     first: bool,
+}
+
+impl Token<'_> {
+    /// Whether a value must follow it.
+    fn is_open(&self) -> bool {
+        matches!(self.kind, TokenKind::Sign | TokenKind::Open | TokenKind::Foreign)
+    }
+
+    fn is_word(&self) -> bool {
+        matches!(self.kind, TokenKind::Name | TokenKind::Keyword | TokenKind::Unit)
+    }
 }
 
 /// An open bracket, or the file.
@@ -95,22 +99,40 @@ struct Frame<'a> {
 /// Finds out where a byte of a text is.
 pub fn cursor<'a>(text: &'a str, byte: usize, catalog: &'a Catalog) -> Cursor<'a> {
     let byte = text.floor_char_boundary(byte);
-    let start = byte - text[..byte].bytes().rev().take_while(|b| is_word(*b)).count();
+    let mut start = byte - text[..byte].bytes().rev().take_while(|b| is_word(*b)).count();
     let end = byte + text[byte..].bytes().take_while(|b| is_word(*b)).count();
-    let word = &text[start..end];
     let mut frames = vec![Frame { keys: true, ..Frame::default() }];
-    let mut at = 0;
-    while let Some(token) = next(text, &mut at, start) {
-        match token {
-            Ok(token) => take(&mut frames, token, catalog),
-            // The cursor is inside a text or a comment.
-            Err(is_text) => {
-                let last = frames.last().and_then(|frame| frame.tokens.last());
-                let import = is_text && last.is_some_and(|last| matches!(last.text, "import" | "from"));
-                let place = if import { Place::Import } else { Place::Nothing };
-                return Cursor { word, place, signature: None };
+    let mut first = true;
+    for token in tokens(text).take_while(|token| token.start < byte) {
+        let inside = match token.kind {
+            TokenKind::Text | TokenKind::BlockComment => start < token.end,
+            TokenKind::OpenText | TokenKind::LineComment | TokenKind::Doc | TokenKind::OpenComment => {
+                start <= token.end
             }
+            _ => false,
+        };
+        if inside {
+            let last = frames.last().and_then(|frame| frame.tokens.last());
+            let is_text = matches!(token.kind, TokenKind::Text | TokenKind::OpenText);
+            let import = is_text && last.is_some_and(|last| matches!(last.text, "import" | "from"));
+            let place = if import { Place::Import } else { Place::Nothing };
+            return Cursor { word: &text[start..end], place, signature: None };
         }
+        if token.kind == TokenKind::Blank {
+            first |= token.text(text).contains('\n');
+            continue;
+        }
+        if token.kind.is_trivia() || token.kind == TokenKind::Doc {
+            continue;
+        }
+        if token.end > start {
+            // A unit has several words: `m/s^2`.
+            start = if token.kind == TokenKind::Unit { token.start } else { start };
+            break;
+        }
+        let (text, kind, end) = (token.text(text), token.kind, token.end);
+        take(&mut frames, Token { text, kind, end, first }, catalog);
+        first = false;
     }
     let top = frames.len() == 1;
     let frame = frames.last().expect("the file is never closed");
@@ -132,8 +154,7 @@ fn statement<'a>(frame: &Frame<'a>, before: &str, behind: &'a str) -> Option<Pla
     let words: Vec<&str> = frame.tokens.iter().map(|token| token.text).collect();
     let last = frame.tokens.last()?;
     // On the next line another statement begins, unless this one is still open.
-    let open =
-        last.kind == Kind::Sign && !matches!(last.text, ")" | "]" | "}") || matches!(last.text, "import" | "param");
+    let open = last.is_open() || matches!(last.text, "import" | "param");
     let next_line = before[last.end.min(before.len())..].contains('\n');
     match words.as_slice() {
         ["import" | "param", ..] | ["edition", _] if next_line && !open => Some(Place::Form),
@@ -144,7 +165,7 @@ fn statement<'a>(frame: &Frame<'a>, before: &str, behind: &'a str) -> Option<Pla
         ["import", ..] => Some(Place::Nothing),
         ["param"] => Some(Place::Param),
         ["param", _, ":"] => Some(Place::Type),
-        ["param", _, ":", ty, "=", ..] if last.kind == Kind::Number => Some(Place::Unit(measured(ty))),
+        ["param", _, ":", ty, "=", ..] if last.kind == TokenKind::Number => Some(Place::Unit(measured(ty))),
         ["param", name, ":", ty, "=", ..] => Some(Place::ParamValue { name, ty }),
         ["param", ..] => Some(Place::Nothing),
         _ => None,
@@ -164,17 +185,15 @@ fn place<'a>(frame: &Frame<'a>, top: bool, is_key: bool, before: &str, catalog: 
         return if frame.matrix { Place::Axis } else { Place::Key };
     }
     match last {
-        Some(last) if last.kind == Kind::Number && before[last.end..].chars().all(|c| matches!(c, ' ' | '\t')) => {
+        Some(last) if last.kind == TokenKind::Number && before[last.end..].chars().all(|c| matches!(c, ' ' | '\t')) => {
             return Place::Unit(frame.param.and_then(|param| param.ty.dimension()));
         }
-        Some(last) if last.text == "in" && last.kind == Kind::Word => return Place::Unit(counted),
-        Some(last) if last.text == "on" && last.kind == Kind::Word && frame.keys => return Place::Event,
+        Some(last) if last.text == "in" => return Place::Unit(counted),
+        Some(last) if last.text == "on" && frame.keys => return Place::Event,
         Some(last) if last.text == "=" => return behind(3).map_or(Place::Nothing, |form| Place::Kind(form.text)),
         _ => {}
     }
-    let open = last.is_none_or(|last| {
-        last.kind == Kind::Sign && !matches!(last.text, ")" | "]" | "}") || matches!(last.text, "and" | "or" | "not")
-    });
+    let open = last.is_none_or(|last| last.is_open() || matches!(last.text, "and" | "or" | "not"));
     if frame.formula && (open || !frame.keys) {
         return Place::Formula;
     }
@@ -188,7 +207,7 @@ fn place<'a>(frame: &Frame<'a>, top: bool, is_key: bool, before: &str, catalog: 
         _ if !frame.keys => Place::Formula,
         _ if !top => Place::Key,
         // At the top a form, unless one has just been written.
-        _ if last.is_none_or(|last| last.kind != Kind::Word || last.text == "import") => Place::Form,
+        _ if last.is_none_or(|last| !last.is_word() || last.text == "import") => Place::Form,
         _ => Place::Nothing,
     }
 }
@@ -200,66 +219,59 @@ fn take<'a>(frames: &mut Vec<Frame<'a>>, token: Token<'a>, catalog: &'a Catalog)
     if token.text != "{" {
         frame.closed = None;
     }
-    if top && token.first && token.kind == Kind::Word {
+    if top && token.first {
         let opens = |form: &crate::signature::Form| form.name == token.text;
         if matches!(token.text, "edition" | "import" | "param") || catalog.forms.iter().any(opens) {
             *frame = Frame { keys: true, ..Frame::default() };
         }
     }
-    if token.kind == Kind::Sign {
-        match token.text {
-            "{" => {
-                let signature = opened(frame, top, catalog);
-                let multiplies = |signature: &Signature| {
-                    catalog.forms.iter().any(|form| form.multiplies && form.name == signature.name)
-                };
-                let matrix = frame.tokens.last().is_some_and(|last| last.text == "matrix")
-                    && frame.signature.is_some_and(multiplies);
-                frames.push(Frame { signature, keys: true, matrix, ..Frame::default() });
-                return;
-            }
-            "(" | "[" => {
-                let inner = bracket(frame, token, catalog);
-                frames.push(inner);
-                return;
-            }
-            ")" | "]" | "}" => {
-                let closed = if frames.len() > 1 { frames.pop() } else { None };
-                let frame = frames.last_mut().expect("the file is never closed");
-                if token.text == "}" {
-                    *frame = Frame {
-                        signature: frame.signature,
-                        keys: frame.keys,
-                        matrix: frame.matrix,
-                        ..Frame::default()
-                    };
-                } else {
-                    frame.closed = closed.filter(|closed| closed.keys).and_then(|closed| closed.signature);
-                    frame.tokens.push(token);
-                }
-                return;
-            }
-            ":" => {
-                let key = frame.tokens.last().map_or("", |last| last.text);
-                frame.param = frame.signature.and_then(|s| s.params.iter().find(|param| param.name == key));
-                frame.formula = false;
-                frame.axis = Some(key).filter(|_| frame.matrix);
-            }
-            "=>" => {
-                frame.param = None;
-                frame.formula = true;
-            }
-            "," | ";" if frame.keys => {
-                frame.param = None;
-                frame.axis = None;
-                frame.formula = false;
-                if !top {
-                    frame.tokens.clear();
-                    return;
-                }
-            }
-            _ => {}
+    match token.text {
+        "{" => {
+            let signature = opened(frame, top, catalog);
+            let multiplies =
+                |signature: &Signature| catalog.forms.iter().any(|form| form.multiplies && form.name == signature.name);
+            let matrix = frame.tokens.last().is_some_and(|last| last.text == "matrix")
+                && frame.signature.is_some_and(multiplies);
+            frames.push(Frame { signature, keys: true, matrix, ..Frame::default() });
+            return;
         }
+        "(" | "[" => {
+            let inner = bracket(frame, token, catalog);
+            frames.push(inner);
+            return;
+        }
+        ")" | "]" | "}" => {
+            let closed = if frames.len() > 1 { frames.pop() } else { None };
+            let frame = frames.last_mut().expect("the file is never closed");
+            if token.text == "}" {
+                *frame =
+                    Frame { signature: frame.signature, keys: frame.keys, matrix: frame.matrix, ..Frame::default() };
+            } else {
+                frame.closed = closed.filter(|closed| closed.keys).and_then(|closed| closed.signature);
+                frame.tokens.push(token);
+            }
+            return;
+        }
+        ":" => {
+            let key = frame.tokens.last().map_or("", |last| last.text);
+            frame.param = frame.signature.and_then(|s| s.params.iter().find(|param| param.name == key));
+            frame.formula = false;
+            frame.axis = Some(key).filter(|_| frame.matrix);
+        }
+        "=>" => {
+            frame.param = None;
+            frame.formula = true;
+        }
+        "," | ";" if frame.keys => {
+            frame.param = None;
+            frame.axis = None;
+            frame.formula = false;
+            if !top {
+                frame.tokens.clear();
+                return;
+            }
+        }
+        _ => {}
     }
     frame.tokens.push(token);
 }
@@ -299,65 +311,4 @@ fn bracket<'a>(frame: &Frame<'a>, token: Token<'a>, catalog: &'a Catalog) -> Fra
     let event = if token.text == "(" && behind(2) == Some("on") { behind(1) } else { None };
     let Frame { signature, param, formula, matrix, axis, .. } = *frame;
     Frame { signature, param, formula, matrix, axis, event, ..Frame::default() }
-}
-
-fn is_word(byte: u8) -> bool {
-    byte.is_ascii_alphanumeric() || byte == b'_'
-}
-
-/// The next token that ends before a limit; an error when the limit lies inside a text (true) or a comment (false).
-fn next<'a>(text: &'a str, at: &mut usize, limit: usize) -> Option<Result<Token<'a>, bool>> {
-    let bytes = text.as_bytes();
-    let mut first = *at == 0;
-    while *at < limit {
-        let start = *at;
-        let rest = &text[start..];
-        let (end, kind) = match bytes[start] {
-            byte if byte.is_ascii_whitespace() => {
-                first |= byte == b'\n';
-                *at += 1;
-                continue;
-            }
-            _ if rest.starts_with("//") || rest.starts_with("/*") => {
-                let end = if rest.starts_with("//") { rest.find('\n') } else { rest.find("*/").map(|n| n + 2) };
-                *at = end.map_or(usize::MAX, |n| start + n);
-                if *at > limit {
-                    return Some(Err(false));
-                }
-                continue;
-            }
-            b'"' => {
-                let end = rest[1..].find(['"', '\n']).map_or(usize::MAX, |n| start + n + 2);
-                if end > limit {
-                    return Some(Err(true));
-                }
-                (end, Kind::Text)
-            }
-            byte if byte.is_ascii_digit() => {
-                let number = |b: &&u8| is_word(**b) || **b == b'.';
-                let mut length = bytes[start..].iter().take_while(number).count();
-                // `7..30` is a range, and `60deg` a number with its unit.
-                length = rest[..length].find("..").unwrap_or(length);
-                let digits =
-                    rest[..length].bytes().take_while(|b| b.is_ascii_digit() || matches!(b, b'.' | b'_')).count();
-                let scientific = rest[digits..].starts_with(['e', 'E'])
-                    && rest[digits + 1..].trim_start_matches(['+', '-']).starts_with(|c: char| c.is_ascii_digit());
-                (start + if scientific { length } else { digits }, Kind::Number)
-            }
-            byte if is_word(byte) => (start + bytes[start..].iter().take_while(|b| is_word(**b)).count(), Kind::Word),
-            _ => {
-                let long = ["=>", "..", "<=", ">="].iter().find(|long| rest.starts_with(**long));
-                (
-                    start + long.map_or_else(|| rest.chars().next().map_or(1, char::len_utf8), |long| long.len()),
-                    Kind::Sign,
-                )
-            }
-        };
-        *at = end;
-        if end > limit {
-            return None;
-        }
-        return Some(Ok(Token { text: &text[start..end], kind, end, first }));
-    }
-    None
 }

@@ -1,11 +1,12 @@
 //! Statements, blocks and brackets → a document.
 
-use super::marks::{Leaf, marks};
+use super::marks::marks;
 use super::printer::{Doc, print};
-use super::tokens::{Kind, Token, tokens};
+use super::tokens::{Token, tokens};
 use super::tree::{Item, Member, Node, Tree};
 use crate::diagnostic::{Diagnostic, Severity, SourceId};
 use crate::lang::parse;
+use crate::lang::tokens::TokenKind;
 
 /// Columns of a line.
 const WIDTH: usize = 120;
@@ -35,10 +36,10 @@ pub fn format(source: SourceId, text: &str) -> Result<String, Vec<Diagnostic>> {
 }
 
 /// What a layout must not change: all tokens but commas and semicolons, comments apart, since those may move past a comma.
-fn essence(tokens: &[Token]) -> (Vec<(String, Kind)>, Vec<String>) {
+fn essence(tokens: &[Token]) -> (Vec<(String, TokenKind)>, Vec<String>) {
     let plain = |token: &Token| token.text.replace("\r\n", "\n").replace('\r', "\n");
     let (comments, rest): (Vec<&Token>, Vec<&Token>) = tokens.iter().partition(|token| token.is_comment());
-    let separates = |token: &Token| token.kind == Kind::Sign && matches!(token.text, "," | ";");
+    let separates = |token: &Token| matches!(token.text, "," | ";");
     let rest = rest.into_iter().filter(|token| !separates(token));
     (rest.map(|token| (plain(token), token.kind)).collect(), comments.into_iter().map(plain).collect())
 }
@@ -69,7 +70,7 @@ fn contents(items: &[Item]) -> Vec<Doc> {
             Item::Aside(token) => docs.push(text(token)),
             Item::Statement { nodes, .. } => docs.push(statement(nodes)),
         }
-        after_doc = matches!(item, Item::Aside(token) if token.kind == Kind::Leaf(Leaf::Doc));
+        after_doc = matches!(item, Item::Aside(token) if token.kind == TokenKind::Doc);
     }
     docs
 }
@@ -164,7 +165,7 @@ fn comment(token: &Token, spaced: bool, first: bool, last: bool) -> Doc {
         docs.push(Doc::Space);
     }
     docs.push(text(token));
-    if token.ends_line && !last || token.kind == Kind::LineComment {
+    if token.ends_line && !last || token.kind == TokenKind::LineComment {
         docs.push(Doc::Hard);
     }
     Doc::Row(docs)
@@ -187,9 +188,9 @@ fn bracket(open: &Token, members: &[Member], close: &str) -> Doc {
             // In a row of its own, as in `comment`, it does not count for whether what stands before it fits.
             let space = if token.trails() && !ends_line { Doc::Space } else { Doc::Hard };
             docs.push(Doc::Row(vec![space, text(token)]));
-            ends_line = token.kind == Kind::LineComment || token.ends_line;
+            ends_line = token.kind == TokenKind::LineComment || token.ends_line;
         }
-        if last && member.after.last().is_some_and(|token| token.kind == Kind::LineComment) {
+        if last && member.after.last().is_some_and(|token| token.kind == TokenKind::LineComment) {
             docs.push(Doc::Hard);
         }
         inner.push(Doc::Row(docs));
@@ -207,19 +208,18 @@ fn bracket(open: &Token, members: &[Member], close: &str) -> Doc {
 }
 
 fn is_operator(node: &Node) -> bool {
-    const OPERATORS: [&str; 12] = ["+", "-", "*", "/", "<", "<=", ">", ">=", "==", "!=", "and", "or"];
+    const OPERATORS: [&str; 10] = ["+", "-", "*", "/", "<", "<=", ">", ">=", "and", "or"];
     let Node::Token(token) = node else { return false };
-    matches!(token.kind, Kind::Sign | Kind::Word) && OPERATORS.contains(&token.text)
+    matches!(token.kind, TokenKind::Sign | TokenKind::Keyword) && !token.prefix && OPERATORS.contains(&token.text)
 }
 
-/// Whether a blank stands between two neighbours.
+/// Whether a blank parts two neighbours.
 fn spaced(before: &Node, node: &Node) -> bool {
-    let sign = |node: &Node, signs: &[&str]| matches!(node, Node::Token(token) if token.kind == Kind::Sign && signs.contains(&token.text));
-    let is = |node: &Node, leaf: Leaf| matches!(node, Node::Token(token) if token.kind == Kind::Leaf(leaf));
-    if sign(node, &[":", ",", ";", ".", "::"]) || sign(before, &[".", "::"]) || is(before, Leaf::Prefix) {
+    let is = |node: &Node, such: fn(&Token) -> bool| matches!(node, Node::Token(token) if such(token));
+    if is(node, |token| matches!(token.text, ":" | "," | ";")) || is(before, |token| token.prefix) {
         return false;
     }
-    // The parenthesis of a call, a kind or an event; not one behind a word such as `and`.
+    // The parenthesis of a call, a kind or an event; not one after a keyword.
     let opens = matches!(node, Node::Bracket { open, .. } if open.text == "(");
-    !(opens && is(before, Leaf::Name))
+    !(opens && is(before, |token| token.kind == TokenKind::Name))
 }

@@ -1,34 +1,19 @@
-//! What the layout needs from the parser.
+//! What the layout needs from the parser: where statements and blocks start.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use pest::Parser;
 use pest::iterators::Pair;
 
 use crate::lang::parse::rules::{Rule, ScenarioParser};
 
-/// What a piece of text is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Leaf {
-    /// A name; an opening parenthesis after it belongs to it.
-    Name,
-    /// A number, a unit or a text.
-    Literal,
-    /// A sign before a value.
-    Prefix,
-    /// A `///` line.
-    Doc,
-}
-
 /// What the parser knows about places in a text.
 #[derive(Debug, Default)]
 pub struct Marks {
-    /// Pieces that are one token: first byte → one past the last, and what they are.
-    pub leaves: BTreeMap<usize, (usize, Leaf)>,
-    /// First bytes of statements, and whether it is a pair such as may share a line with others.
+    /// First bytes of statements, and whether it is a property or a clause, which may share a line with others.
     pub statements: BTreeMap<usize, bool>,
     /// Opening braces of blocks.
-    pub blocks: BTreeMap<usize, ()>,
+    pub blocks: BTreeSet<usize>,
 }
 
 /// Reads a text that is known to parse; `None` when it does not.
@@ -41,27 +26,18 @@ pub fn marks(text: &str) -> Option<Marks> {
 impl Marks {
     /// Notes a pair and all inside; false when it holds what could not be read.
     fn take(&mut self, pair: Pair<Rule>) -> bool {
-        let span = pair.as_span();
-        let leaf = match pair.as_rule() {
+        let holds_statements = match pair.as_rule() {
             Rule::junk_item | Rule::junk_entry => return false,
-            Rule::name => Some(Leaf::Name),
-            Rule::number | Rule::unit | Rule::text => Some(Leaf::Literal),
-            Rule::prefix if pair.as_str() == "-" => Some(Leaf::Prefix),
-            Rule::doc => Some(Leaf::Doc),
-            _ => None,
+            Rule::file | Rule::block => true,
+            _ => false,
         };
-        if let Some(leaf) = leaf {
-            self.leaves.insert(span.start(), (span.end(), leaf));
-            return true;
-        }
-        let holds_statements = matches!(pair.as_rule(), Rule::file | Rule::block);
         if pair.as_rule() == Rule::block {
-            self.blocks.insert(span.start(), ());
+            self.blocks.insert(pair.as_span().start());
         }
         for inner in pair.into_inner() {
             if holds_statements && inner.as_rule() != Rule::EOI {
-                let is_pair = matches!(inner.as_rule(), Rule::property | Rule::clause);
-                self.statements.insert(inner.as_span().start(), is_pair);
+                let shares_line = matches!(inner.as_rule(), Rule::property | Rule::clause);
+                self.statements.insert(inner.as_span().start(), shares_line);
             }
             if !self.take(inner) {
                 return false;

@@ -1,34 +1,22 @@
-//! A text as a row of tokens, comments included.
+//! Tokens with what a layout asks of them: line ends, and the statements and blocks that the parser found.
 
-use super::marks::{Leaf, Marks};
+use super::marks::Marks;
+use crate::lang::tokens::{self, TokenKind};
 
-/// What a token is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// What the parser has a name for.
-    Leaf(Leaf),
-    /// A word of the language: `edition`, `on`, `and`.
-    Word,
-    /// A sign, a bracket.
-    Sign,
-    /// `// to the end of the line`
-    LineComment,
-    /// `/* between */`
-    BlockComment,
-}
-
-/// A piece of the text.
+/// A token that is no blank.
 #[derive(Debug, Clone, Copy)]
 pub struct Token<'a> {
     /// Its text.
     pub text: &'a str,
     /// What it is.
-    pub kind: Kind,
+    pub kind: TokenKind,
+    /// Whether it is a sign before a value, as in `-3 m`.
+    pub prefix: bool,
     /// Line ends between the token before and this one.
     pub lines_before: usize,
     /// Whether the line ends after it.
     pub ends_line: bool,
-    /// Whether a statement begins here, and whether that is a pair.
+    /// Whether a statement starts here, and whether that is a property or a clause.
     pub statement: Option<bool>,
     /// Whether it opens a block.
     pub opens_block: bool,
@@ -37,71 +25,57 @@ pub struct Token<'a> {
 impl Token<'_> {
     /// Whether it is a comment.
     pub fn is_comment(&self) -> bool {
-        matches!(self.kind, Kind::LineComment | Kind::BlockComment)
+        self.kind.is_comment()
     }
 
-    /// Whether it stands on the line of the token before it.
+    /// Whether it is on the line of the token before it.
     pub fn trails(&self) -> bool {
         self.lines_before == 0
     }
+
+    /// Whether it ends a value, so that a `-` after it subtracts.
+    fn ends_value(&self) -> bool {
+        use TokenKind::{Close, Name, Number, Text, Unit};
+        matches!(self.kind, Name | Number | Text | Unit | Close)
+    }
 }
 
-/// Cuts a text at the parser's marks, and what lies between them at words, signs and comments.
+/// The tokens of a text that parses, with the parser's marks.
 pub fn tokens<'a>(text: &'a str, marks: &Marks) -> Vec<Token<'a>> {
-    let bytes = text.as_bytes();
     let mut all: Vec<Token> = Vec::new();
-    let mut at = 0;
-    // Before the first token a line has just begun.
+    // The text starts on a new line.
     let mut lines_before = 1;
-    while at < bytes.len() {
-        let rest = &text[at..];
-        if bytes[at].is_ascii_whitespace() {
-            lines_before += line_ends(bytes, at);
-            at += 1;
+    let mut after_value = false;
+    for token in tokens::tokens(text) {
+        if token.kind == TokenKind::Blank {
+            lines_before += line_ends(token.text(text));
+            if let Some(last) = all.last_mut() {
+                last.ends_line = lines_before > 0;
+            }
             continue;
         }
-        let (end, kind) = match marks.leaves.get(&at) {
-            Some((end, leaf)) => (*end, Kind::Leaf(*leaf)),
-            None if rest.starts_with("//") => (at + rest.find(['\n', '\r']).unwrap_or(rest.len()), Kind::LineComment),
-            None if rest.starts_with("/*") => {
-                (at + rest[2..].find("*/").map_or(rest.len(), |n| n + 4), Kind::BlockComment)
-            }
-            None if is_word(bytes[at]) => {
-                (at + bytes[at..].iter().take_while(|byte| is_word(**byte)).count(), Kind::Word)
-            }
-            None => (at + sign(rest), Kind::Sign),
-        };
-        all.push(Token {
-            text: text[at..end].trim_end(),
-            kind,
+        let next = Token {
+            text: token.text(text).trim_end(),
+            kind: token.kind,
+            prefix: token.text(text) == "-" && !after_value,
             lines_before,
             ends_line: false,
-            statement: marks.statements.get(&at).copied(),
-            opens_block: marks.blocks.contains_key(&at),
-        });
+            statement: marks.statements.get(&token.start).copied(),
+            opens_block: marks.blocks.contains(&token.start),
+        };
+        if !next.is_comment() {
+            after_value = next.ends_value();
+        }
+        all.push(next);
         lines_before = 0;
-        at = end;
     }
-    for index in 0..all.len() {
-        all[index].ends_line = all.get(index + 1).is_none_or(|next| next.lines_before > 0);
+    if let Some(last) = all.last_mut() {
+        last.ends_line = true;
     }
     all
 }
 
-/// 1 at the last byte of a line end.
-fn line_ends(bytes: &[u8], at: usize) -> usize {
-    usize::from(bytes[at] == b'\n' || (bytes[at] == b'\r' && bytes.get(at + 1) != Some(&b'\n')))
-}
-
-fn is_word(byte: u8) -> bool {
-    byte.is_ascii_alphanumeric() || byte == b'_'
-}
-
-/// Length of the sign that a text begins with.
-fn sign(text: &str) -> usize {
-    const LONG: [&str; 8] = ["..", "=>", "->", "<=", ">=", "==", "!=", "::"];
-    match LONG.iter().find(|long| text.starts_with(**long)) {
-        Some(long) => long.len(),
-        None => text.chars().next().map_or(1, char::len_utf8),
-    }
+/// Line ends of any system: `\n`, `\r\n` and `\r`.
+fn line_ends(blank: &str) -> usize {
+    blank.matches(['\n', '\r']).count() - blank.matches("\r\n").count()
 }

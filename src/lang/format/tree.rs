@@ -1,6 +1,7 @@
 //! Tokens → statements, blocks and brackets.
 
-use super::tokens::{Kind, Token};
+use super::tokens::Token;
+use crate::lang::tokens::TokenKind;
 
 /// What stands in a file or a block.
 #[derive(Debug)]
@@ -71,7 +72,7 @@ impl<'a, 'b> Tree<'a, 'b> {
         let mut items = Vec::new();
         let mut pair = false;
         while let Some(token) = self.peek() {
-            if token.text == "}" && token.kind == Kind::Sign {
+            if token.text == "}" && token.kind == TokenKind::Close {
                 break;
             }
             pair = token.statement.unwrap_or(pair);
@@ -91,8 +92,8 @@ impl<'a, 'b> Tree<'a, 'b> {
         let mut nodes = Vec::new();
         let mut first = true;
         while let Some(token) = self.peek() {
-            let next = token.statement.is_some() || token.kind == Kind::Leaf(super::marks::Leaf::Doc);
-            if !first && next || token.text == "}" && token.kind == Kind::Sign {
+            let next = token.statement.is_some() || token.kind == TokenKind::Doc;
+            if !first && next || token.text == "}" && token.kind == TokenKind::Close {
                 break;
             }
             first = false;
@@ -103,8 +104,7 @@ impl<'a, 'b> Tree<'a, 'b> {
             self.at -= 1;
         }
         // A comma or semicolon behind a pair says nothing.
-        if matches!(nodes.last(), Some(Node::Token(token)) if matches!(token.text, "," | ";") && token.kind == Kind::Sign)
-        {
+        if matches!(nodes.last(), Some(Node::Token(token)) if matches!(token.text, "," | ";")) {
             nodes.pop();
         }
         nodes
@@ -113,7 +113,7 @@ impl<'a, 'b> Tree<'a, 'b> {
     fn node(&mut self) -> Node<'a> {
         let token = self.tokens[self.at];
         self.at += 1;
-        if token.kind != Kind::Sign {
+        if token.kind != TokenKind::Open {
             return Node::Token(token);
         }
         match token.text {
@@ -124,8 +124,7 @@ impl<'a, 'b> Tree<'a, 'b> {
                 self.at += 1;
                 Node::Block { items, one_line }
             }
-            "(" | "[" | "{" => self.bracket(token),
-            _ => Node::Token(token),
+            _ => self.bracket(token),
         }
     }
 
@@ -135,12 +134,12 @@ impl<'a, 'b> Tree<'a, 'b> {
         while let Some(token) = self.peek() {
             let last = members.last_mut().expect("there is one from the beginning");
             match token.text {
-                ")" | "]" | "}" if token.kind == Kind::Sign => {
+                _ if token.kind == TokenKind::Close => {
                     close = token.text;
                     self.at += 1;
                     break;
                 }
-                "," if token.kind == Kind::Sign => {
+                "," => {
                     self.at += 1;
                     let mut next = Member::default();
                     // Comments before the comma move behind it; those on lines of their own belong to what follows.
@@ -185,10 +184,10 @@ impl<'a, 'b> Tree<'a, 'b> {
 
 /// Whether more can stand on the line behind a member and its comments.
 fn open_line(member: &Member) -> bool {
-    member.after.last().is_none_or(|token| token.kind != Kind::LineComment)
+    member.after.last().is_none_or(|token| token.kind != TokenKind::LineComment)
 }
 
 /// Whether a token stands between statements.
 fn is_aside(token: Token) -> bool {
-    token.is_comment() || token.kind == Kind::Leaf(super::marks::Leaf::Doc)
+    token.is_comment() || token.kind == TokenKind::Doc
 }

@@ -131,8 +131,7 @@ impl Reader {
                     self.ask_about_commas(text, &arguments);
                 }
                 if !keys.is_empty() {
-                    let written =
-                        |value: &Expression| &text[value.span.start - self.offset..value.span.end - self.offset];
+                    let written = |value: &Expression| &text[value.span.start..value.span.end];
                     let values: Vec<&str> = arguments.iter().map(written).collect();
                     let call = format!("{}({})", function.text, values.join(", "));
                     self.diagnostics.push(codes::named_argument(&keys, span, &call));
@@ -155,7 +154,7 @@ impl Reader {
             return;
         }
         for pair in pairs {
-            let (from, comma) = (pair[0].span.start - self.offset, pair[0].span.end - self.offset);
+            let (from, comma) = (pair[0].span.start, pair[0].span.end);
             let whole = text[from..comma].bytes().all(|byte| byte.is_ascii_digit());
             let digits = text[comma + 1..].bytes().take_while(u8::is_ascii_digit).count();
             let end = comma + 1 + digits;

@@ -17,10 +17,8 @@ const MOST_REREAD: usize = 1000;
 impl Reader {
     /// Whether a statement of no known shape stands right behind a value, on its line.
     pub(super) fn goes_on(&self, value: &Expression, junk: &Pair<Rule>) -> bool {
-        let between = value.span.end.checked_sub(self.offset).map(|end| end..junk.as_span().start());
-        between
-            .and_then(|between| junk.get_input().get(between))
-            .is_some_and(|text| text.trim_matches([' ', '\t', ',']).is_empty())
+        let between = junk.get_input().get(value.span.end..junk.as_span().start());
+        between.is_some_and(|text| text.trim_matches([' ', '\t', ',']).is_empty())
     }
 
     /// Reads a statement of no known shape once more, on its own, to find out where it goes wrong.
@@ -156,7 +154,7 @@ impl Reader {
             InputLocation::Span((from, to)) => (from, to),
         };
         let (from, to) = (from.saturating_sub(added), to.saturating_sub(added));
-        let span = Span { source: self.source, start: self.offset + start + from, end: self.offset + start + to };
+        let span = Span { source: self.source, start: start + from, end: start + to };
         let expected = match &error.variant {
             ErrorVariant::ParsingError { positives, .. } => {
                 let mut words: Vec<&str> = positives.iter().filter_map(|rule| describe(*rule)).collect();

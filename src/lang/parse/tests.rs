@@ -1,5 +1,5 @@
 use super::*;
-use crate::diagnostic::Sources;
+use crate::lang::tokens::{self, TokenKind};
 use proptest::prelude::*;
 
 /// Lines of which scenarios are made, and some that make one statement of two or none of one.
@@ -47,54 +47,85 @@ const LINES: &[&str] = &[
     "param",
     "on",
     "\r",
+    "reward r { on hit => -a in m/s^2 / 2e-3 + 7..30 }",
+    "town t { a: 7m b: 2 kg*m^-2/s c { x: 1_0.5 e: 3e } } // no",
+    "vehicle v = kind(a: not (b) and -1 /* so */ m, c: 3 /* x */)",
 ];
 
-/// Lines that are whole by themselves.
-const WHOLE: &[&str] =
-    &["", "/// Far.", "// No.", "import \"a.scn\"", "param a: length = 3 m", "policy p = idm()", "spawn t {}"];
+/// The leaves of a parse that are tokens, with their kinds; none when the text holds a statement of no known shape.
+fn leaves(text: &str) -> Option<Vec<(TokenKind, usize, usize)>> {
+    let mut found = Vec::new();
+    for pair in ScenarioParser::parse(Rule::file, text).ok()?.flatten() {
+        let kind = match pair.as_rule() {
+            Rule::junk_item | Rule::junk_entry => return None,
+            Rule::name | Rule::from_word | Rule::param_word => TokenKind::Name,
+            Rule::number => TokenKind::Number,
+            Rule::unit => TokenKind::Unit,
+            Rule::text => TokenKind::Text,
+            Rule::doc => TokenKind::Doc,
+            Rule::edition_word | Rule::import_word | Rule::on_word => TokenKind::Keyword,
+            _ => continue,
+        };
+        found.push((kind, pair.as_span().start(), pair.as_span().end()));
+    }
+    Some(found)
+}
+
+/// The same of the tokens. Words between the leaves are keywords of expressions.
+fn as_leaves(text: &str) -> Vec<(TokenKind, usize, usize)> {
+    use TokenKind::{Doc, Keyword, Name, Number, Text, Unit};
+    let is_leaf = |token: &tokens::Token| match token.kind {
+        Keyword => !["in", "and", "or", "not"].contains(&token.text(text)),
+        kind => matches!(kind, Doc | Name | Number | Text | Unit),
+    };
+    tokens::tokens(text).filter(is_leaf).map(|token| (token.kind, token.start, token.end)).collect()
+}
+
+fn joined(text: &str) -> String {
+    tokens::tokens(text).map(|token| token.text(text)).collect()
+}
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// However a text is laid out: where nothing is wrong with its parts, they are what the whole is.
+    /// Whatever a text holds: its tokens are all of it.
     #[test]
-    fn parts_without_mistakes_make_the_whole(lines in prop::collection::vec(prop_oneof![3 => prop::sample::select(WHOLE), 1 => prop::sample::select(LINES)], 1..9)) {
+    fn tokens_give_the_text_back(text in "[ \\t\\r\\na-eimnos0-9_./*\"{}()\\[\\]=<>+:,;^°“#-]{0,60}") {
+        prop_assert_eq!(joined(&text), text);
+    }
+
+    /// However a text is laid out: where it parses, the tokens are the leaves of the grammar.
+    #[test]
+    fn tokens_are_the_leaves_of_the_grammar(lines in prop::collection::vec(prop::sample::select(LINES), 1..6)) {
         let text = lines.join("\n");
-        let source = Sources::default().add("", text.as_str());
-        if let Ok(starts) = brackets::scan(source, &text) {
-            let (in_parts, said) = read_parts(source, &text, parts(&starts, text.len(), 0));
-            if said.is_empty() {
-                prop_assert_eq!((in_parts, said), read_parts(source, &text, std::iter::once(0..text.len())), "{}", text);
-            }
+        prop_assert_eq!(joined(&text), text.as_str());
+        if let Some(leaves) = leaves(&text) {
+            prop_assert_eq!(as_leaves(&text), leaves, "{}", text);
         }
     }
 }
 
 #[test]
-fn a_long_text_is_read_in_parts_that_begin_with_statements() {
-    let statement = "/// A driver.\n// Brakes.\n\npolicy p = idm()\n";
-    let text = format!("edition 1\n{}", statement.repeat(100));
-    let starts = brackets::scan(Sources::default().add("", ""), &text).unwrap();
-    let parts = parts(&starts, text.len(), LEAST_PART);
-    assert!(parts.len() > 3 && parts.iter().skip(1).all(|part| text[part.clone()].starts_with("/// A driver.")));
-    assert!(parts.windows(2).all(|pair| pair[0].end == pair[1].start && pair[0].len() >= LEAST_PART));
-}
-
-#[test]
-fn plain_quantities_are_what_the_grammar_makes_of_them() {
-    let read = |text: &str| {
-        let source = Sources::default().add("", text);
-        let plain = plain_quantity(source, text).is_some();
-        (plain, parse_value(source, text).ok(), parse_any_value(source, text).ok())
-    };
-    for text in ["5", "0.98", "3 m", "0.25 deg", "600", "12.5 kg"] {
-        let (plain, value, any) = read(text);
-        assert!(plain && value.is_some() && value == any, "{text}: {value:?}, {any:?}");
+fn tokens_are_the_leaves_of_every_scenario_and_section() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut read = 0;
+    for folder in ["scenarios", "scenarios/lib", "tests/suite", "tests/bench"] {
+        for entry in std::fs::read_dir(root.join(folder)).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_none_or(|end| end != "scn") {
+                continue;
+            }
+            let text = std::fs::read_to_string(&path).unwrap();
+            for section in text.split("//# ") {
+                // The name of a section is its first line.
+                let section = format!("//# {section}");
+                assert_eq!(joined(&section), section, "{}", path.display());
+                if let Some(leaves) = leaves(&section) {
+                    assert_eq!(as_leaves(&section), leaves, "{}", path.display());
+                    read += 1;
+                }
+            }
+        }
     }
-    for text in
-        ["", "-5 m", "5.", ".5", "5 and", "5  m", "5 m ", "2 m/s^2", "1_000", "1e3", "5 parsecs", "5 m^+2", "true"]
-    {
-        let (plain, value, any) = read(text);
-        assert!(!plain && value == any, "{text}: {value:?}, {any:?}");
-    }
+    assert!(read > 100, "only {read} sections were compared");
 }
