@@ -41,7 +41,7 @@ impl Aeb {
         let acceleration = || Type::positive(Dimension::ACCELERATION);
         Signature::new(
             "aeb",
-            "A driver who sees nobody, with automatic emergency braking by time to collision. It trusts what it is told of others: give it sensors.",
+            "A driver that sees no actors, with automatic emergency braking by time to collision. It trusts the positions that it is given: add sensors.",
             vec![
                 LaneFollower::param(),
                 Param::with_default(
@@ -79,7 +79,7 @@ impl Aeb {
                     "margin",
                     Type::non_negative(Dimension::LENGTH),
                     "0.3 m",
-                    "How far beside the car somebody still counts as in its way (assumed).",
+                    "How far beside the car an actor is still in its way (assumed).",
                 ),
             ],
         )

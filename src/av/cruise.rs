@@ -23,7 +23,7 @@ impl Cruise {
     pub fn signature() -> Signature {
         Signature::new(
             "cruise",
-            "Keeps its lane and its speed, and sees nobody: neither pedestrians nor lights.",
+            "Keeps its lane and its speed. It sees neither pedestrians nor lights.",
             vec![
                 Param::with_default("limit_share", Type::share(), "0.9", "Share of the speed limit that it drives."),
                 Param::with_default(

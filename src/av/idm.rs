@@ -51,7 +51,7 @@ impl Idm {
         let acceleration = || Type::positive(Dimension::ACCELERATION);
         Signature::new(
             "idm",
-            "The Intelligent Driver Model along its lane, with an emergency brake for whoever is in its way. It does not see through buildings.",
+            "The Intelligent Driver Model along its lane, with an emergency brake for actors in its way. It does not see through buildings.",
             vec![
                 Param::with_default(
                     "limit_share",

@@ -34,7 +34,7 @@ impl Predictive {
     pub fn signature() -> Signature {
         Signature::new(
             "predictive",
-            "Forecasts everybody at constant velocity and takes the greatest acceleration along its lane that meets nobody.",
+            "Forecasts every actor at constant velocity and takes the greatest acceleration along its lane that hits none.",
             vec![
                 LaneFollower::param(),
                 Param::with_default(

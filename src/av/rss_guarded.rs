@@ -30,7 +30,7 @@ impl RssGuarded {
     pub fn signature() -> Signature {
         Signature::new(
             "rss_guarded",
-            "A driver who sees nobody, guarded by Responsibility-Sensitive Safety along its lane.",
+            "A driver that sees no actors, guarded by Responsibility-Sensitive Safety along its lane.",
             vec![
                 LaneFollower::param(),
                 Param::with_default(

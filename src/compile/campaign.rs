@@ -32,7 +32,7 @@ pub fn form() -> Form {
                 "episodes",
                 count(1_000_000),
                 "1_000",
-                "Episodes of each, at most when there is a `halfwidth`; all pedestrians meet the same beginnings.",
+                "Episodes of each, at most when there is a `halfwidth`; all pedestrians have the same starts.",
             ),
             Param::optional(
                 "halfwidth",
@@ -43,7 +43,7 @@ pub fn form() -> Form {
                 "pedestrians",
                 Type::List(Box::new(Type::Choice(PEDESTRIANS))),
                 "[trained, random]",
-                "Who tries: the trained ones doing what they think best (`trained`) or drawing from their policy (`sampled`), one that chooses at random, one that walks straight at the ego (`homing`), one that walks to where it would meet the ego. Only the first two need a `train` block.",
+                "Which pedestrians walk: trained ones with the mean action of their policy (`trained`) or drawing from it (`sampled`), one that acts at random, one that walks straight at the ego (`homing`), one that walks to where it would meet the ego. Only the first two need a `train` block.",
             ),
             Param::optional(
                 "vehicles",
@@ -65,18 +65,18 @@ pub fn form() -> Form {
     );
     let search = Signature::new(
         "search",
-        "Lets falsifiers look for failures, each with the same budget and from the same beginnings.",
+        "Lets falsifiers look for failures, each with the same budget and the same starts.",
         vec![
             Param::required("towns", names("town"), "Towns to search in."),
             Param::required("policies", names("policy"), "Drivers to find failures of."),
             Param::required("falsifiers", names("falsifier"), "Who searches."),
             Param::with_default("budget", count(1_000_000_000_000), "1_000_000", "Simulator ticks that each may use."),
-            Param::with_default("runs", count(10_000), "10", "Searches of each, with different seeds and beginnings."),
+            Param::with_default("runs", count(10_000), "10", "Searches of each, with different seeds and starts."),
             Param::with_default(
                 "episodes",
                 Type::Integer { min: 0, max: 1_000_000 },
                 "200",
-                "Episodes in which a pedestrian that a falsifier ends up with is tried afterwards, outside the budget.",
+                "Episodes in which the pedestrian that a falsifier returns is evaluated afterwards, outside the budget.",
             ),
             spawn(),
         ],
@@ -91,7 +91,7 @@ pub fn form() -> Form {
     ];
     Form {
         name: "campaign",
-        doc: "What is run: which pedestrians are trained, where they are tried, and which falsifiers are compared.",
+        doc: "What is run: which pedestrians are trained, where they are evaluated, and which falsifiers are compared.",
         plain: Some(Signature {
             children: vec![matrix, train, evaluate, search],
             ..Signature::new("campaign", "", params)

@@ -350,5 +350,5 @@ fn first_sentence(text: &str) -> &str {
 
 fn explain_mistake(mistake: &Mistake) -> String {
     let Mistake { code, text, bad, good } = mistake;
-    format!("{code}\n\n{text}\n\nNot so:\n\n{}\nBut so:\n\n{}", indented(bad), indented(good))
+    format!("{code}\n\n{text}\n\nWrong:\n\n{}\nRight:\n\n{}", indented(bad), indented(good))
 }

@@ -91,7 +91,7 @@ fn params() -> Vec<Param> {
             "none",
             "Whether old beliefs are moved on by their velocities before the driver gets them.",
         ),
-        no_time("memory", "How long somebody who is no longer found is believed to walk on as before."),
+        no_time("memory", "How long an actor that is no longer detected is assumed to move on as before."),
         never(
             "least_visible",
             "Share of an actor that rays from the eye must reach; at 0 they see through everything.",
@@ -151,7 +151,7 @@ fn params() -> Vec<Param> {
             "false_alarms",
             Type::non_negative(Dimension::FREQUENCY),
             "0 Hz",
-            "How often a pedestrian appears where nobody is: between 5 and 30 m away, at most 60 degrees from the heading (assumed).",
+            "How often a pedestrian is detected where there is none: between 5 and 30 m away, at most 60 degrees from the heading (assumed).",
         ),
         Param::with_default(
             "false_alarm_length",

@@ -57,7 +57,7 @@ fn designed() -> Signature {
                 Type::List(Box::new(Type::Point)),
                 "The points it leads through, at least two, within 10 km of the origin.",
             ),
-            Param::optional("speed_limit", Type::positive(Dimension::SPEED), "What the signs at its beginnings say."),
+            Param::optional("speed_limit", Type::positive(Dimension::SPEED), "Speed limit on the signs at its ends."),
         ],
     );
     let row_houses = Signature::new(

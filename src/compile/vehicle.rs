@@ -49,7 +49,7 @@ fn params() -> Vec<Param> {
         Param::optional(
             "low_speed_braking",
             within(Dimension::RATIO, 0.01, 100.0),
-            "By this factor; a report nobody has explained: 2 (D); generic 1.",
+            "By this factor; a report without an explanation: 2 (D); generic 1.",
         ),
         Param::optional(
             "start_up_pause",

@@ -1,4 +1,4 @@
-//! What is said to a user about a file: sources, spans, diagnostics, and how they are drawn.
+//! Messages to a user about a file: sources, spans, diagnostics, and how they are drawn.
 //!
 //! A [`Diagnostic`] is plain data. [`render()`] is the only code that draws source lines and carets; other forms (JSON,
 //! SARIF, an editor) are made from the same data.

@@ -16,7 +16,7 @@ pub struct Record {
     /// Where.
     #[serde(flatten)]
     pub place: Place,
-    /// What is said at that place; may be empty.
+    /// The message at that place; may be empty.
     pub label: String,
     /// Other places that matter.
     pub labels: Vec<PlacedText>,

@@ -63,7 +63,7 @@ fn shared() -> Vec<Param> {
         ),
         Param::with_default("legs", count(100), "6", "Commands of a plan; the last is kept up to the end."),
         Param::with_default("decisions", count(1000), "1", "Decisions that each of them lasts."),
-        Param::with_default("tries", count(1_000_000), "200", "Most plans that are tried from one beginning."),
+        Param::with_default("tries", count(1_000_000), "200", "Most plans that are tried from one start."),
         Param::with_default(
             "spread",
             Type::Quantity { dimension: Dimension::RATIO, min: 0.01, max: 10.0 },
@@ -80,7 +80,7 @@ pub(super) fn after_failure() -> Param {
         "after_failure",
         Type::Choice(&["next", "go_on"]),
         "next",
-        "Whether a failure ends the search from its beginning, or it goes on for a better one until the tries are used up.",
+        "Whether a failure ends the search from its start, or it goes on for a better one until the tries are used up.",
     )
 }
 
@@ -99,7 +99,7 @@ impl OpenLoop {
                 "Weight of the elite's moments against those before.",
             ),
         ]);
-        let doc = "The cross-entropy method over open-loop plans, beginning by beginning.";
+        let doc = "The cross-entropy method over open-loop plans, start by start.";
         Signature::new("cem", doc, params)
     }
 
@@ -108,7 +108,7 @@ impl OpenLoop {
         let mut params = shared();
         let population = Type::Integer { min: 4, max: 100_000 };
         params.push(Param::optional("population", population, "Plans of a generation; without it 4 + ⌊3 ln n⌋."));
-        let doc = "The covariance matrix adaptation evolution strategy over open-loop plans, beginning by beginning.";
+        let doc = "The covariance matrix adaptation evolution strategy over open-loop plans, start by start.";
         Signature::new("cma_es", doc, params)
     }
 

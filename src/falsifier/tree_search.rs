@@ -74,7 +74,7 @@ impl TreeSearch {
                 "tries",
                 Type::Integer { min: 1, max: 1_000_000 },
                 "200",
-                "Most simulations from one beginning.",
+                "Most simulations from one start.",
             ),
             Param::with_default(
                 "widening",
@@ -91,7 +91,7 @@ impl TreeSearch {
             ),
             after_failure(),
         ];
-        let doc = "Monte Carlo tree search with progressive widening, in the manner of adaptive stress testing, beginning by beginning.";
+        let doc = "Monte Carlo tree search with progressive widening, in the manner of adaptive stress testing, start by start.";
         Signature::new("mcts", doc, params)
     }
 

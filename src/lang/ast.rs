@@ -28,7 +28,7 @@ pub struct File {
     pub params: Vec<Param>,
     /// The names of statements that could not be read.
     pub unread: Vec<String>,
-    /// Whether more was declared than could be read, nobody knows what.
+    /// Whether the file declares more than could be read; its names are unknown.
     pub torn: bool,
     /// Its declarations, in order; variants of a file share what they have in common.
     pub declarations: Vec<Arc<Declaration>>,

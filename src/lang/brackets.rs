@@ -62,8 +62,8 @@ pub fn balance(source: SourceId, text: &str, first: Diagnostic) -> Balanced {
     balanced
 }
 
-/// A statement without the brace that one at this byte would close, and the end of its first line behind the last word: a colon,
-/// perhaps, or nothing.
+/// A statement without the opening brace that the brace at this byte would close, and the end of its first line after the last
+/// word: a colon or nothing.
 fn unopened(text: &str, byte: usize) -> Option<(Range<usize>, Range<usize>)> {
     if text.as_bytes()[byte] != b'}' {
         return None;

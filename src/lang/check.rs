@@ -144,7 +144,7 @@ fn number_declarations(files: &[ast::File]) -> BTreeMap<SourceId, Vec<Declaratio
 }
 
 struct Checker<'a, 'b, 'f> {
-    /// Whether every value so far has been understood; where not, it need not have been said.
+    /// Whether every value was understood until now; one that was not need not have been reported.
     whole: bool,
     context: &'a Context<'a>,
     defaults: &'b mut Defaults<'f>,
@@ -229,7 +229,7 @@ impl<'f> Checker<'_, '_, 'f> {
         let mut named: BTreeMap<(&str, &str), Span> = BTreeMap::new();
         // Keys that were probably meant, which has been said: nothing more is to be said of their absence.
         let mut meant: BTreeSet<String> = BTreeSet::new();
-        // Keys that nobody has written, for suggestions.
+        // Keys that are not given, for suggestions.
         let left = LazyCell::new(|| {
             let key = |entry: &Entry| match entry {
                 Entry::Property(property) => keys.iter().find(|key| **key == property.key.text).copied(),
@@ -323,7 +323,7 @@ impl<'f> Checker<'_, '_, 'f> {
                         if let Some(kind) = &child.kind {
                             let place = child.form.span.to(kind.span);
                             let meant = child.name.is_none().then(|| format!("{} {}", child.form.text, kind.text));
-                            let said = "a block stands right behind its name";
+                            let said = "a block follows its name directly";
                             self.diagnostics.push(codes::slip(place, said, meant.as_deref()));
                         }
                         if let Some(name) = &child.name {
@@ -376,7 +376,7 @@ impl<'f> Checker<'_, '_, 'f> {
         Block { word: signature.name, name, arguments, places, members, children, clauses, head: written.head }
     }
 
-    /// Tells of a value that goes on in those behind it, which have no key: a number with commas, a list without brackets. Gives
+    /// Reports a value that goes on in the values after it, which have no key: a number with commas, a list without brackets. Gives
     /// where that ends.
     fn torn(&mut self, value: Span, mut bare: impl Iterator<Item = Span>, param: &Param) -> Option<usize> {
         let text = &self.context.sources.get(value.source).text;

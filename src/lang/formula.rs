@@ -118,7 +118,7 @@ struct Quantity {
     bounds: Bounds,
 }
 
-/// What is said of a part that may grow beyond all numbers, and what to do about it.
+/// The message for a part that may grow without bound, and what to do about it.
 const GROWS: &str = "this may grow beyond all numbers";
 const HOLD: &str = "hold what it is made of below some number: `min(…, 100)`";
 

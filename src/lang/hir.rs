@@ -73,7 +73,7 @@ pub struct Declaration {
     pub name: String,
     /// Its documentation, one string a line.
     pub docs: Vec<String>,
-    /// The parameters that it hangs on: those it names, and those that they are defined by.
+    /// The parameters that it depends on: those it names, and those that they name.
     pub params: Vec<ParamId>,
     /// Its contents.
     pub block: Block,

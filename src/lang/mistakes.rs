@@ -20,8 +20,8 @@ pub fn mistakes() -> Vec<Mistake> {
 
 fn section(text: &'static str) -> Mistake {
     let (code, rest) = text.split_once("\n\n").expect("a section has a heading");
-    let (text, examples) = rest.split_once("\n\nNot so:\n\n").expect("a section has a bad example");
-    let (bad, good) = examples.split_once("\n\nBut so:\n\n").expect("a section has a good example");
+    let (text, examples) = rest.split_once("\n\nWrong:\n\n").expect("a section has a bad example");
+    let (bad, good) = examples.split_once("\n\nRight:\n\n").expect("a section has a good example");
     Mistake { code, text, bad: fenced(bad), good: fenced(good) }
 }
 

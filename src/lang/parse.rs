@@ -117,7 +117,7 @@ struct Reader {
 impl Reader {
     fn span(&self, pair: &Pair<Rule>) -> Span {
         let span = pair.as_span();
-        // Blanks that were read in the hope of more belong to nobody.
+        // Trailing blanks belong to no node.
         let end = span.start() + span.as_str().trim_end().len();
         Span { source: self.source, start: span.start(), end: end }
     }

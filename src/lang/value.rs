@@ -358,7 +358,7 @@ fn within(
         return Some(());
     }
     let written = context.sources.text(span).to_string();
-    // What is told of as no bound is one all the same.
+    // A bound that is not shown is a bound all the same.
     let allowed = match number {
         _ if min == LEAST && 0.0 < number && number < LEAST => format!("{LEAST:e} or more, in SI"),
         _ if max == MOST && number > MOST => format!("{MOST:e} or less, in SI"),

@@ -83,7 +83,7 @@ impl Token<'_> {
 #[derive(Debug, Default)]
 struct Frame<'a> {
     signature: Option<&'a Signature>,
-    /// Whether keys stand here, as in braces and behind kinds.
+    /// Whether keys are expected here, as in braces and after kinds.
     keys: bool,
     param: Option<&'a Param>,
     formula: bool,

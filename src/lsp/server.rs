@@ -33,7 +33,7 @@ use crate::diagnostic::{Diagnostic, Lines, Severity, Sources};
 use crate::lang::{self, Loaded};
 use crate::process::ProcessOpener;
 
-/// Most diagnostics of a file that one root leads to; nobody reads more in an editor.
+/// Most diagnostics of a file; an editor shows no more.
 const SHOWN: usize = 500;
 
 /// How a session came to its end.
@@ -49,7 +49,7 @@ pub enum Ending {
 /// and does no harm.
 ///
 /// Programs that scenarios name are looked for and never started. `shelf` is a folder to which the standard library is written
-/// when somebody wants to read in it.
+/// when the user opens one of its files.
 ///
 /// # Errors
 /// The stream failed, or went out of step.

@@ -1,6 +1,6 @@
 use crate::units::Dimension;
 
-/// What counts as above zero, in SI: what is smaller makes quotients that nobody can count with.
+/// What counts as above zero, in SI: smaller divisors give quotients beyond all use.
 pub const LEAST: f64 = 1e-12;
 /// What counts as of any size, in SI.
 pub const MOST: f64 = 1e9;

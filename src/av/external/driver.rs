@@ -49,7 +49,7 @@ impl External {
                     "worlds",
                     count(1024),
                     "32",
-                    "Episodes that are tried at the same time, to ask about them in one message.",
+                    "Episodes that run at the same time, with one message for all of them.",
                 ),
                 Param::with_default(
                     "actors",

@@ -30,7 +30,7 @@ impl InterFuser {
                     "overlap",
                     Type::share(),
                     "0.04",
-                    "Share of the tested box from which on somebody is in the way.",
+                    "Share of the tested box that an actor must cover to be in the way.",
                 ),
             ],
         )

@@ -39,7 +39,7 @@ impl Onnx {
                     "worlds",
                     Type::Integer { min: 1, max: 1024 },
                     "32",
-                    "Episodes that are tried at the same time.",
+                    "Episodes that run at the same time.",
                 ),
             ],
         )

@@ -62,7 +62,7 @@ fn unknown<'a>(
     }
     match nearest(word, known.iter().copied()) {
         Some(near) => diagnostic.here(format!("did you mean `{near}`?")).fix(near),
-        None if known.is_empty() => diagnostic.here("none is known here"),
+        None if known.is_empty() => diagnostic.here("there is none here"),
         None => diagnostic.help(format!("known here: {}", quoted(known))),
     }
 }

@@ -12,22 +12,22 @@ pub fn unknown_import<'a>(span: Span, word: &str, path: &str, known: impl IntoIt
     unknown("unknown-import", span, format!("`{path}` declares no `{}`", cut(word)), word, known)
 }
 
-/// A parameter is defined by itself.
+/// A parameter depends on itself.
 pub fn param_cycle(span: Span, name: &str) -> Diagnostic {
-    Diagnostic::error("param-cycle", span, format!("the parameter `{name}` is defined by itself"))
-        .help("give one of the parameters of the circle a value of its own")
+    Diagnostic::error("param-cycle", span, format!("the parameter `{name}` depends on itself"))
+        .help("give one parameter of the cycle a value that names none of the others")
 }
 
 /// A parameter bears the name of a variable of formulas.
 pub fn reserved_name(span: Span, name: &str) -> Diagnostic {
-    Diagnostic::error("reserved-name", span, format!("`{name}` is a variable of formulas already"))
+    Diagnostic::error("reserved-name", span, format!("`{name}` is already a variable of formulas"))
         .help("give the parameter another name")
 }
 
 /// A parameter that stands for a word is named like one.
 pub fn reserved_word(span: Span, name: &str) -> Diagnostic {
-    Diagnostic::error("reserved-name", span, format!("`{name}` is a word of the language already"))
-        .help("give the parameter another name: it would stand in place of the word wherever that is written")
+    Diagnostic::error("reserved-name", span, format!("`{name}` is already a word of the language"))
+        .help("give the parameter another name: it would replace the word wherever that is written")
 }
 
 /// The type of a parameter is not known; its value would have another one, perhaps.
@@ -54,15 +54,15 @@ pub fn repeated_setting(span: Span, path: &str, first: Span) -> Diagnostic {
 /// A matrix speaks of the key of a declaration.
 pub fn dotted_key(span: Span, path: &str) -> Diagnostic {
     let name = path.replace('.', "_");
-    Diagnostic::error("syntax", span, "this statement cannot be read").here("a key has no points").help(format!(
+    Diagnostic::error("syntax", span, "this statement cannot be read").here("a key contains no points").help(format!(
         "a `matrix` sets parameters: declare one, as in `param {name}: length = …`, name it where `{path}` stands, and here"
     ))
 }
 
-/// A matrix sets what its campaign does not hang on.
+/// A matrix varies a parameter without effect on its campaign.
 pub fn idle_axis(span: Span, name: &str, campaign: &str) -> Diagnostic {
-    Diagnostic::warning("unused", span, format!("nothing in `{campaign}` hangs on `{name}`"))
-        .here("its combinations are the same but for their names")
+    Diagnostic::warning("unused", span, format!("`{name}` has no effect on campaign `{campaign}`"))
+        .here("all its combinations give the same results")
 }
 
 /// A setting names nothing.
@@ -76,7 +76,7 @@ pub fn ambiguous_setting(span: Span, word: &str, forms: &[&str]) -> Diagnostic {
         Diagnostic::error("ambiguous-setting", span, format!("there are several declarations named `{word}`"));
     if forms.iter().all(|form| Some(form) == forms.first()) {
         return ambiguous
-            .help("two files declare it; give the files one after the other, or rename one of the declarations");
+            .help("two files declare it: run the files one at a time, or rename one of the declarations");
     }
     let offers: Vec<String> = forms.iter().map(|form| format!("{form}.{word}.…")).collect();
     ambiguous.help(format!("put the form first: {}", quoted(offers.iter().map(String::as_str))))
@@ -94,7 +94,7 @@ pub fn too_many_combinations(span: Span, found: usize, limit: usize) -> Diagnost
 /// A declaration begins with its name; its kind is one of this form.
 pub fn missing_form(span: Span, word: &str, form: &str) -> Diagnostic {
     Diagnostic::error("unknown-form", span, format!("unknown declaration `{}`", cut(word)))
-        .here(format!("the name of {}, perhaps", one(form)))
+        .here(format!("is this the name of {}?", one(form)))
         .fix(format!("{form} {word}"))
 }
 
@@ -102,7 +102,7 @@ pub fn missing_form(span: Span, word: &str, form: &str) -> Diagnostic {
 pub fn unknown_form(span: Span, word: &str, forms: &[&str]) -> Diagnostic {
     if matches!(word, "param" | "let" | "def" | "const" | "var" | "val") {
         return Diagnostic::error("unknown-form", span, "this statement cannot be read")
-            .help("a value with a name has a type: `param far: length = 30 m`");
+            .help("a parameter needs a type: `param far: length = 30 m`");
     }
     unknown("unknown-form", span, format!("unknown declaration `{}`", cut(word)), word, forms.iter().copied())
 }
@@ -153,7 +153,7 @@ pub fn unknown_key(span: Span, owner: &str, word: &str, keys: &[&str], elsewhere
 pub fn event_for_key(span: Span, owner: &str, word: &str) -> Diagnostic {
     Diagnostic::error("unknown-key", span, format!("`{owner}` has no key `{word}`"))
         .here("this is an event")
-        .help(format!("what an event is worth is written `on {word} => …`"))
+        .help(format!("write the reward of an event as `on {word} => …`"))
 }
 
 /// A key stands twice.
@@ -175,14 +175,14 @@ pub fn missing_key(span: Span, owner: &str, param: &Param) -> Diagnostic {
 pub fn no_training(campaign: Span, trains: Span) -> Diagnostic {
     Diagnostic::error("missing-key", campaign, "`campaign` needs the key `training`")
         .label(trains, "pedestrians are trained here")
-        .help("`training` is a name of a training: How pedestrians are trained.")
+        .help("`training` is the name of a training: How pedestrians are trained.")
 }
 
 /// A value in parentheses has no key; these may be its.
 pub fn bare_argument(span: Span, written: &str, keys: &[&str]) -> Diagnostic {
     let diagnostic = Diagnostic::error("bare-argument", span, "this value has no key");
     match keys {
-        [] => diagnostic.help("nothing here takes such a value"),
+        [] => diagnostic.help("no key here takes such a value"),
         [only] => diagnostic.fix(format!("{only}: {written}")),
         keys => diagnostic.help(format!("write `key: {}`, with one of {}", cut(written), quoted(keys.iter().copied()))),
     }
@@ -207,7 +207,7 @@ pub fn named_argument(keys: &[Name], place: Span, call: &str) -> Diagnostic {
     let plain = !call.contains(':') && !call.contains("//") && !call.contains("/*");
     let turned = !plain || !any && !in_order;
     let diagnostic = others.iter().fold(diagnostic, |said, key| said.label(key.span, "nor this"));
-    if turned { diagnostic.help("what they take stands in its order") } else { diagnostic.fix_at(place, call) }
+    if turned { diagnostic.help("write the arguments in order, without keys") } else { diagnostic.fix_at(place, call) }
 }
 
 /// A block may not stand here.
@@ -229,7 +229,7 @@ pub fn unknown_block(span: Span, owner: &str, word: &str, blocks: &[&str], keys:
 
 /// An `on` clause may not stand here.
 pub fn unexpected_clause(span: Span, owner: &str) -> Diagnostic {
-    Diagnostic::error("unexpected-clause", span, format!("`on` clauses have no place inside `{owner}`"))
+    Diagnostic::error("unexpected-clause", span, format!("`on` clauses are not allowed inside `{owner}`"))
         .help("they belong inside a `reward`")
 }
 
@@ -248,7 +248,7 @@ pub fn unknown_name<'a>(span: Span, form: &str, word: &str, known: impl IntoIter
 /// and where.
 pub fn not_imported(span: Span, form: &str, word: &str, file: &str, added: Option<(Span, String)>) -> Diagnostic {
     let diagnostic = Diagnostic::error("unknown-name", span, format!("unknown {form} `{}`", cut(word)))
-        .here("not among what this file sees");
+        .here("this file does not import it");
     match added {
         None => diagnostic.help(format!("the standard library has it: `import \"std/{file}\"`")),
         Some((place, text)) => {

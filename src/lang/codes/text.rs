@@ -11,12 +11,12 @@ pub fn syntax(span: Span, text: String) -> Diagnostic {
     Diagnostic::error("syntax", span, "this statement cannot be read").here(text)
 }
 
-/// A value ends with a sign that something is to stand behind.
+/// A value ends with an operator.
 pub fn open_end(span: Span) -> Diagnostic {
-    syntax(span, "a value is missing behind this".into())
+    syntax(span, "a value is missing after this".into())
 }
 
-/// A statement holds a sign of another language, or of print.
+/// A known mistake of syntax: what to report, and what to write instead.
 pub fn slip(span: Span, said: &str, meant: Option<&str>) -> Diagnostic {
     let diagnostic = Diagnostic::error("syntax", span, "this statement cannot be read").here(said);
     match meant {
@@ -30,19 +30,19 @@ pub fn decimal_comma(span: Span, written: &str) -> Diagnostic {
     let diagnostic = Diagnostic::error("syntax", span, "this statement cannot be read");
     let thousands = written.split(',').skip(1).all(|part| part.len() == 3) && !written.starts_with('0');
     if written.matches(',').count() > 1 {
-        return diagnostic.here("no comma stands in a number").fix(written.replace(',', "_"));
+        return diagnostic.here("a number contains no comma").fix(written.replace(',', "_"));
     }
     // That would be the same number again, and more exact than anybody writes.
     if thousands && written.ends_with(",000") {
-        return diagnostic.here("no comma stands in a number").fix(written.replace(',', "_"));
+        return diagnostic.here("a number contains no comma").fix(written.replace(',', "_"));
     }
     if thousands {
         return diagnostic
-            .here("no comma stands in a number")
+            .here("a number contains no comma")
             .fix(written.replace(',', "_"))
             .fix(written.replace(',', "."));
     }
-    diagnostic.here("the sign before the fraction of a number is a point").fix(written.replace(',', "."))
+    diagnostic.here("the decimal point is `.`").fix(written.replace(',', "."))
 }
 
 /// A sum of a quantity and a negative one is written as print has tolerances; `range` is what was meant, where that can be told.
@@ -55,7 +55,7 @@ pub fn tolerance(span: Span, range: Option<String>) -> Diagnostic {
 pub fn comma_in_number(span: Span, written: &str) -> Diagnostic {
     let (whole, part) = written.split_once(',').unwrap_or((written, ""));
     Diagnostic::warning("two-numbers", span, format!("`{written}` are two numbers"))
-        .here("the sign before the fraction of a number is a point")
+        .here("the decimal point is `.`")
         .fix(format!("{whole}.{part}"))
         .fix(format!("{whole}, {part}"))
 }
@@ -63,7 +63,7 @@ pub fn comma_in_number(span: Span, written: &str) -> Diagnostic {
 /// Several values stand side by side.
 pub fn unbracketed_list(span: Span, written: &str) -> Diagnostic {
     Diagnostic::error("syntax", span, "this statement cannot be read")
-        .here("several values stand in brackets")
+        .here("several values need brackets")
         .fix(format!("[{written}]"))
 }
 
@@ -77,7 +77,7 @@ pub fn unbracketed_pair(span: Span, (low, high): (&str, &str)) -> Diagnostic {
 
 /// A parameter has no type.
 pub fn untyped_param(span: Span, name: &str, ty: Option<&str>) -> Diagnostic {
-    let diagnostic = Diagnostic::error("syntax", span, "this statement cannot be read").here("a parameter has a type");
+    let diagnostic = Diagnostic::error("syntax", span, "this statement cannot be read").here("a parameter needs a type");
     match ty {
         Some(ty) => diagnostic.fix(format!("{name}: {ty}")),
         None => diagnostic.help("types are the dimensions (`length`, `speed`, …), `number`, `integer`, `boolean`, `text`, `word` and the forms"),
@@ -103,24 +103,24 @@ pub fn unclosed_bracket(span: Span, bracket: char, unended: Option<Span>, commen
 /// A closing bracket has no partner.
 pub fn stray_bracket(span: Span) -> Diagnostic {
     Diagnostic::error("stray-bracket", span, "this bracket closes nothing")
-        .help("remove it, or add its opening partner")
+        .help("remove it, or add the opening bracket")
 }
 
 /// A declaration lacks the brace that its last line closes, or has a colon in its place.
 pub fn missing_brace(span: Span) -> Diagnostic {
     Diagnostic::error("unclosed-bracket", span, "a `{` is missing")
-        .here("what a declaration holds stands in `{ … }`")
+        .here("the contents of a declaration need braces: `{ … }`")
         .fix(" {")
 }
 
 /// A declaration has neither brace; what is indented below is what it was to hold.
 pub fn missing_braces(span: Span) -> Diagnostic {
     Diagnostic::error("syntax", span, "this statement cannot be read")
-        .here("what a declaration holds stands in `{ … }`; blanks at the beginning of lines mean nothing")
-        .help("open a brace here, and close it below the indented lines")
+        .here("the contents of a declaration need braces; indentation has no meaning")
+        .help("open a brace here and close it after the indented lines")
 }
 
-/// What is said of the opening bracket that another one closes.
+/// The label of an opening bracket.
 pub(in crate::internal::lang) const OPENED: &str = "opened here";
 
 /// A closing bracket meets another kind of opening one.
@@ -151,7 +151,7 @@ pub fn too_large(span: Span, bytes: usize, limit: usize) -> Diagnostic {
 /// The file does not say which edition of the language it is written in.
 pub fn missing_edition(span: Span) -> Diagnostic {
     Diagnostic::error("missing-edition", span, "the file does not name its edition")
-        .here("write `edition 1` before all else, so that later versions of the language read it as you meant it")
+        .here("write `edition 1` first, so that later versions of the language read the file the same way")
         .fix("edition 1\n")
 }
 
@@ -164,10 +164,10 @@ pub fn unknown_edition(span: Span, edition: f64) -> Diagnostic {
 
 /// The edition is named again, or late.
 pub fn misplaced_edition(span: Span, first: Option<Span>) -> Diagnostic {
-    let diagnostic = Diagnostic::error("misplaced-edition", span, "the edition stands once, and first in the file");
+    let diagnostic = Diagnostic::error("misplaced-edition", span, "`edition` is allowed once, at the start of the file");
     match first {
         Some(first) => diagnostic.label(first, "first named here"),
-        None => diagnostic.help("move it to the beginning of the file"),
+        None => diagnostic.help("move it to the start of the file"),
     }
 }
 
@@ -203,12 +203,12 @@ pub fn import_cycle(span: Span, path: &str, circle: &[String]) -> Diagnostic {
     const MOST: usize = 8;
     let diagnostic = Diagnostic::error("import-cycle", span, format!("`{path}` imports this file in turn"));
     let diagnostic = match circle {
-        [] | [_] => diagnostic.here("a file need not import itself"),
+        [] | [_] => diagnostic.here("a file cannot import itself"),
         files => {
             let mut shown: Vec<&str> = files.iter().take(MOST).map(String::as_str).collect();
             shown.extend((files.len() > MOST).then_some("…"));
             shown.push(&files[0]);
-            diagnostic.help(format!("the circle: {}", shown.join(" → ")))
+            diagnostic.help(format!("the cycle: {}", shown.join(" → ")))
         }
     };
     diagnostic.help("move what both need into a third file")

@@ -45,7 +45,7 @@ pub fn missing_unit_of_both(span: Span, dimension: Dimension, written: &str, (lo
 
 /// A range stands where a matrix takes values one by one.
 pub fn axis_range(span: Span, [low, high]: [&str; 2]) -> Diagnostic {
-    Diagnostic::error("wrong-type", span, "a matrix takes a list of values, found a range")
+    Diagnostic::error("wrong-type", span, "a matrix takes a list of values, not a range")
         .fix(format!("[{low}, {high}]"))
 }
 
@@ -89,33 +89,33 @@ pub fn wrong_count(unit: Span, measured: Dimension, quantity: Span, found: Dimen
         Diagnostic::error("wrong-unit", unit, format!("{} is not counted in units of {measured}", one(found)))
             .label(quantity, format!("this is {}", one(found)));
     match found {
-        Dimension::RATIO => diagnostic.here("leave this away"),
+        Dimension::RATIO => diagnostic.here("remove this unit"),
         _ => found.usual_units().iter().copied().fold(diagnostic, Diagnostic::fix),
     }
 }
 
-/// A quantity stands where a plain number is wanted, and is no number with a unit that could be left away.
+/// A plain number is expected, and the quantity is no number whose unit could be removed.
 pub fn uncounted(span: Span, found: Dimension) -> Diagnostic {
     let diagnostic = Diagnostic::error("wrong-unit", span, format!("expected a plain number, found {}", one(found)));
     match found.usual_units().first() {
-        Some(unit) => diagnostic.help(format!("count it on purpose: `… in {unit}`")),
-        None => diagnostic.help("divide it by another quantity of its kind"),
+        Some(unit) => diagnostic.help(format!("convert it to a plain number: `… in {unit}`")),
+        None => diagnostic.help("divide it by a quantity of the same dimension"),
     }
 }
 
 /// A unit is not known.
 pub fn unknown_unit(span: Span, written: &str, part: Option<&str>, units: &[&str]) -> Diagnostic {
     let Some(part) = part else {
-        return Diagnostic::error("unknown-unit", span, format!("`{written}` is no unit"))
+        return Diagnostic::error("unknown-unit", span, format!("`{written}` is not a unit"))
             .help("a power is a whole number from -9 to 9, as in `m/s^2`");
     };
-    let diagnostic = Diagnostic::error("unknown-unit", span, format!("`{part}` is no unit"));
+    let diagnostic = Diagnostic::error("unknown-unit", span, format!("`{part}` is not a unit"));
     if written == "m/h" {
-        return diagnostic.here("nothing here is as slow as metres per hour").fix("mph").fix("km/h");
+        return diagnostic.here("metres per hour are hardly meant").fix("mph").fix("km/h");
     }
-    // A thousandth is another unit, and no slip of the pen.
+    // A thousandth is another unit, not a typo.
     if ["us", "ns", "um", "nm"].contains(&part) {
-        return diagnostic.help("the least units are `ms` and `mm`, with fractions as need be");
+        return diagnostic.help("the smallest units are `ms` and `mm`; write a fraction");
     }
     if ["k", "K"].contains(&written) {
         return diagnostic.help("numbers are written in full: `100_000`, `1e5`");
@@ -144,20 +144,20 @@ pub fn unknown_unit(span: Span, written: &str, part: Option<&str>, units: &[&str
         },
     };
     if part == written {
-        diagnostic.help("the word behind a number is its unit; put a comma or a line end before one that is not")
+        diagnostic.help("the word after a number is its unit; separate any other word by a comma or a new line")
     } else {
-        diagnostic.help(format!("to divide or multiply by something named `{part}`, put spaces round the sign"))
+        diagnostic.help(format!("to divide or multiply by something named `{part}`, put spaces around the sign"))
     }
 }
 
 /// A number is followed by the name of a quantity.
 pub fn missing_sign(span: Span, word: &str) -> Diagnostic {
-    Diagnostic::error("unknown-unit", span, format!("`{word}` is no unit"))
+    Diagnostic::error("unknown-unit", span, format!("`{word}` is not a unit"))
         .here("to multiply, write `*`")
         .fix(format!("* {word}"))
 }
 
-/// Whether it is said that a sign is missing.
+/// Whether a diagnostic reports a missing sign.
 pub fn lacks_sign(said: &Diagnostic) -> bool {
     said.code == "unknown-unit" && said.fixes.iter().any(|fix| fix.text.starts_with("* "))
 }
@@ -193,18 +193,18 @@ pub fn maybe_nothing(span: Span, why: &str, help: &str) -> Diagnostic {
 
 /// What is paid is beyond what learners count with.
 pub fn too_much(span: Span, limit: f64) -> Diagnostic {
-    Diagnostic::error("no-value", span, "this may be more than can be counted with")
-        .here(format!("a reward lies within -{limit:e} and {limit:e}"))
-        .help("scale it, or hold what it is made of: `min(…, 100)`")
+    Diagnostic::error("no-value", span, "this value may be too large")
+        .here(format!("a reward must be between -{limit:e} and {limit:e}"))
+        .help("scale it, or limit its parts: `min(…, 100)`")
 }
 
 /// A distribution reaches beyond the bounds of its key.
 pub fn unbounded(span: Span, written: &str, bounds: &str) -> Diagnostic {
     let diagnostic =
-        Diagnostic::error("unbounded", span, "this distribution knows no bounds").here(format!("allowed: {bounds}"));
+        Diagnostic::error("unbounded", span, "this distribution has no bounds").here(format!("allowed: {bounds}"));
     match bounds.split_once(" to ") {
         Some((low, high)) => diagnostic.fix(format!("truncated({written}, {low} .. {high})")),
-        None => diagnostic.help(format!("hold it between two values: `truncated({written}, low .. high)`")),
+        None => diagnostic.help(format!("limit it to a range: `truncated({written}, low .. high)`")),
     }
 }
 
@@ -216,7 +216,7 @@ pub fn unknown_distribution(span: Span, word: &str, known: &[&str]) -> Diagnosti
     }
     if ["degrees", "deg", "radians", "rad", "meters", "metres", "seconds", "kmh"].contains(&word) {
         return Diagnostic::error("unknown-distribution", span, format!("unknown distribution `{word}`"))
-            .help("a unit stands behind its number: `90 deg`");
+            .help("a unit follows its number: `90 deg`");
     }
     // Elsewhere `range` may be a key.
     let own = if word == "range" { "Range" } else { word };
@@ -259,7 +259,7 @@ pub fn pointed(span: Span, written: &str) -> Diagnostic {
 
 /// A difference of two quantities stands where a range may, and was probably meant; `value` is what it is.
 pub fn difference(span: Span, value: &str, range: &str) -> Diagnostic {
-    Diagnostic::warning("difference", span, format!("this is {value}: `-` takes away"))
+    Diagnostic::warning("difference", span, format!("this is {value}: `-` subtracts"))
         .here("a range is written `low .. high`")
         .fix(range)
         .fix(value)
@@ -291,11 +291,11 @@ pub fn unknown_choice(span: Span, word: &str, words: &[&str]) -> Diagnostic {
 pub fn unknown_variable<'a>(span: Span, word: &str, known: impl IntoIterator<Item = &'a str>) -> Diagnostic {
     if matches!(word, "return" | "if" | "else" | "then") {
         return Diagnostic::error("unknown-variable", span, format!("there is no `{word}` in formulas"))
-            .help("a formula stands alone; what is asked goes into a condition, what is weighed into `min` and `max`");
+            .help("write a condition with `and`, `or`, `not`, or weigh with `min` and `max`");
     }
     if parse_unit(word).is_ok() {
         return Diagnostic::error("unknown-variable", span, format!("unknown variable or parameter `{}`", cut(word)))
-            .here("a unit stands behind a number")
+            .here("a unit follows a number")
             .fix(format!("1 {word}"));
     }
     unknown("unknown-variable", span, format!("unknown variable or parameter `{}`", cut(word)), word, known)
@@ -309,10 +309,10 @@ pub fn unavailable_variable(span: Span, word: &str, event: &str, known: &[&str])
             span,
             format!("`{word}` has no value before an episode begins"),
         )
-        .help(format!("there are {}", quoted(known.iter().copied())));
+        .help(format!("available: {}", quoted(known.iter().copied())));
     }
     Diagnostic::error("unavailable-variable", span, format!("`{word}` has no value at `{event}`"))
-        .help(format!("at `{event}` there are {}", quoted(known.iter().copied())))
+        .help(format!("available at `{event}`: {}", quoted(known.iter().copied())))
 }
 
 /// A formula calls an unknown function.
@@ -339,7 +339,7 @@ pub fn mixed_dimensions(left: Span, first: Dimension, right: Span, second: Dimen
     let quantity = if first == Dimension::RATIO { second } else { first };
     match quantity.usual_units().first() {
         Some(unit) if first == Dimension::RATIO || second == Dimension::RATIO => {
-            diagnostic.help(format!("to count {} in {unit} on purpose, write `… in {unit}`", one(quantity)))
+            diagnostic.help(format!("to convert {} to a plain number, write `… in {unit}`", one(quantity)))
         }
         _ => diagnostic,
     }
@@ -368,5 +368,5 @@ pub fn unknown_event_word(span: Span, event: &str, word: &str, known: &[&str]) -
 
 /// Two clauses answer to the same event.
 pub fn duplicate_clause(span: Span, first: Span) -> Diagnostic {
-    Diagnostic::error("duplicate-clause", span, "this event has a clause already").label(first, "the first is here")
+    Diagnostic::error("duplicate-clause", span, "this event already has a clause").label(first, "the first is here")
 }

@@ -1,4 +1,4 @@
-//! What is wrong with what a file describes: maps, towns, beginnings, drivers from outside, values that contradict each other.
+//! What is wrong with what a file describes: maps, towns, starts, drivers from outside, values that contradict each other.
 
 use crate::diagnostic::{Diagnostic, Span};
 
@@ -17,16 +17,16 @@ pub fn contradiction(span: Span, message: String) -> Diagnostic {
     Diagnostic::error("contradiction", span, message)
 }
 
-/// Trained pedestrians are to be tried where none are trained.
+/// Trained pedestrians are to be evaluated where none are trained.
 pub fn nobody_trained(span: Span) -> Diagnostic {
-    contradiction(span, "this campaign has no `train` block, so there are no trained pedestrians to try".into())
-        .help("without one there are `random`, `homing` and `intercept`: `pedestrians: [random]`")
+    contradiction(span, "this campaign has no `train` block, so it has no trained pedestrians to evaluate".into())
+        .help("use `random`, `homing` or `intercept` instead: `pedestrians: [random]`")
 }
 
-/// Published figures, which are those of rewards, are to stand beside a campaign that trains nobody for one.
+/// Published figures belong to rewards, and the campaign trains no pedestrian for a reward.
 pub fn beside_nobody(span: Span) -> Diagnostic {
-    Diagnostic::warning("unused", span, "these figures stand beside nothing")
-        .here("they are those of rewards, and this campaign trains nobody for one")
+    Diagnostic::warning("unused", span, "these figures are compared with nothing")
+        .here("they belong to rewards, and this campaign trains no pedestrian for a reward")
 }
 
 /// A value lies above one that it must not exceed.
@@ -41,8 +41,8 @@ pub fn not_rising(span: Span, low: &str, high: &str, other: Option<Span>) -> Dia
 /// A driver is made for ticks of another length.
 pub fn other_tick(span: Span, policy: &str, made_for: f64, tick: f64, episode: Span) -> Diagnostic {
     Diagnostic::warning("other-tick", span, format!("`{policy}` is made for ticks of {made_for} s"))
-        .label(episode, format!("these last {tick} s"))
-        .help("its own counts of ticks stay as they are, so it thinks and acts at another pace than its original")
+        .label(episode, format!("ticks here are {tick} s long"))
+        .help("it counts its delays in ticks, so it reacts faster or slower than its original")
 }
 
 /// Parts of a map were skipped or guessed.
@@ -56,33 +56,33 @@ pub fn map_warning(span: Span, path: &str, warnings: &[String]) -> Diagnostic {
     diagnostic.help(format!("`falsify map {path}` lists them all"))
 }
 
-/// Nobody can be placed where an episode should begin.
+/// No pedestrian can be placed at the start of an episode.
 pub fn unplaceable(span: Span, town: &str, reason: &str) -> Diagnostic {
-    Diagnostic::error("unplaceable", span, format!("nobody can be placed in `{town}`: {reason}"))
-        .help("`falsify check --sample 1000` draws what is left of each constraint")
+    Diagnostic::error("unplaceable", span, format!("no episode can start in `{town}`: {reason}"))
+        .help("`falsify check --sample 1000` shows what each constraint leaves")
 }
 
-/// Few beginnings satisfy all constraints.
+/// Few starts satisfy all constraints.
 pub fn rare_beginnings(span: Span, town: &str, found: &str) -> Diagnostic {
-    Diagnostic::warning("rare-beginnings", span, format!("beginnings in `{town}` are rare: {found}"))
-        .help("what bounds `bearing`, `distance` or `ego_speed` alone, as `distance > 10 m` does, is drawn directly")
-        .help("drawing one takes long; `falsify check --sample 1000` shows what each constraint leaves")
+    Diagnostic::warning("rare-beginnings", span, format!("few starts in `{town}` satisfy all constraints: {found}"))
+        .help("a condition that bounds `bearing`, `distance` or `ego_speed` alone, such as `distance > 10 m`, costs nothing")
+        .help("drawing a start takes long; `falsify check --sample 1000` shows what each constraint leaves")
 }
 
-/// Something stands so far away (m) that nobody meets it.
+/// Something is farther (m) from every street than any actor.
 pub fn far_from_streets(span: Span, far: f64) -> Diagnostic {
-    Diagnostic::warning("out-of-reach", span, format!("this stands more than {far} m from every street"))
-        .here("nobody meets it there, nor sees it")
+    Diagnostic::warning("out-of-reach", span, format!("this is more than {far} m from every street"))
+        .here("no car passes it or sees it there")
 }
 
-/// A sign stands where no car drives.
+/// A sign is where no car drives.
 pub fn sign_off_lanes(span: Span) -> Diagnostic {
-    Diagnostic::warning("out-of-reach", span, "this sign stands on no driving lane")
+    Diagnostic::warning("out-of-reach", span, "this sign is on no driving lane")
         .here("no car passes it")
         .help("`at` is the middle of the lane where the limit begins")
 }
 
-/// Whether a diagnostic says that nobody can be placed.
+/// Whether a diagnostic reports that no start is possible.
 pub fn is_unplaceable(diagnostic: &Diagnostic) -> bool {
     diagnostic.code == "unplaceable"
 }
@@ -96,7 +96,7 @@ pub fn external_not_allowed(span: Span, command: &str) -> Diagnostic {
 /// A command cannot be split into a program and its arguments.
 pub fn unusable_command(span: Span, command: &str, reason: &str) -> Diagnostic {
     Diagnostic::error("unusable-command", span, format!("cannot use the command `{command}`: {reason}"))
-        .help("it is split at blanks, and single quotes hold blanks together; there is no shell")
+        .help("the command is split at blanks; single quotes keep blanks together; no shell runs it")
 }
 
 /// A model of a learnt driver cannot be used.

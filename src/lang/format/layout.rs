@@ -17,7 +17,7 @@ const WIDTH: usize = 120;
 /// Blocks of pairs that the author wrote on one line stay on one line if they fit; of several blank lines one is left.
 ///
 /// # Errors
-/// What is wrong when the text cannot be read; its layout is then nobody's business.
+/// The errors of a text that cannot be read; it gets no layout.
 pub fn format(source: SourceId, text: &str) -> Result<String, Vec<Diagnostic>> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let (_, mut said) = parse(source, text);

@@ -73,7 +73,7 @@ pub fn print(doc: &Doc, width: usize) -> String {
 struct Page {
     text: String,
     column: usize,
-    /// A line end that is still to be written, with the indentation behind it.
+    /// A line end that is still to be written, with the indentation after it.
     pending: Option<usize>,
     /// A blank that is still to be written.
     space: bool,
@@ -104,13 +104,13 @@ impl Page {
         self.pending.unwrap_or(self.column + usize::from(self.space))
     }
 
-    /// Whether a document fits on this line, with so many columns behind it.
+    /// Whether a document fits on this line together with the columns that follow it.
     fn fits(&self, doc: &Doc, behind: usize) -> bool {
         let room = self.width.saturating_sub(self.column() + behind);
         !doc.breaks() && doc.width(room) <= room
     }
 
-    /// Puts a document; `behind` are the columns that must stand on the line behind it.
+    /// Puts a document; `behind` are the columns that must follow it on its line.
     fn put(&mut self, doc: &Doc, indent: usize, flat: bool, behind: usize) {
         match doc {
             Doc::Text(text) => self.word(text),
@@ -157,7 +157,7 @@ impl Page {
     }
 }
 
-/// Columns of the documents behind that cannot be parted from what comes before them.
+/// Columns of the following documents that cannot be separated from this one.
 fn tail(docs: &[Doc], behind: usize) -> usize {
     let mut sum = 0;
     for doc in docs {

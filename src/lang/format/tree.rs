@@ -87,7 +87,7 @@ impl<'a, 'b> Tree<'a, 'b> {
         items
     }
 
-    /// One statement; comments behind it are left for the items.
+    /// One statement; comments after it are left for the items.
     fn statement(&mut self) -> Vec<Node<'a>> {
         let mut nodes = Vec::new();
         let mut first = true;
@@ -103,7 +103,7 @@ impl<'a, 'b> Tree<'a, 'b> {
             nodes.pop();
             self.at -= 1;
         }
-        // A comma or semicolon behind a pair says nothing.
+        // A comma or semicolon after a property has no meaning.
         if matches!(nodes.last(), Some(Node::Token(token)) if matches!(token.text, "," | ";")) {
             nodes.pop();
         }
@@ -142,7 +142,7 @@ impl<'a, 'b> Tree<'a, 'b> {
                 "," => {
                     self.at += 1;
                     let mut next = Member::default();
-                    // Comments before the comma move behind it; those on lines of their own belong to what follows.
+                    // Comments before the comma move after it; those on lines of their own belong to what follows.
                     let mut comments = Vec::new();
                     while matches!(last.nodes.last(), Some(Node::Token(token)) if token.is_comment()) {
                         comments.extend(last.nodes.pop());
@@ -167,7 +167,7 @@ impl<'a, 'b> Tree<'a, 'b> {
                 _ => last.nodes.push(self.node()),
             }
         }
-        // What stands behind the last comma is no member, unless it is more than comments.
+        // Comments alone after the last comma are no member.
         let is_comment = |node: &Node| matches!(node, Node::Token(token) if token.is_comment());
         if members.len() > 1 && members.last().is_some_and(|last| last.nodes.iter().all(is_comment)) {
             let comments = members.pop().map(|member| member.nodes).unwrap_or_default();
@@ -182,7 +182,7 @@ impl<'a, 'b> Tree<'a, 'b> {
     }
 }
 
-/// Whether more can stand on the line behind a member and its comments.
+/// Whether more can follow on the line of a member and its comments.
 fn open_line(member: &Member) -> bool {
     member.after.last().is_none_or(|token| token.kind != TokenKind::LineComment)
 }

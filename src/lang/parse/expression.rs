@@ -145,8 +145,7 @@ impl Reader {
         Expression { kind, span }
     }
 
-    /// Asks whether two numbers of a call were to be one: who leaves blanks behind commas, but not behind this one, may have
-    /// meant a fraction.
+    /// Warns of two numbers of a call that may be one: the comma between them has no blank after it, the other commas have.
     fn ask_about_commas(&mut self, text: &str, arguments: &[Expression]) {
         let joined = |pair: &&[Expression]| pair[0].span.end + 1 == pair[1].span.start;
         let pairs: Vec<&[Expression]> = arguments.windows(2).filter(joined).collect();

@@ -88,7 +88,7 @@ pub(in crate::internal::lang) fn split_words(
     let at = |word: &str| word.as_ptr() as usize - text.as_ptr() as usize;
     match (text[end..].chars().next()?, words.as_slice()) {
         ('{', [_, name]) if name.starts_with(|first: char| first.is_ascii_digit()) => {
-            Some((at(name)..at(name) + name.len(), "a name begins with a letter", None))
+            Some((at(name)..at(name) + name.len(), "a name starts with a letter", None))
         }
         ('{', [_, first, .., last]) => {
             let place = at(first)..at(last) + last.len();

@@ -16,16 +16,16 @@ pub(in crate::internal::lang) fn left_over(before: &str, text: &str, in_block: b
     let slip = |place, instead: String, meant, said| Some(Slip { place, instead, meant, said, foreign: true });
     let (at_word, all) = (start..start + word.len(), start..start + text.len());
     if matches!(word, "as" | "to") && is_unit(behind.trim()) {
-        return slip(at_word, "in".into(), true, "a quantity is counted `in` a unit");
+        return slip(at_word, "in".into(), true, "write `in` before the unit");
     }
     if matches!(word, "and" | "or" | "not") && blank {
-        return slip(at_word, String::new(), false, "a value is missing behind this");
+        return slip(at_word, String::new(), false, "a value is missing after this");
     }
     if let Some(sign) = compares(word).filter(|_| !blank) {
         return slip(at_word, sign.into(), true, "quantities are compared by signs");
     }
     if in_block && named && is_unit(text.trim_matches([' ', '\t', '\r', '\n'])) {
-        let said = "a unit stands behind a number; a quantity is counted `in` it";
+        let said = "a unit follows a number; write `in` to convert a quantity";
         return slip(all, format!("in {}", text.trim()), value.contains("=>"), said);
     }
     if let Some((low, high)) = text.split_once(" to ").filter(|_| last == "from") {
@@ -38,7 +38,7 @@ pub(in crate::internal::lang) fn left_over(before: &str, text: &str, in_block: b
     }
     if value.ends_with(',') && text.starts_with('(') {
         let comma = value.len() - 1..value.len();
-        return slip(comma, String::new(), false, "several values stand in brackets: `[(…), (…)]`");
+        return slip(comma, String::new(), false, "several values need brackets: `[(…), (…)]`");
     }
     let keyed = text.find(':').is_some_and(|colon| text[..colon].trim_end().chars().all(part));
     if !in_block && keyed && value.contains('=') && !last.is_empty() {

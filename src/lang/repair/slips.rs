@@ -148,13 +148,13 @@ impl Scan<'_> {
             '\'' => match rest[1..].find(['\'', '\n', '\r']).filter(|end| rest[1 + end..].starts_with('\'')) {
                 Some(end) => {
                     let instead = format!("\"{}\"", &rest[1..end + 1]);
-                    self.slip(end + 2, instead, true, "a text stands in double quotes");
+                    self.slip(end + 2, instead, true, "a text needs double quotes");
                 }
                 None => self.push(Token::Sign, 1),
             },
             '#' => {
                 let line = line();
-                self.slip(1, "//", true, "a comment begins with `//`");
+                self.slip(1, "//", true, "a comment starts with `//`");
                 self.at += line - 1;
             }
             '–' | '—' if matches!(self.last(), None | Some(Token::Number | Token::Unit)) => {
@@ -173,7 +173,7 @@ impl Scan<'_> {
                     Some((end, last)) => (first.len_utf8() + end + last.len_utf8(), format!("\"{}\"", &inside[..end])),
                     None => (first.len_utf8(), "\"".to_string()),
                 };
-                self.slip(length, instead, true, "a text stands in straight quotes");
+                self.slip(length, instead, true, "a text needs straight quotes");
             }
             '\u{a0}' | '\u{2009}' | '\u{202f}' | '\u{200b}' | '\u{feff}' => {
                 self.slip(first.len_utf8(), " ", true, "this is no ordinary blank");
@@ -283,7 +283,7 @@ impl Scan<'_> {
             '$' => self.slip(1, "", true, "a parameter is named without a sign"),
             '+' if !self.behind_value() => self.slip(1, "", true, "a number needs no `+`"),
             ';' if matches!(self.open.last(), Some(b'(' | b'[')) => {
-                self.slip(1, ",", true, "values are parted by commas");
+                self.slip(1, ",", true, "commas separate values");
             }
             _ if starts("=<") => self.slip(2, "<=", true, "at most is written `<=`"),
             ':' | '='
@@ -327,7 +327,7 @@ impl Scan<'_> {
             _ if starts("...") => self.slip(3, "..", true, "a range is written `low .. high`"),
             _ if starts("..") => self.push(Token::Sign, 2),
             '.' if rest[1..].starts_with(|next: char| next.is_ascii_digit()) => {
-                self.slip(1, "0.", true, "a number begins with a digit");
+                self.slip(1, "0.", true, "a number starts with a digit");
                 self.tokens.pop();
             }
             _ if first.is_ascii_digit() => self.step_number(),
@@ -349,7 +349,7 @@ impl Scan<'_> {
         let digits = |text: &str| text.bytes().take_while(|byte| byte.is_ascii_digit() || *byte == b'_').count();
         if let Some(length) = path(rest) {
             let quoted = format!("\"{}\"", &rest[..length]);
-            return self.slip(length, quoted, true, "a text stands in quotes");
+            return self.slip(length, quoted, true, "a text needs quotes");
         }
         let mut length = digits(rest);
         if rest[length..].starts_with('.') && rest[length + 1..].starts_with(|next: char| next.is_ascii_digit()) {
@@ -363,7 +363,7 @@ impl Scan<'_> {
         let rest = self.rest();
         if let Some(length) = path(rest) {
             let quoted = format!("\"{}\"", &rest[..length]);
-            return self.slip(length, quoted, true, "a text stands in quotes");
+            return self.slip(length, quoted, true, "a text needs quotes");
         }
         if let Some((length, last)) = dotted(rest) {
             let parts: Vec<&str> = rest[..length].split('.').collect();
@@ -405,7 +405,7 @@ impl Scan<'_> {
             "as" | "to"
                 if self.last() == Some(Token::Word) && !is_key && parse_unit(unit).is_ok() && !unit.is_empty() =>
             {
-                self.slip(length, "in", true, "a quantity is counted `in` a unit");
+                self.slip(length, "in", true, "write `in` before the unit");
             }
             "from"
                 if self.key_first

@@ -100,7 +100,7 @@ pub(super) fn as_dashed_range(
     {
         let (low, high) = (context.sources.text(left.span), context.sources.text(right.span));
         let text = format!("{low} {} .. {high}", unit.text);
-        said.help.push("`-` takes away; a range is written `low .. high`".into());
+        said.help.push("`-` subtracts; a range is written `low .. high`".into());
         said.fixes = vec![Fix { span: expression.span, text }];
     }
 }
@@ -222,7 +222,7 @@ pub(super) fn otherwise(expression: &Expression, ty: &Type, context: &Context) -
             said(Some(near.to_string()), "")
         }
         (_, ExpressionKind::Name(word)) if word == "None" || word == "null" => {
-            said(None, "what may be left out is left out: take the key away")
+            said(None, "leave the key out instead")
         }
         _ => said(None, ""),
     }
