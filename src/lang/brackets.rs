@@ -3,7 +3,6 @@
 use std::ops::Range;
 
 use super::codes;
-use super::repair::unbraced;
 use super::tokens::{TokenKind, tokens};
 use crate::diagnostic::{Diagnostic, SourceId, Span};
 
@@ -51,7 +50,7 @@ pub fn balance(source: SourceId, text: &str, first: Diagnostic) -> Balanced {
         balanced.left_out.push(part);
         let left = String::from_utf8(rest).expect("whole statements are left out");
         match scan(source, &left) {
-            Ok(_) => {
+            Ok(()) => {
                 balanced.text = Some(left);
                 break;
             }
@@ -73,6 +72,15 @@ fn unopened(text: &str, byte: usize) -> Option<(Range<usize>, Range<usize>)> {
     let place = unbraced(line).filter(|_| whole.start + line.len() < byte)?;
     let head = whole.start + place.start..whole.start + place.end;
     Some((whole.start..byte + 1, head))
+}
+
+/// The end of a declaration's head without its brace, after the last word: a colon or nothing.
+pub(super) fn unbraced(line: &str) -> Option<Range<usize>> {
+    let head = line.split("//").next()?.trim_end();
+    let named = head.strip_suffix(':').map_or(head, str::trim_end);
+    let fine = (2..=4).contains(&named.split_whitespace().count()) && !named.contains(['{', '}', '"', ':']);
+    let declares = !["edition", "import", "param", "on"].contains(&named.split_whitespace().next()?);
+    (fine && declares).then_some(named.len()..head.len())
 }
 
 /// The statement of a byte: from the last line that begins with a letter to the next one or its documentation.

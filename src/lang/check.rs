@@ -11,10 +11,9 @@ use super::formula::Scope;
 use super::hir::ParamId;
 use super::hir::{Block, Clause, Declaration, Program};
 use super::names::names_of_all;
-use super::params::{DIMENSIONS, Params};
-use super::repair::type_of;
+use super::params::{DIMENSIONS, Params, type_of};
 use super::value::{Context, plain_number, value};
-use super::{Loaded, codes, repair};
+use super::{Loaded, codes};
 use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
 use crate::signature::{Arguments, DeclarationId, Form, Param, Signature, Type, Value, Vocabulary};
 use crate::units::Dimension;
@@ -381,7 +380,7 @@ impl<'f> Checker<'_, '_, 'f> {
     fn torn(&mut self, value: Span, mut bare: impl Iterator<Item = Span>, param: &Param) -> Option<usize> {
         let text = &self.context.sources.get(value.source).text;
         let first = bare.next()?;
-        let comma = repair::decimal_comma(&text[..first.start], &text[first.start..]);
+        let comma = decimal_comma(&text[..first.start], &text[first.start..]);
         let listed = matches!(param.ty, Type::List(_));
         let (start, end, diagnostic) = match comma {
             Some((whole, part)) if !listed => {
@@ -433,4 +432,21 @@ impl<'f> Checker<'_, '_, 'f> {
         let formula = plain_number(&written.formula, &scope, self.diagnostics)?;
         Some(Clause { event: event.name, word, formula, span: name.span })
     }
+}
+
+/// A number written with commas, of which `text` begins with the digits behind the first: how many bytes stand before and behind.
+fn decimal_comma(before: &str, text: &str) -> Option<(usize, usize)> {
+    let digits = |text: &mut dyn Iterator<Item = u8>| text.take_while(u8::is_ascii_digit).count();
+    let whole = digits(&mut before.strip_suffix(',')?.bytes().rev());
+    let mut part = digits(&mut text.bytes());
+    if whole == 0 || part == 0 {
+        return None;
+    }
+    while text[part..].starts_with(',') {
+        match digits(&mut text[part + 1..].bytes()) {
+            0 => break,
+            more => part += 1 + more,
+        }
+    }
+    Some((whole + 1, part))
 }

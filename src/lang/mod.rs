@@ -16,7 +16,6 @@ pub mod tokens;
 mod parse;
 pub mod ast;
 mod brackets;
-mod repair;
 mod names;
 mod params;
 mod settings;

@@ -7,12 +7,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::ast::{Clause, Declaration, Entry, Expression, ExpressionKind, Known, Param, Property};
 use super::hir::ParamId;
 use super::names::Names;
-use super::repair::type_of;
 use super::value::{Context, distributions, value};
 use super::{Loaded, codes, hir};
 use crate::diagnostic::{Diagnostic, Label, SourceId, Sources, Span};
 use crate::signature::{Form, Signature, Type, Value, Vocabulary};
-use crate::units::Dimension;
+use crate::units::{Dimension, parse_unit};
 
 /// Words for types that are dimensions.
 pub const DIMENSIONS: &[(&str, Dimension)] = &[
@@ -366,5 +365,26 @@ fn relocate(kind: &mut ExpressionKind, place: Span) {
     if let ExpressionKind::Range(low, high) = kind {
         low.span = place;
         high.span = place;
+    }
+}
+
+/// Whether a word is the type of a parameter, forms apart.
+pub(super) fn is_type(word: &str) -> bool {
+    DIMENSIONS.iter().any(|(name, _)| *name == word) || OTHER_TYPES.contains(&word)
+}
+
+/// The word for the type of a value, as far as one look at its text tells.
+pub(super) fn type_of(value: &str) -> Option<&'static str> {
+    let number =
+        value.trim_start_matches('-').bytes().take_while(|byte| byte.is_ascii_digit() || *byte == b'.').count();
+    let unit = value.trim_start_matches('-')[number..].split_whitespace().next();
+    match unit {
+        _ if value == "true" || value == "false" => Some("boolean"),
+        _ if value.starts_with('"') => Some("text"),
+        _ if number == 0 => None,
+        None => Some("number"),
+        Some(unit) => parse_unit(unit).ok().and_then(|unit| {
+            DIMENSIONS.iter().find(|(_, dimension)| *dimension == unit.dimension).map(|(name, _)| *name)
+        }),
     }
 }

@@ -75,8 +75,7 @@ pub fn ambiguous_setting(span: Span, word: &str, forms: &[&str]) -> Diagnostic {
     let ambiguous =
         Diagnostic::error("ambiguous-setting", span, format!("there are several declarations named `{word}`"));
     if forms.iter().all(|form| Some(form) == forms.first()) {
-        return ambiguous
-            .help("two files declare it: run the files one at a time, or rename one of the declarations");
+        return ambiguous.help("two files declare it: run the files one at a time, or rename one of the declarations");
     }
     let offers: Vec<String> = forms.iter().map(|form| format!("{form}.{word}.…")).collect();
     ambiguous.help(format!("put the form first: {}", quoted(offers.iter().map(String::as_str))))

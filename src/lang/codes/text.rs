@@ -77,7 +77,8 @@ pub fn unbracketed_pair(span: Span, (low, high): (&str, &str)) -> Diagnostic {
 
 /// A parameter has no type.
 pub fn untyped_param(span: Span, name: &str, ty: Option<&str>) -> Diagnostic {
-    let diagnostic = Diagnostic::error("syntax", span, "this statement cannot be read").here("a parameter needs a type");
+    let diagnostic =
+        Diagnostic::error("syntax", span, "this statement cannot be read").here("a parameter needs a type");
     match ty {
         Some(ty) => diagnostic.fix(format!("{name}: {ty}")),
         None => diagnostic.help("types are the dimensions (`length`, `speed`, …), `number`, `integer`, `boolean`, `text`, `word` and the forms"),
@@ -164,7 +165,8 @@ pub fn unknown_edition(span: Span, edition: f64) -> Diagnostic {
 
 /// The edition is named again, or late.
 pub fn misplaced_edition(span: Span, first: Option<Span>) -> Diagnostic {
-    let diagnostic = Diagnostic::error("misplaced-edition", span, "`edition` is allowed once, at the start of the file");
+    let diagnostic =
+        Diagnostic::error("misplaced-edition", span, "`edition` is allowed once, at the start of the file");
     match first {
         Some(first) => diagnostic.label(first, "first named here"),
         None => diagnostic.help("move it to the start of the file"),

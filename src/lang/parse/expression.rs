@@ -6,6 +6,7 @@ use pest::iterators::{Pair, Pairs};
 
 use super::rules::Rule;
 use super::{Reader, inner_text, read_number};
+use crate::diagnostic::Span;
 use crate::lang::ast::{Entry, Expression, ExpressionKind, Operator};
 use crate::lang::codes;
 use crate::signature::short;
@@ -16,22 +17,32 @@ const MAX_TERMS: usize = 500;
 impl Reader {
     pub(super) fn value(&mut self, pair: Pair<Rule>) -> Expression {
         let span = self.span(&pair);
+        let source = pair.get_input();
         let pairs = pair.into_inner();
         let counts = |pair: &Pair<Rule>| {
-            let beside = [Rule::prefix, Rule::unit, Rule::arguments, Rule::conversion];
-            !beside.contains(&pair.as_rule())
+            !matches!(pair.as_rule(), Rule::prefix | Rule::unit | Rule::arguments | Rule::conversion)
         };
         if pairs.len() > MAX_TERMS && pairs.clone().filter(counts).count() > MAX_TERMS {
             self.diagnostics.push(codes::too_long(span, MAX_TERMS));
             return Expression { kind: ExpressionKind::Number { value: 0.0, unit: None }, span };
         }
         let mut pairs = pairs.peekable();
+        let from = pairs.next_if(|pair| pair.as_rule() == Rule::range_from);
         let low = self.expression(&mut pairs);
+        let sign = pairs.next_if(|pair| pair.as_rule() == Rule::range_sign);
+        if let Some(sign) = sign.as_ref().filter(|_| from.is_none()) {
+            self.mistake(sign);
+        }
         if pairs.peek().is_none() {
             return low;
         }
         // A term without an operator before it begins the other end of a range.
         let high = self.expression(&mut pairs);
+        if from.is_some() {
+            let part = |value: &Expression| &source[value.span.start..value.span.end];
+            let meant = format!("{} .. {}", part(&low), part(&high));
+            self.report(span, "a range is written `low .. high`", Some(&meant));
+        }
         let span = low.span.to(high.span);
         Expression { kind: ExpressionKind::Range(low.into(), high.into()), span }
     }
@@ -47,6 +58,9 @@ impl Reader {
         let binds = |pair: &Pair<Rule>| operator(pair).filter(|(_, tightness)| *tightness >= least);
         while let Some((operator, tightness)) = pairs.peek().and_then(binds) {
             let sign = pairs.next().expect("it was peeked at");
+            if sign.as_rule() == Rule::wrong_infix {
+                self.mistake(&sign);
+            }
             let joined = sign.as_str() == "+"
                 && pairs
                     .peek()
@@ -66,14 +80,20 @@ impl Reader {
     /// Signs, what they stand before, and the unit that it is counted in.
     fn term(&mut self, pairs: &mut Peekable<Pairs<Rule>>) -> Expression {
         let mut prefixes = Vec::new();
-        while let Some(prefix) = pairs.next_if(|pair| pair.as_rule() == Rule::prefix) {
-            prefixes.push((prefix.as_str() == "-", self.span(&prefix)));
+        while let Some(prefix) = pairs.next_if(|pair| matches!(pair.as_rule(), Rule::prefix | Rule::wrong_prefix)) {
+            match prefix.as_rule() {
+                Rule::prefix => prefixes.push((prefix.as_str() == "-", self.span(&prefix))),
+                _ => self.mistake(&prefix),
+            }
         }
         let mut expression = self.primary(pairs);
         if let Some(conversion) = pairs.next_if(|pair| pair.as_rule() == Rule::conversion) {
             let unit = self.name(conversion.into_inner().next().expect("a conversion has a unit"));
             let span = expression.span.to(unit.span);
             expression = Expression { kind: ExpressionKind::Conversion(expression.into(), unit), span };
+        }
+        if let Some(unit) = pairs.next_if(|pair| pair.as_rule() == Rule::stray_unit) {
+            self.stray_unit(&expression, &unit);
         }
         if prefixes.len() > MAX_TERMS {
             self.diagnostics.push(codes::too_long(prefixes[0].1, MAX_TERMS));
@@ -102,7 +122,13 @@ impl Reader {
         let kind = match pair.as_rule() {
             Rule::number => {
                 let value = read_number(pair.as_str());
+                if let Some(odd) = pairs.next_if(|pair| pair.as_rule() == Rule::odd_number) {
+                    self.odd_number(&pair, &odd);
+                }
                 let unit = pairs.next_if(|pair| pair.as_rule() == Rule::unit).map(|unit| self.name(unit));
+                if let Some(power) = pairs.next_if(|pair| pair.as_rule() == Rule::odd_power) {
+                    self.mistake(&power);
+                }
                 let span = unit.as_ref().map_or(span, |unit| span.to(unit.span));
                 return Expression { kind: ExpressionKind::Number { value, unit }, span };
             }
@@ -115,8 +141,8 @@ impl Reader {
                 let span = span.to(self.span(&list));
                 let (mut arguments, mut keys) = (Vec::new(), Vec::new());
                 let text = list.get_input();
-                for argument in list.into_inner() {
-                    match self.argument(argument) {
+                for argument in self.arguments(list, false) {
+                    match argument {
                         Entry::Bare(value) => arguments.push(value),
                         Entry::Property(property) => {
                             keys.push(property.key);
@@ -138,11 +164,53 @@ impl Reader {
                 }
                 return Expression { kind: ExpressionKind::Call { function, arguments }, span };
             }
-            Rule::group => ExpressionKind::Group(pair.into_inner().map(|value| self.value(value)).collect()),
-            Rule::list => ExpressionKind::List(pair.into_inner().map(|value| self.value(value)).collect()),
+            Rule::group => ExpressionKind::Group(self.members(pair)),
+            Rule::list => ExpressionKind::List(self.members(pair)),
             other => unreachable!("no primary is a {other:?}"),
         };
         Expression { kind, span }
+    }
+
+    /// The values between commas of a group or a list.
+    fn members(&mut self, pair: Pair<Rule>) -> Vec<Expression> {
+        let mut members: Vec<Expression> = Vec::new();
+        for part in pair.into_inner() {
+            if matches!(part.as_rule(), Rule::gap | Rule::group_gap) {
+                let end = members.last().map_or(part.as_span().start(), |last| last.span.end);
+                self.missing_comma(&part, end);
+            } else {
+                members.push(self.value(part));
+            }
+        }
+        members
+    }
+
+    /// Reports a number whose digits go on after a blank, a quote or a second point.
+    fn odd_number(&mut self, number: &Pair<Rule>, odd: &Pair<Rule>) {
+        let (start, end) = (number.as_span().start(), odd.as_span().end());
+        let written = &number.get_input()[start..end];
+        if odd.as_str().starts_with('.') {
+            return self.report(self.place(start, end), "a text needs quotes", Some(&format!("\"{written}\"")));
+        }
+        let meant = written.replace([' ', '\''], "_");
+        self.report(self.place(start, end), "digits are grouped by `_`", Some(&meant));
+    }
+
+    /// Reports a unit that follows something else than a number or `in`.
+    fn stray_unit(&mut self, value: &Expression, unit: &Pair<Rule>) {
+        let text = unit.as_str().trim_end();
+        let place = self.span(unit);
+        let (word, rest) = text.split_at(text.find([' ', '\t']).unwrap_or(text.len()));
+        if matches!(word, "as" | "to") {
+            let place = Span { end: place.start + word.len(), ..place };
+            return self.report(place, "write `in` before the unit", Some("in"));
+        }
+        let name = matches!(value.kind, ExpressionKind::Name(_) | ExpressionKind::Call { .. });
+        let meant = format!("in {word}{rest}");
+        match name {
+            true => self.report(place, "a unit follows a number; write `in` to convert a quantity", Some(&meant)),
+            false => self.report(place, "every number needs its own unit", None),
+        }
     }
 
     /// Warns of two numbers of a call that may be one: the comma between them has no blank after it, the other commas have.
@@ -180,10 +248,15 @@ const COMPARISON: u8 = 2;
 
 /// An operator, and how tightly it binds; none for another pair.
 fn operator(pair: &Pair<Rule>) -> Option<(Operator, u8)> {
-    if pair.as_rule() != Rule::infix {
+    if !matches!(pair.as_rule(), Rule::infix | Rule::wrong_infix) {
         return None;
     }
     Some(match pair.as_str() {
+        "AND" => (Operator::And, 1),
+        "gt" | "above" | "exceeds" | "ge" | "gte" | "==" => (Operator::Greater, COMPARISON),
+        "lt" | "below" | "le" | "lte" | "=<" => (Operator::Less, COMPARISON),
+        "^" | "**" => (Operator::Multiply, 4),
+        "OR" | "if" | "elif" | "else" | "then" => (Operator::Or, 0),
         "or" => (Operator::Or, 0),
         "and" => (Operator::And, 1),
         "<" => (Operator::Less, COMPARISON),

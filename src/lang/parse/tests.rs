@@ -1,4 +1,5 @@
 use super::*;
+use crate::diagnostic::Sources;
 use crate::lang::tokens::{self, TokenKind};
 use proptest::prelude::*;
 
@@ -52,8 +53,12 @@ const LINES: &[&str] = &[
     "vehicle v = kind(a: not (b) and -1 /* so */ m, c: 3 /* x */)",
 ];
 
-/// The leaves of a parse that are tokens, with their kinds; none when the text holds a statement of no known shape.
+/// The leaves of a parse that are tokens, with their kinds; none when the text holds a mistake of syntax.
 fn leaves(text: &str) -> Option<Vec<(TokenKind, usize, usize)>> {
+    let (_, said) = read(Sources::default().add("", text), text);
+    if said.iter().any(|each| each.code == "syntax") {
+        return None;
+    }
     let mut found = Vec::new();
     for pair in ScenarioParser::parse(Rule::file, text).ok()?.flatten() {
         let kind = match pair.as_rule() {

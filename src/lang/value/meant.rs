@@ -221,9 +221,7 @@ pub(super) fn otherwise(expression: &Expression, ty: &Type, context: &Context) -
         {
             said(Some(near.to_string()), "")
         }
-        (_, ExpressionKind::Name(word)) if word == "None" || word == "null" => {
-            said(None, "leave the key out instead")
-        }
+        (_, ExpressionKind::Name(word)) if word == "None" || word == "null" => said(None, "leave the key out instead"),
         _ => said(None, ""),
     }
 }
