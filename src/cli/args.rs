@@ -3,9 +3,11 @@ use clap::{Parser, Subcommand, ValueEnum};
 use super::av_check::AvCheckOptions;
 use super::cells::{self, CellsOptions};
 use super::check::{self, CheckOptions};
+use super::config::{self, ConfigOptions};
 use super::debug::{self, DebugOptions};
 use super::explain::{self, ExplainOptions};
 use super::fmt::{self, FmtOptions};
+use super::lsp;
 use super::map::{self, MapOptions};
 use super::merge::{self, MergeOptions};
 use super::new::{self, NewOptions};
@@ -14,8 +16,6 @@ use super::replay::{self, ReplayOptions};
 use super::run::RunOptions;
 use super::status::{self, StatusOptions};
 use super::verify::{self, VerifyOptions};
-use super::config::{self, ConfigOptions};
-use super::lsp;
 
 const EXAMPLES: &str = "\
 Examples:
