@@ -226,7 +226,7 @@ impl Reader {
     /// Reports a point that is part of no number and no range: `.5`, `maps/Town01.xodr`, `ego.speed`.
     fn point(&mut self, at: usize, source: &str) -> bool {
         let run = |such: fn(char) -> bool| -> (usize, usize) {
-            let start = source[..at].rfind(|c| !such(c)).map_or(0, |end| end + 1);
+            let start = source[..at].trim_end_matches(such).len();
             (start, source[at..].find(|c| !such(c)).map_or(source.len(), |end| at + end))
         };
         let word: fn(char) -> bool = |c| c.is_ascii_alphanumeric() || matches!(c, '_' | '.');
