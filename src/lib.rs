@@ -96,7 +96,7 @@ pub mod driving {
 /// What a run, a report and a repeated episode hold.
 pub mod results {
     #[doc(inline)]
-    pub use crate::campaign::{Cell as Task, Observer as CampaignObserver, Shard};
+    pub use crate::campaign::{Observer as CampaignObserver, Shard, Task};
     #[doc(inline)]
     pub use crate::env::{Outcome, Scenario};
     #[doc(inline)]

@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::watch::{flow, watch_numbered};
-use super::{Cell, CellError, Keeper, Observer, Progress};
+use super::{Keeper, Observer, Progress, Task, TaskError};
 use crate::compile::Campaign;
 use crate::env::{Outcome, Trace};
 use crate::judge::{NearMiss, judge};
@@ -42,14 +42,14 @@ pub(super) fn try_chunk(
     observer: &dyn Observer,
 ) {
     let evaluation = &campaign.evaluations[index];
-    let cell = Cell::Chunk { evaluation: index, chunk };
+    let task = Task::Chunk { evaluation: index, chunk };
     let wanted = evaluation.chunk(chunk);
     let before = keeper.episodes(index, chunk);
     let first = wanted.start + before.episodes;
     if before.enough || first >= wanted.end {
-        return observer.reused(cell);
+        return observer.reused(task);
     }
-    observer.continued(cell, before.episodes);
+    observer.continued(task, before.episodes);
     let rows = std::cell::RefCell::new(Rows { settled: Vec::new(), others: BTreeMap::new(), next: first, ticks: 0 });
     let key = Arc::new(RunKey::of(evaluation));
     let mut limit = None;
@@ -70,7 +70,7 @@ pub(super) fn try_chunk(
         observer.tried(index, evaluation);
         let rows = rows.borrow();
         keeper.keep_episodes(index, chunk, &rows.settled, Progress::UnderWay);
-        limit = keeper.limit(cell, rows.ticks);
+        limit = keeper.limit(task, rows.ticks);
         flow(limit.is_some() || stop())
     };
     let rule = evaluation.rule();
@@ -91,7 +91,7 @@ pub(super) fn try_chunk(
     let error = match limit {
         _ if enough || next == wanted.end => None,
         Some(limit) => Some(limit),
-        None if hopeless(&settled) => Some(CellError::Hopeless),
+        None if hopeless(&settled) => Some(TaskError::Hopeless),
         None => None,
     };
     let end = match &error {

@@ -1,22 +1,22 @@
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
-use super::{Cell, CellError, SearchResult};
+use super::{SearchResult, Task, TaskError};
 use crate::falsifier::TrainingRun;
 use crate::record::{EpisodeRow, Tally};
 use crate::rl::Trained;
 
-/// A claim on a cell; while it is held, no other thread or process works on that cell.
+/// A claim on a task; while it is held, no other thread or process works on that task.
 pub type Claim = Box<dyn Send>;
 
-/// Stores the finished cells of a campaign, and returns them when it is run again. Called from many threads.
+/// Stores the finished tasks of a campaign, and returns them when it is run again. Called from many threads.
 ///
-/// A cell is claimed, asked for, worked on, stored and released, in this order. An implementation that can no longer store returns
+/// A task is claimed, asked for, worked on, stored and released, in this order. An implementation that can no longer store returns
 /// `true` from [`Keeper::stop`] and reports the cause to its user.
 pub trait Keeper: Sync {
-    /// Claims a cell; none while another worker has it.
-    fn claim(&self, cell: Cell) -> Option<Claim> {
-        let _ = cell;
+    /// Claims a task; none while another worker has it.
+    fn claim(&self, task: Task) -> Option<Claim> {
+        let _ = task;
         Some(Box::new(()))
     }
 
@@ -63,9 +63,9 @@ pub trait Keeper: Sync {
         let _ = (search, result);
     }
 
-    /// The limit of time or of ticks that a cell has reached, if any.
-    fn limit(&self, cell: Cell, ticks: u64) -> Option<CellError> {
-        let _ = (cell, ticks);
+    /// The limit of time or of ticks that a task has reached, if any.
+    fn limit(&self, task: Task, ticks: u64) -> Option<TaskError> {
+        let _ = (task, ticks);
         None
     }
 
@@ -85,7 +85,7 @@ pub enum Progress<'a> {
     /// No more are needed: the stopping rule is met.
     Enough,
     /// No more follow, for this reason.
-    Failed(&'a CellError),
+    Failed(&'a TaskError),
 }
 
 /// Stores episodes in memory and nothing else; for a small number.

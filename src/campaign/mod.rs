@@ -1,9 +1,9 @@
-//! Runs a campaign: trainings, evaluations and searches as cells, side by side on rayon's threads.
+//! Runs a campaign: trainings, evaluations and searches as tasks, side by side on rayon's threads.
 //!
 //! What is finished goes to a [`Keeper`], who gives it back another time; progress goes to an [`Observer`]. An evaluation begins when
 //! its pedestrian is trained. Results are in the order of the plan, whatever the threads did.
 
-mod cell;
+mod task;
 mod observer;
 mod keeper;
 mod watch;
@@ -16,12 +16,12 @@ mod run;
 mod shard;
 mod smoke;
 
-pub use cell::{CHUNK, Cell, CellError, cells};
 pub use keeper::{Claim, InMemory, Keeper, Progress};
 pub use observer::{Observer, Silent};
-pub use run::{Finished, TrainingResult, collect, run, run_cells};
+pub use run::{Finished, TrainingResult, collect, run, run_tasks};
 pub use search_result::SearchResult;
 pub use shard::{Shard, deal, shard};
 pub use smoke::smoke;
 pub use stopping::StoppingRule;
+pub use task::{CHUNK, Task, TaskError, tasks};
 pub use watch::watch;

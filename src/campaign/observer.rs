@@ -1,4 +1,4 @@
-use super::{Cell, CellError};
+use super::{Task, TaskError};
 use crate::compile::{Evaluation, Training};
 use crate::rl::UpdateLog;
 
@@ -26,18 +26,18 @@ pub trait Observer: Sync {
 
     /// A chunk of an evaluation has ended; all its episodes are there unless something is said to have gone wrong, or
     /// somebody asked to stop.
-    fn chunk_ended(&self, evaluation: usize, chunk: u32, error: Option<&CellError>) {
+    fn chunk_ended(&self, evaluation: usize, chunk: u32, error: Option<&TaskError>) {
         let _ = (evaluation, chunk, error);
     }
 
-    /// A cell was finished before, so nothing is done.
-    fn reused(&self, cell: Cell) {
-        let _ = cell;
+    /// A task was finished before, so nothing is done.
+    fn reused(&self, task: Task) {
+        let _ = task;
     }
 
     /// A chunk is begun, of which so many episodes were there before.
-    fn continued(&self, cell: Cell, episodes: u32) {
-        let _ = (cell, episodes);
+    fn continued(&self, task: Task, episodes: u32) {
+        let _ = (task, episodes);
     }
 
     /// A search has ended. The number is its place in the campaign.

@@ -2,24 +2,24 @@ use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use super::Cell;
+use super::Task;
 
 /// How long a worker without work waits before it looks whether it can help another.
 const PATIENCE: Duration = Duration::from_millis(2);
-/// How many of these waits it takes until cells in other hands are asked for again.
+/// How many of these waits it takes until tasks in other hands are asked for again.
 const ROUNDS: u32 = 20;
 
-/// The cells that can be worked on, for several workers.
+/// The tasks that can be worked on, for several workers.
 pub(super) struct Queue {
-    cells: Mutex<Cells>,
+    tasks: Mutex<Tasks>,
     bell: Condvar,
 }
 
-struct Cells {
-    ready: VecDeque<Cell>,
-    /// Cells that another process works on.
-    elsewhere: Vec<Cell>,
-    /// Cells of which nobody has told the end, those that wait for others included.
+struct Tasks {
+    ready: VecDeque<Task>,
+    /// Tasks that another process works on.
+    elsewhere: Vec<Task>,
+    /// Tasks of which nobody has told the end, those that wait for others included.
     left: usize,
     rounds: u32,
     ended: bool,
@@ -27,63 +27,63 @@ struct Cells {
 
 /// What a worker is to do.
 pub(super) enum Next {
-    Work(Cell),
+    Work(Task),
     /// Nothing is ready now.
     Wait,
     End,
 }
 
 impl Queue {
-    /// Begins with cells that are ready, and a number of others that will be.
-    pub fn new(ready: VecDeque<Cell>, later: usize) -> Self {
+    /// Begins with tasks that are ready, and a number of others that will be.
+    pub fn new(ready: VecDeque<Task>, later: usize) -> Self {
         let left = ready.len() + later;
-        let cells = Cells { ready, elsewhere: Vec::new(), left, rounds: 0, ended: false };
-        Self { cells: Mutex::new(cells), bell: Condvar::new() }
+        let tasks = Tasks { ready, elsewhere: Vec::new(), left, rounds: 0, ended: false };
+        Self { tasks: Mutex::new(tasks), bell: Condvar::new() }
     }
 
-    fn cells(&self) -> MutexGuard<'_, Cells> {
-        self.cells.lock().unwrap_or_else(PoisonError::into_inner)
+    fn tasks(&self) -> MutexGuard<'_, Tasks> {
+        self.tasks.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Gives the next cell.
+    /// Gives the next task.
     pub fn next(&self) -> Next {
-        let mut cells = self.cells();
-        if cells.ended || cells.left == 0 {
+        let mut tasks = self.tasks();
+        if tasks.ended || tasks.left == 0 {
             return Next::End;
         }
-        cells.ready.pop_front().map_or(Next::Wait, Next::Work)
+        tasks.ready.pop_front().map_or(Next::Wait, Next::Work)
     }
 
     /// Waits for a moment, unless something happens before.
     pub fn wait(&self) {
-        let cells = self.cells();
-        let (mut cells, _) = self.bell.wait_timeout(cells, PATIENCE).unwrap_or_else(PoisonError::into_inner);
-        cells.rounds += 1;
-        if cells.rounds.is_multiple_of(ROUNDS) {
-            let elsewhere = std::mem::take(&mut cells.elsewhere);
-            cells.ready.extend(elsewhere);
+        let tasks = self.tasks();
+        let (mut tasks, _) = self.bell.wait_timeout(tasks, PATIENCE).unwrap_or_else(PoisonError::into_inner);
+        tasks.rounds += 1;
+        if tasks.rounds.is_multiple_of(ROUNDS) {
+            let elsewhere = std::mem::take(&mut tasks.elsewhere);
+            tasks.ready.extend(elsewhere);
         }
     }
 
-    /// Puts a cell aside that another process works on.
-    pub fn put_aside(&self, cell: Cell) {
-        self.cells().elsewhere.push(cell);
+    /// Puts a task aside that another process works on.
+    pub fn put_aside(&self, task: Task) {
+        self.tasks().elsewhere.push(task);
     }
 
-    /// Tells the end of a cell, and which others can be worked on for that; they come first.
-    pub fn done(&self, released: &[Cell]) {
-        let mut cells = self.cells();
-        cells.left -= 1;
-        for cell in released.iter().rev() {
-            cells.ready.push_front(*cell);
+    /// Tells the end of a task, and which others can be worked on for that; they come first.
+    pub fn done(&self, released: &[Task]) {
+        let mut tasks = self.tasks();
+        tasks.left -= 1;
+        for task in released.iter().rev() {
+            tasks.ready.push_front(*task);
         }
-        drop(cells);
+        drop(tasks);
         self.bell.notify_all();
     }
 
     /// Sends all workers home.
     pub fn end(&self) {
-        self.cells().ended = true;
+        self.tasks().ended = true;
         self.bell.notify_all();
     }
 }

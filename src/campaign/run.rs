@@ -6,7 +6,7 @@ use rayon::Yield;
 use super::chunk::try_chunk;
 use super::queue::{Next, Queue};
 use super::search::search;
-use super::{Cell, CellError, Keeper, Observer, Progress, SearchResult, cells};
+use super::{Keeper, Observer, Progress, SearchResult, Task, TaskError, tasks};
 use crate::compile::{Campaign, Training, TrainingKey};
 use crate::falsifier::TrainingRun;
 use crate::rl::{self, Trained};
@@ -18,7 +18,7 @@ pub struct TrainingResult {
     /// Which training.
     pub key: TrainingKey,
     /// What it brought forth.
-    pub result: Result<Trained, CellError>,
+    pub result: Result<Trained, TaskError>,
 }
 
 /// What came of a campaign, beside the episodes that the keeper has.
@@ -38,23 +38,23 @@ pub struct Finished {
 /// run alone: nothing changes when others are added to the campaign. What the keeper has is not done again, which changes
 /// nothing either.
 pub fn run(campaign: &Campaign, seed: &Seed, keeper: &dyn Keeper, observer: &dyn Observer) -> Finished {
-    run_cells(campaign, &cells(campaign).collect::<Vec<_>>(), seed, keeper, observer)
+    run_tasks(campaign, &tasks(campaign).collect::<Vec<_>>(), seed, keeper, observer)
 }
 
-/// Runs some cells of a campaign as [`run`] runs all; with a chunk that needs a training comes the training.
-pub fn run_cells(
+/// Runs some tasks of a campaign as [`run`] runs all; with a chunk that needs a training comes the training.
+pub fn run_tasks(
     campaign: &Campaign,
-    wanted: &[Cell],
+    wanted: &[Task],
     seed: &Seed,
     keeper: &dyn Keeper,
     observer: &dyn Observer,
 ) -> Finished {
     let mut ready = VecDeque::new();
     let mut waiting = vec![Vec::new(); campaign.trainings.len()];
-    for cell in wanted.iter().copied() {
-        match training_of(campaign, cell) {
-            Some(training) => waiting[training].push(cell),
-            None => ready.push_back(cell),
+    for task in wanted.iter().copied() {
+        match training_of(campaign, task) {
+            Some(training) => waiting[training].push(task),
+            None => ready.push_back(task),
         }
     }
     let later = waiting.iter().map(Vec::len).sum();
@@ -89,10 +89,10 @@ pub fn collect(campaign: &Campaign, keeper: &dyn Keeper) -> Finished {
     }
 }
 
-/// The training that a cell waits for.
-pub(super) fn training_of(campaign: &Campaign, cell: Cell) -> Option<usize> {
-    match cell {
-        Cell::Chunk { evaluation, .. } => campaign.evaluations[evaluation].training(),
+/// The training that a task waits for.
+pub(super) fn training_of(campaign: &Campaign, task: Task) -> Option<usize> {
+    match task {
+        Task::Chunk { evaluation, .. } => campaign.evaluations[evaluation].training(),
         _ => None,
     }
 }
@@ -104,8 +104,8 @@ struct Work<'a> {
     keeper: &'a dyn Keeper,
     observer: &'a dyn Observer,
     queue: Queue,
-    /// The cells that wait for each training.
-    waiting: Vec<Vec<Cell>>,
+    /// The tasks that wait for each training.
+    waiting: Vec<Vec<Task>>,
     trainings: Vec<OnceLock<TrainingResult>>,
     searches: Vec<OnceLock<SearchResult>>,
 }
@@ -130,14 +130,14 @@ impl Work<'_> {
                 self.queue.end();
             }
             match self.queue.next() {
-                Next::Work(cell) => match self.keeper.claim(cell) {
+                Next::Work(task) => match self.keeper.claim(task) {
                     Some(_claim) => {
-                        self.work_on(cell);
+                        self.work_on(task);
                         let released =
-                            if let Cell::Training(index) = cell { self.waiting[index].as_slice() } else { &[] };
+                            if let Task::Training(index) = task { self.waiting[index].as_slice() } else { &[] };
                         self.queue.done(released);
                     }
-                    None => self.queue.put_aside(cell),
+                    None => self.queue.put_aside(task),
                 },
                 Next::Wait => {
                     if rayon::yield_now() != Some(Yield::Executed) {
@@ -153,11 +153,11 @@ impl Work<'_> {
         self.observer.stop() || self.keeper.stop()
     }
 
-    fn work_on(&self, cell: Cell) {
-        match cell {
-            Cell::Training(index) => drop(self.trainings[index].set(self.train(index))),
-            Cell::Chunk { evaluation, chunk } => self.evaluate(evaluation, chunk),
-            Cell::Search(index) => {
+    fn work_on(&self, task: Task) {
+        match task {
+            Task::Training(index) => drop(self.trainings[index].set(self.train(index))),
+            Task::Chunk { evaluation, chunk } => self.evaluate(evaluation, chunk),
+            Task::Search(index) => {
                 if let Some(result) = self.search(index) {
                     let _ = self.searches[index].set(result);
                 }
@@ -169,7 +169,7 @@ impl Work<'_> {
         let training = &self.campaign.trainings[index];
         let key = training.key.clone();
         if let Some(trained) = self.keeper.training(index) {
-            self.observer.reused(Cell::Training(index));
+            self.observer.reused(Task::Training(index));
             return TrainingResult { key, result: Ok(trained) };
         }
         self.observer.training_begun(index);
@@ -182,7 +182,7 @@ impl Work<'_> {
         result
     }
 
-    fn carry_out(&self, index: usize, training: &Training) -> Result<Trained, CellError> {
+    fn carry_out(&self, index: usize, training: &Training) -> Result<Trained, TaskError> {
         let (key, scenario) = (&training.key, &training.scenario);
         let seed =
             self.seed.child("train").child(&key.town).child(&key.policy).child(&key.reward).index(key.run.into());
@@ -199,14 +199,14 @@ impl Work<'_> {
             let log = run.learning_curve().last().expect("an update has just ended");
             self.observer.trained(index, training, log);
             let (update, ticks) = (log.update, log.steps * u64::from(scenario.episode.hold));
-            if let Some(limit) = self.keeper.limit(Cell::Training(index), ticks).filter(|_| !run.is_done()) {
+            if let Some(limit) = self.keeper.limit(Task::Training(index), ticks).filter(|_| !run.is_done()) {
                 self.keeper.checkpoint(index, &run, true);
                 return Err(limit);
             }
             let stop = self.stop() && !run.is_done();
             self.keeper.checkpoint(index, &run, stop);
             if stop {
-                return Err(CellError::Training(rl::TrainError::Stopped { update }.into()));
+                return Err(TaskError::Training(rl::TrainError::Stopped { update }.into()));
             }
         }
         Ok(run.finish())
@@ -217,9 +217,9 @@ impl Work<'_> {
         let trained = match evaluation.training().and_then(|training| self.trainings[training].get()) {
             Some(TrainingResult { result: Ok(trained), .. }) => Some(&trained.actor_critic),
             // Whoever was stopped goes on another time.
-            Some(TrainingResult { result: Err(CellError::Training(error)), .. }) if error.is_stopped() => return,
+            Some(TrainingResult { result: Err(TaskError::Training(error)), .. }) if error.is_stopped() => return,
             Some(TrainingResult { result: Err(error), .. }) => {
-                let error = CellError::Untrained(Box::new(error.clone()));
+                let error = TaskError::Untrained(Box::new(error.clone()));
                 self.keeper.keep_episodes(index, chunk, &[], Progress::Failed(&error));
                 return self.observer.chunk_ended(index, chunk, Some(&error));
             }
@@ -230,7 +230,7 @@ impl Work<'_> {
 
     fn search(&self, index: usize) -> Option<SearchResult> {
         if let Some(result) = self.keeper.search(index) {
-            self.observer.reused(Cell::Search(index));
+            self.observer.reused(Task::Search(index));
             return Some(result);
         }
         let result = search(index, &self.campaign.searches[index], self.seed, self.keeper, self.observer)?;

@@ -1,5 +1,5 @@
 use super::watch::flow;
-use super::{Cell, CellError, Keeper, Observer, SearchResult};
+use super::{Keeper, Observer, SearchResult, Task, TaskError};
 use crate::compile::Search;
 use crate::falsifier::{Simulator, Spent, try_walker};
 use crate::seed::Seed;
@@ -19,24 +19,24 @@ pub fn search(
     keeper: &dyn Keeper,
     observer: &dyn Observer,
 ) -> Option<SearchResult> {
-    let (key, cell) = (&search.key, Cell::Search(index));
+    let (key, task) = (&search.key, Task::Search(index));
     let stop = || observer.stop() || keeper.stop();
     if stop() {
         return None;
     }
     // Ticks are what a search is given, so whether they are too many is known before.
-    if let Some(limit @ CellError::Ticks { .. }) = keeper.limit(cell, search.budget) {
+    if let Some(limit @ TaskError::Ticks { .. }) = keeper.limit(task, search.budget) {
         let spent = Spent { ticks: 0, episodes: 0, beginnings: 0, failures: Vec::new(), stopped: false };
         let (budget, tried) = (search.budget, Vec::new());
         return Some(SearchResult { key: key.clone(), budget, spent, tried, error: Some(limit) });
     }
-    let late = || stop() || keeper.limit(cell, 0).is_some();
+    let late = || stop() || keeper.limit(task, 0).is_some();
     let mut simulator = Simulator::new(search.scenario.clone(), search.beginnings(seed), search.budget, &late);
     let place = |branch: &str| seed.child(branch).child(&key.town).child(&key.policy);
     let own = place("falsifier").child(&key.falsifier).index(key.run.into());
     let (walker, error) = match search.falsifier.search(&mut simulator, &own.child("search")) {
         Ok(walker) => (walker, None),
-        Err(error) => (None, Some(CellError::Training(error.into()))),
+        Err(error) => (None, Some(TaskError::Training(error.into()))),
     };
     let mut spent = simulator.into_spent();
     let tried = walker.filter(|_| !spent.stopped && search.tries > 0).map_or_else(Vec::new, |mut walker| {
@@ -48,6 +48,6 @@ pub fn search(
         };
         try_walker(walker.as_mut(), &search.scenario, search.tries, &fresh, &drawn, &mut go_on)
     });
-    let error = error.or_else(|| keeper.limit(cell, 0).filter(|_| spent.stopped && !stop()));
+    let error = error.or_else(|| keeper.limit(task, 0).filter(|_| spent.stopped && !stop()));
     Some(SearchResult { key: key.clone(), budget: search.budget, spent, tried, error })
 }

@@ -1,4 +1,4 @@
-use super::CellError;
+use super::TaskError;
 use crate::compile::SearchKey;
 use crate::env::Outcome;
 use crate::falsifier::Spent;
@@ -15,5 +15,5 @@ pub struct SearchResult {
     /// Fresh episodes of the pedestrian that it ended up with; empty without one.
     pub tried: Vec<Outcome>,
     /// Why it ended early.
-    pub error: Option<CellError>,
+    pub error: Option<TaskError>,
 }

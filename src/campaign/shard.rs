@@ -1,7 +1,7 @@
 use std::collections::BTreeSet;
 
 use super::run::training_of;
-use super::{Cell, cells};
+use super::{Task, tasks};
 use crate::compile::Campaign;
 
 /// One of several parts of a campaign that are done apart, on several machines perhaps.
@@ -13,56 +13,56 @@ pub struct Shard {
     pub count: u32,
 }
 
-/// The cells of a shard, in the plan's order, with the trainings that its evaluations need.
+/// The tasks of a shard, in the plan's order, with the trainings that its evaluations need.
 ///
-/// It hangs on the plan and on nothing else, so every machine comes to the same. The cells are laid in a row, each training before the
+/// It hangs on the plan and on nothing else, so every machine comes to the same. The tasks are laid in a row, each training before the
 /// evaluations that need it, and the row is cut into pieces of about equal work, counted in simulator ticks that may be needed. So
 /// a training is needed by one shard, or by a few neighbours; each of these takes it from where the others keep
 /// theirs, or does it again with the same result.
-pub fn shard(campaign: &Campaign, shard: Shard) -> Vec<Cell> {
-    let mut wanted: BTreeSet<Cell> = deal(campaign, shard.count)
+pub fn shard(campaign: &Campaign, shard: Shard) -> Vec<Task> {
+    let mut wanted: BTreeSet<Task> = deal(campaign, shard.count)
         .into_iter()
-        .filter_map(|(cell, index)| (index == shard.index).then_some(cell))
+        .filter_map(|(task, index)| (index == shard.index).then_some(task))
         .collect();
-    let needed: Vec<Cell> = wanted.iter().filter_map(|cell| training_of(campaign, *cell)).map(Cell::Training).collect();
+    let needed: Vec<Task> = wanted.iter().filter_map(|task| training_of(campaign, *task)).map(Task::Training).collect();
     wanted.extend(needed);
     wanted.into_iter().collect()
 }
 
-/// The shard that each cell falls to.
-pub fn deal(campaign: &Campaign, count: u32) -> Vec<(Cell, u32)> {
-    let mut row: Vec<Cell> = cells(campaign).collect();
+/// The shard that each task falls to.
+pub fn deal(campaign: &Campaign, count: u32) -> Vec<(Task, u32)> {
+    let mut row: Vec<Task> = tasks(campaign).collect();
     // Trained pedestrians by their training, then all others.
-    row.sort_by_key(|cell| match cell {
-        Cell::Training(index) => (0, *index, *cell),
-        Cell::Chunk { .. } => training_of(campaign, *cell).map_or((1, 0, *cell), |training| (0, training, *cell)),
-        Cell::Search(_) => (2, 0, *cell),
+    row.sort_by_key(|task| match task {
+        Task::Training(index) => (0, *index, *task),
+        Task::Chunk { .. } => training_of(campaign, *task).map_or((1, 0, *task), |training| (0, training, *task)),
+        Task::Search(_) => (2, 0, *task),
     });
-    let whole: u128 = row.iter().map(|cell| work(campaign, *cell)).sum();
+    let whole: u128 = row.iter().map(|task| work(campaign, *task)).sum();
     let mut before = 0;
     row.into_iter()
-        .map(|cell| {
-            let work = work(campaign, cell);
-            // A cell is where its middle is.
+        .map(|task| {
+            let work = work(campaign, task);
+            // A task is where its middle is.
             let index = (2 * before + work) * u128::from(count) / (2 * whole).max(1);
             before += work;
-            (cell, index.min(u128::from(count) - 1) as u32)
+            (task, index.min(u128::from(count) - 1) as u32)
         })
         .collect()
 }
 
-/// Simulator ticks that a cell may need; at least one.
-fn work(campaign: &Campaign, cell: Cell) -> u128 {
-    let ticks = match cell {
-        Cell::Training(index) => {
+/// Simulator ticks that a task may need; at least one.
+fn work(campaign: &Campaign, task: Task) -> u128 {
+    let ticks = match task {
+        Task::Training(index) => {
             let training = &campaign.trainings[index];
             u128::from(training.config.total_steps) * u128::from(training.scenario.episode.hold)
         }
-        Cell::Chunk { evaluation, chunk } => {
+        Task::Chunk { evaluation, chunk } => {
             let planned = &campaign.evaluations[evaluation];
             planned.chunk(chunk).len() as u128 * u128::from(planned.scenario.episode.ticks)
         }
-        Cell::Search(index) => u128::from(campaign.searches[index].budget),
+        Task::Search(index) => u128::from(campaign.searches[index].budget),
     };
     ticks.max(1)
 }

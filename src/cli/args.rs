@@ -1,7 +1,7 @@
 use clap::{Parser, Subcommand, ValueEnum};
 
 use super::av_check::AvCheckOptions;
-use super::cells::{self, CellsOptions};
+use super::cache::{self, CacheOptions};
 use super::check::{self, CheckOptions};
 use super::config::{self, ConfigOptions};
 use super::debug::{self, DebugOptions};
@@ -37,7 +37,7 @@ Examples:
 Exit codes:
   0 done   1 internal error   2 wrong usage or missing file   3 errors in a scenario
   4 nothing to run   5 a run or a driver failed   6 a report cannot be written   7 a --fail-if condition is true
-  8 a repetition differs from its report   9 cells to merge are missing   130 stopped by Ctrl-C or SIGTERM";
+  8 a repetition differs from its report   9 tasks to merge are missing   130 stopped by Ctrl-C or SIGTERM";
 
 /// Finds the ways a self-driving car hits a pedestrian.
 #[derive(Debug, Parser)]
@@ -76,8 +76,8 @@ pub enum Command {
     #[command(after_help = verify::EXAMPLES)]
     Verify(VerifyOptions),
     /// Show how much finished work is stored for the campaigns of a folder, and remove what none of them needs.
-    #[command(after_help = cells::EXAMPLES)]
-    Cells(CellsOptions),
+    #[command(alias = "cells", after_help = cache::EXAMPLES)]
+    Cache(CacheOptions),
     /// Find mistakes in scenario files without running anything.
     #[command(after_help = check::EXAMPLES)]
     Check(CheckOptions),

@@ -19,7 +19,7 @@ pub enum ExitCode {
     GateFailed = 7,
     /// A repetition differs from its report.
     Differs = 8,
-    /// Cells to merge are missing.
+    /// Tasks to merge are missing.
     Incomplete = 9,
     /// The user stopped it.
     Interrupted = 130,

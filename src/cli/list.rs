@@ -1,5 +1,5 @@
 use super::console;
-use crate::campaign::Cell;
+use crate::campaign::Task;
 use crate::record::RunKey;
 use crate::session::Listing;
 use crate::store::Known;
@@ -7,15 +7,15 @@ use crate::store::Known;
 /// Prints what a run would do for a campaign and why, and what is there already.
 pub fn list(listing: &Listing) {
     let Listing { name, campaign, tasks } = listing;
-    let known = |cell| tasks[&cell].clone();
+    let known = |task| tasks[&task].clone();
     console::say(&format!("campaign {name}"));
     for (number, training) in campaign.trainings.iter().enumerate() {
         let decisions = training.config.total_steps;
-        let state = told(&known(Cell::Training(number)), "updates");
+        let state = told(&known(Task::Training(number)), "updates");
         console::say(&format!("  train  {}: {decisions} decisions [{state}]", training.key));
     }
     for (number, evaluation) in campaign.evaluations.iter().enumerate() {
-        let chunks = (0..evaluation.chunks()).map(|chunk| known(Cell::Chunk { evaluation: number, chunk }));
+        let chunks = (0..evaluation.chunks()).map(|chunk| known(Task::Chunk { evaluation: number, chunk }));
         console::say(&format!(
             "  try    {}: {} episodes [{}]",
             RunKey::of(evaluation),
@@ -24,12 +24,12 @@ pub fn list(listing: &Listing) {
         ));
     }
     for (number, search) in campaign.searches.iter().enumerate() {
-        let state = told(&known(Cell::Search(number)), "episodes");
+        let state = told(&known(Task::Search(number)), "episodes");
         console::say(&format!("  search {}: {} ticks [{state}]", search.key, search.budget));
     }
     let all = tasks.len();
     let there = tasks.values().filter(|known| **known == Known::Finished).count();
-    console::say(&format!("  {} of {all} cells to run, {there} to reuse", all - there));
+    console::say(&format!("  {} of {all} tasks to run, {there} to reuse", all - there));
 }
 
 fn told(known: &Known, unit: &str) -> String {

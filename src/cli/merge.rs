@@ -8,13 +8,13 @@ use super::exit_code::ExitCode;
 use super::input::session;
 use super::run::{RunOptions, RunReporter, ended, finished};
 use super::{console, failure, interrupt};
-use crate::campaign::{self, Cell};
+use crate::campaign::{self, Task};
 use crate::compile::Campaign;
 use crate::diagnostic::{Diagnostic, Sources};
 use crate::session::{self, CampaignOutcome, Incomplete, Notice, Observer};
 use crate::store::Taken;
 
-/// Most cells that are named one by one.
+/// Most tasks that are named one by one.
 const SHOWN: usize = 10;
 
 /// Shown after the help.
@@ -26,10 +26,10 @@ Examples:
                                              the report that one machine would have written, byte for byte
   falsify merge my.scn --out shared          when all shards wrote to one folder
 
-Exit codes: 0 done   9 cells are missing, which are named, with the shards that make them   others as of `run`";
+Exit codes: 0 done   9 tasks are missing, which are named, with the shards that make them   others as of `run`";
 
 /// Options of `falsify run` that say how to work, which a merge does not.
-const IDLE: [&str; 7] = ["list", "fresh", "shard", "only", "checkpoint", "cell_time", "max_ticks"];
+const IDLE: [&str; 7] = ["list", "fresh", "shard", "only", "checkpoint", "task_time", "max_ticks"];
 
 /// Options of `falsify merge`. Options without meaning there are left out of the help.
 #[derive(Debug, Args)]
@@ -38,7 +38,7 @@ pub struct MergeOptions {
     /// What was run.
     #[command(flatten)]
     pub run: RunOptions,
-    /// Folders with the cells of shards, their --out or their --cache, beside those that are in the folder for the reports already.
+    /// Folders with the tasks of shards, their --out or their --cache, beside those that are in the folder for the reports already.
     #[arg(long, num_args = 1.., value_name = "DIR")]
     pub from: Vec<PathBuf>,
     /// The number of shards, to list those that must be run again.
@@ -92,7 +92,7 @@ impl Observer for MergeReporter {
         self.inner.begun();
     }
 
-    fn campaign<'a>(&self, campaign: &'a Campaign, tasks: &[Cell]) -> Box<dyn campaign::Observer + 'a> {
+    fn campaign<'a>(&self, campaign: &'a Campaign, tasks: &[Task]) -> Box<dyn campaign::Observer + 'a> {
         self.inner.campaign(campaign, tasks)
     }
 
@@ -105,7 +105,7 @@ impl Observer for MergeReporter {
 fn lack(incomplete: &Incomplete, shards: Option<u32>) -> String {
     let Incomplete { campaign, tasks, all } = incomplete;
     let mut text =
-        format!("{} of the {all} cells of `{}` are not there as they should be:", tasks.len(), campaign.name);
+        format!("{} of the {all} tasks of `{}` are not there as they should be:", tasks.len(), campaign.name);
     for missing in tasks.iter().take(SHOWN) {
         let why = match &missing.found {
             Taken::Part(done) => format!("unfinished, {done} {}", unit(missing.task)),
@@ -131,10 +131,10 @@ fn lack(incomplete: &Incomplete, shards: Option<u32>) -> String {
     text
 }
 
-fn unit(cell: Cell) -> &'static str {
-    match cell {
-        Cell::Training(_) => "updates",
-        Cell::Chunk { .. } | Cell::Search(_) => "episodes",
+fn unit(task: Task) -> &'static str {
+    match task {
+        Task::Training(_) => "updates",
+        Task::Chunk { .. } | Task::Search(_) => "episodes",
     }
 }
 

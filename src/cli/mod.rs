@@ -16,7 +16,7 @@ mod shard;
 mod merge;
 mod status;
 mod list;
-mod cells;
+mod cache;
 mod gate;
 mod episode;
 mod replay;
@@ -85,7 +85,7 @@ fn run_command() -> ExitCode {
         args::Command::Replay(options) => replay::replay(&options),
         args::Command::Render(options) => render::render(&options),
         args::Command::Verify(options) => verify::verify(&options),
-        args::Command::Cells(options) => cells::cells(&options),
+        args::Command::Cache(options) => cache::cache(&options),
         args::Command::Check(options) => check::check(&options),
         args::Command::Explain(options) => explain::explain(&options),
         args::Command::New(options) => new::new(&options),

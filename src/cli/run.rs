@@ -12,7 +12,7 @@ use super::progress::{Event, Progress, Showing};
 use super::seconds::seconds;
 use super::shard::NamedShard;
 use super::{console, failure, gate, interrupt, list};
-use crate::campaign::{self, Cell, Shard};
+use crate::campaign::{self, Shard, Task};
 use crate::compile::Campaign;
 use crate::diagnostic::{Diagnostic, Sources};
 use crate::report::{self, Formats};
@@ -34,7 +34,7 @@ pub struct RunOptions {
     /// Folder for the reports, one folder in it for each campaign.
     #[arg(long, short, default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
     pub out: PathBuf,
-    /// Folder for finished and half-finished work, which several folders for reports may share. Without it, OUT/.cells.
+    /// Folder for finished and half-finished work, which several folders for reports may share. Without it, OUT/.falsify.
     #[arg(long, env = "FALSIFY_CACHE", value_name = "DIR")]
     pub cache: Option<PathBuf>,
     /// Number from which everything random follows.
@@ -65,15 +65,15 @@ pub struct RunOptions {
     #[arg(long, value_name = "I/N", conflicts_with_all = ["fresh", "list", "ticks", "fail_if", "junit"])]
     pub shard: Option<NamedShard>,
     /// Of a shard, do only these; other shards then find them.
-    #[arg(long, value_enum, value_name = "CELLS", requires = "shard")]
+    #[arg(long, value_enum, value_name = "TASKS", requires = "shard")]
     pub only: Option<Only>,
     /// Seconds between saves of unfinished work: at most this much is lost when the program is killed.
     #[arg(long, default_value_t = 5.0, value_name = "SECONDS", value_parser = seconds)]
     pub checkpoint: f64,
     /// Stop a training, 10,000 episodes or a search after this time (s). It is then in error, and the next run continues it. With 0 it ends
     /// after one update or episode.
-    #[arg(long, value_name = "SECONDS")]
-    pub cell_time: Option<u64>,
+    #[arg(long, alias = "cell-time", value_name = "SECONDS")]
+    pub task_time: Option<u64>,
     /// Stop them after this number of simulator ticks.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub max_ticks: Option<u64>,
@@ -130,7 +130,7 @@ impl RunOptions {
             fresh: self.fresh,
             limits: Limits {
                 checkpoint: Duration::from_secs_f64(self.checkpoint),
-                seconds: self.cell_time,
+                seconds: self.task_time,
                 ticks: self.max_ticks,
             },
             ticks: match self.ticks {
@@ -252,14 +252,14 @@ impl Observer for RunReporter {
         interrupt::listen();
     }
 
-    fn campaign<'a>(&self, campaign: &'a Campaign, tasks: &[Cell]) -> Box<dyn campaign::Observer + 'a> {
+    fn campaign<'a>(&self, campaign: &'a Campaign, tasks: &[Task]) -> Box<dyn campaign::Observer + 'a> {
         Box::new(Progress::new(campaign, tasks, self.showing, self.output, interrupt::stop()))
     }
 
     fn shard_ended(&self, report: &ShardReport) {
         if self.output == Output::Human {
             let ShardReport { shard: Shard { index, count }, name, finished, all } = report;
-            console::say(&format!("{name}, shard {index} of {count}: {finished} of {all} cells are there"));
+            console::say(&format!("{name}, shard {index} of {count}: {finished} of {all} tasks are there"));
         }
     }
 

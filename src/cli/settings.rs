@@ -31,7 +31,7 @@ const KEYS: [(&str, Option<&str>); 10] = [
     ("format", Some("FALSIFY_FORMAT")),
     ("progress", Some("FALSIFY_PROGRESS")),
     ("checkpoint", None),
-    ("cell_time", None),
+    ("task_time", None),
     ("max_ticks", None),
 ];
 

@@ -9,9 +9,9 @@ use super::input::session;
 use super::output::Output;
 use super::{console, failure};
 use crate::session::{self, CampaignProgress, CampaignState};
-use crate::store::CellStatus;
+use crate::store::TaskStatus;
 
-/// Most cells under way that are named.
+/// Most tasks under way that are named.
 const SHOWN: usize = 8;
 
 /// Shown after the help.
@@ -64,7 +64,7 @@ fn tell(campaign: &CampaignProgress) {
     console::say(&format!("{}: {}{processes}", campaign.campaign, campaign.state.name()));
     for kind in &campaign.kinds {
         console::say(&format!(
-            "  {:11} {:>width$} of {} cells, {:.0} % of the work",
+            "  {:11} {:>width$} of {} tasks, {:.0} % of the work",
             kind.kind,
             kind.finished,
             kind.all,
@@ -72,8 +72,8 @@ fn tell(campaign: &CampaignProgress) {
             width = kind.all.to_string().len()
         ));
     }
-    for cell in campaign.under_way.iter().take(SHOWN) {
-        console::say(&format!("  in hand: {}{}", cell.what, saved(cell)));
+    for task in campaign.under_way.iter().take(SHOWN) {
+        console::say(&format!("  in hand: {}{}", task.what, saved(task)));
     }
     if campaign.in_hand.len() > SHOWN {
         console::say(&format!("  … and {} more in hand", campaign.in_hand.len() - SHOWN));
@@ -86,7 +86,7 @@ fn tell(campaign: &CampaignProgress) {
     }
     match (campaign.left_s, campaign.left_thread_s) {
         (Some(left), _) => {
-            console::say(&format!("  about {} left with {} cells in hand", clock(left), campaign.in_hand.len()));
+            console::say(&format!("  about {} left with {} tasks in hand", clock(left), campaign.in_hand.len()));
         }
         (None, Some(left)) => console::say(&format!("  about {} left for one thread", clock(left))),
         (None, None) if campaign.measured_s > 0.0 => {
@@ -100,12 +100,12 @@ fn tell(campaign: &CampaignProgress) {
     }
 }
 
-/// What a cell has saved, and how long ago.
-fn saved(cell: &CellStatus) -> String {
-    let ago = cell.written.and_then(|written| SystemTime::now().duration_since(written).ok());
+/// What a task has saved, and how long ago.
+fn saved(task: &TaskStatus) -> String {
+    let ago = task.written.and_then(|written| SystemTime::now().duration_since(written).ok());
     match ago {
         Some(ago) => {
-            let share = (100 * cell.done()).checked_div(cell.amount).unwrap_or(0);
+            let share = (100 * task.done()).checked_div(task.amount).unwrap_or(0);
             format!(", {share} % of it saved {} s ago", ago.as_secs())
         }
         None => ", nothing saved yet".into(),

@@ -1,6 +1,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::campaign::{Cell, deal};
+use crate::campaign::{Task, deal};
 use crate::compile::Campaign;
 use crate::store::Taken;
 
@@ -19,7 +19,7 @@ pub struct Incomplete {
 #[derive(Debug)]
 pub struct Missing {
     /// The task.
-    pub task: Cell,
+    pub task: Task,
     /// What it is, for people.
     pub name: String,
     /// What the stores have of it.
@@ -29,7 +29,7 @@ pub struct Missing {
 impl Incomplete {
     /// The shards, of this number, that would make what is missing.
     pub fn shards(&self, count: u32) -> BTreeSet<u32> {
-        let deal: BTreeMap<Cell, u32> = deal(&self.campaign, count).into_iter().collect();
+        let deal: BTreeMap<Task, u32> = deal(&self.campaign, count).into_iter().collect();
         self.tasks.iter().map(|missing| deal[&missing.task]).collect()
     }
 }

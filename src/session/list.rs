@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
 use super::{Error, RunOptions, Session};
-use crate::campaign::{Cell, cells};
+use crate::campaign::{Task, tasks};
 use crate::compile::Campaign;
 use crate::store::{Ids, Index, Known, Store};
 
@@ -13,7 +13,7 @@ pub struct Listing {
     /// The campaign.
     pub campaign: Campaign,
     /// What the store has of each task.
-    pub tasks: BTreeMap<Cell, Known>,
+    pub tasks: BTreeMap<Task, Known>,
 }
 
 impl Session {
@@ -35,6 +35,6 @@ fn listing(campaign: Campaign, options: &RunOptions, store: &Store) -> Listing {
         true => Known::Missing("--fresh"),
         false => index.look(store, &campaign, task, &ids, options.seed),
     };
-    let tasks = cells(&campaign).map(|task| (task, known(task))).collect();
+    let tasks = tasks(&campaign).map(|task| (task, known(task))).collect();
     Listing { name, campaign, tasks }
 }

@@ -4,9 +4,9 @@ use rayon::prelude::*;
 
 use super::run::{Work, pool};
 use super::{Error, Incomplete, Missing, Notice, RunOptions, RunReport, Session};
-use crate::campaign::{Cell, cells};
+use crate::campaign::{Task, tasks};
 use crate::compile::Campaign;
-use crate::store::{Ids, Store, Taken, cell_name};
+use crate::store::{Ids, Store, Taken, task_name};
 
 /// Options of [`Session::merge`].
 #[derive(Debug, Clone, Default)]
@@ -62,22 +62,22 @@ impl Session {
         others: &[Store],
     ) -> Result<Option<Incomplete>, Error> {
         let ids = Ids::new(campaign, options.seed);
-        let take = |task: Cell| {
+        let take = |task: Task| {
             if self.stop.is_asked() {
                 return Ok((task, Taken::Missing));
             }
             let amount = match task {
-                Cell::Chunk { evaluation, chunk } => Some(campaign.evaluations[evaluation].chunk(chunk).len() as u64),
+                Task::Chunk { evaluation, chunk } => Some(campaign.evaluations[evaluation].chunk(chunk).len() as u64),
                 _ => None,
             };
             store.take(ids.get(task), amount, others).map(|taken| (task, taken))
         };
-        let all: Vec<Cell> = cells(campaign).collect();
+        let all: Vec<Task> = tasks(campaign).collect();
         let taken = all.par_iter().map(|task| take(*task)).collect::<Result<Vec<_>, _>>();
         let missing = taken.map_err(|error| options.keep(error))?.into_iter();
         let missing = missing.filter(|(_, found)| !matches!(found, Taken::Whole | Taken::Failed(_)));
         let tasks: Vec<Missing> =
-            missing.map(|(task, found)| Missing { task, name: cell_name(campaign, task), found }).collect();
+            missing.map(|(task, found)| Missing { task, name: task_name(campaign, task), found }).collect();
         let incomplete = Incomplete { campaign: campaign.clone(), tasks, all: all.len() };
         Ok(Some(incomplete).filter(|incomplete| !incomplete.tasks.is_empty()))
     }

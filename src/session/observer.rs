@@ -1,7 +1,7 @@
 use std::path::PathBuf;
 
 use super::{CampaignOutcome, Change, Incomplete, ShardReport};
-use crate::campaign::{self, Cell};
+use crate::campaign::{self, Task};
 use crate::compile::Campaign;
 use crate::diagnostic::{Diagnostic, Sources};
 use crate::report::ReadError;
@@ -23,7 +23,7 @@ pub trait Observer: Send + Sync {
     fn begun(&self) {}
 
     /// These tasks of a campaign are started now; the result hears of each of them, and is dropped when the last one has ended.
-    fn campaign<'a>(&self, campaign: &'a Campaign, tasks: &[Cell]) -> Box<dyn campaign::Observer + 'a> {
+    fn campaign<'a>(&self, campaign: &'a Campaign, tasks: &[Task]) -> Box<dyn campaign::Observer + 'a> {
         let _ = (campaign, tasks);
         Box::new(campaign::Silent)
     }
@@ -82,13 +82,13 @@ pub enum Notice {
         first: String,
     },
     /// A folder to merge from holds no tasks.
-    #[error("there are no cells in `{folder}`", folder = folder.display())]
+    #[error("there are no tasks in `{folder}`", folder = folder.display())]
     NoTasks {
         /// The folder.
         folder: PathBuf,
     },
     /// Tasks of a campaign are missing.
-    #[error("{} of the {} cells of `{}` are not there as they should be", .0.tasks.len(), .0.all, .0.campaign.name)]
+    #[error("{} of the {} tasks of `{}` are not there as they should be", .0.tasks.len(), .0.all, .0.campaign.name)]
     Incomplete(Box<Incomplete>),
     /// One of several reports cannot be read.
     #[error(transparent)]

@@ -12,7 +12,7 @@ pub struct RunOptions {
     pub input: Input,
     /// Folder for the reports, one folder in it for each campaign.
     pub out: PathBuf,
-    /// Folder for finished and half-finished work, which several folders for reports may share; `OUT/.cells` without it.
+    /// Folder for finished and half-finished work, which several folders for reports may share; `OUT/.falsify` without it.
     pub cache: Option<PathBuf>,
     /// Number from which everything random follows.
     pub seed: u64,

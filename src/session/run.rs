@@ -5,7 +5,7 @@ use super::manifest::Times;
 use super::{
     CampaignOutcome, CampaignReport, Error, KeepError, Notice, Planned, RunOptions, RunReport, Session, Stop, Ticks,
 };
-use crate::campaign::{self, Cell, CellError, Finished, SearchResult, TrainingResult};
+use crate::campaign::{self, Finished, SearchResult, Task, TaskError, TrainingResult};
 use crate::compile::{Campaign, Evaluation, Training};
 use crate::report::{self, Episodes, FailureModes, FileRecord, Gathered, Metrics, ReportFolder, Wanted, WriteError};
 use crate::rl::UpdateLog;
@@ -92,7 +92,7 @@ impl Session {
         let keeper = Kept::new(store, campaign, options.seed, options.limits);
         let finished = match work {
             Work::All => {
-                let tasks: Vec<Cell> = campaign::cells(campaign).collect();
+                let tasks: Vec<Task> = campaign::tasks(campaign).collect();
                 campaign::run(campaign, &seed, &keeper, &self.listener(campaign, &tasks))
             }
             Work::None => campaign::collect(campaign, &keeper),
@@ -143,7 +143,7 @@ impl Session {
     }
 
     /// What hears of the tasks of a campaign: the observer's, which the stop flag stops.
-    pub(super) fn listener<'a>(&self, campaign: &'a Campaign, tasks: &[Cell]) -> Listener<'a> {
+    pub(super) fn listener<'a>(&self, campaign: &'a Campaign, tasks: &[Task]) -> Listener<'a> {
         Listener { inner: self.observer.campaign(campaign, tasks), stop: self.stop.clone() }
     }
 
@@ -206,16 +206,16 @@ impl campaign::Observer for Listener<'_> {
         self.inner.tried(evaluation, plan);
     }
 
-    fn chunk_ended(&self, evaluation: usize, chunk: u32, error: Option<&CellError>) {
+    fn chunk_ended(&self, evaluation: usize, chunk: u32, error: Option<&TaskError>) {
         self.inner.chunk_ended(evaluation, chunk, error);
     }
 
-    fn reused(&self, cell: Cell) {
-        self.inner.reused(cell);
+    fn reused(&self, task: Task) {
+        self.inner.reused(task);
     }
 
-    fn continued(&self, cell: Cell, episodes: u32) {
-        self.inner.continued(cell, episodes);
+    fn continued(&self, task: Task, episodes: u32) {
+        self.inner.continued(task, episodes);
     }
 
     fn searched(&self, search: usize, result: &SearchResult) {

@@ -1,6 +1,6 @@
 use super::run::pool;
 use super::{Error, RunOptions, Session, ShardReport};
-use crate::campaign::{self, Cell, Shard};
+use crate::campaign::{self, Shard, Task};
 use crate::compile::Campaign;
 use crate::seed::Seed;
 use crate::store::{Ids, Index, Kept, State, Store};
@@ -50,13 +50,13 @@ impl Session {
         index.write(store, &name, campaign, options.seed).map_err(|error| options.keep(error))?;
         let keeper = Kept::new(store, campaign, options.seed, options.limits);
         let listener = self.listener(campaign, &tasks);
-        campaign::run_cells(campaign, &tasks, &Seed::root(options.seed), &keeper, &listener);
+        campaign::run_tasks(campaign, &tasks, &Seed::root(options.seed), &keeper, &listener);
         drop(listener);
         if let Some(error) = keeper.take_failure() {
             return Err(options.keep(error));
         }
         let ids = Ids::new(campaign, options.seed);
-        let is_finished = |task: &&Cell| {
+        let is_finished = |task: &&Task| {
             store.head(ids.get(**task)).is_some_and(|head| head.is_ok_and(|header| header.state == State::Finished))
         };
         Ok(ShardReport {
@@ -69,12 +69,12 @@ impl Session {
 }
 
 impl ShardOptions {
-    fn tasks(&self, campaign: &Campaign) -> Vec<Cell> {
+    fn tasks(&self, campaign: &Campaign) -> Vec<Task> {
         if !self.only_trainings {
             return campaign::shard(campaign, self.shard);
         }
-        let own = |(task, index)| (index == self.shard.index && matches!(task, Cell::Training(_))).then_some(task);
-        let mut tasks: Vec<Cell> = campaign::deal(campaign, self.shard.count).into_iter().filter_map(own).collect();
+        let own = |(task, index)| (index == self.shard.index && matches!(task, Task::Training(_))).then_some(task);
+        let mut tasks: Vec<Task> = campaign::deal(campaign, self.shard.count).into_iter().filter_map(own).collect();
         tasks.sort();
         tasks
     }

@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::{Error, Session};
-use crate::store::{CampaignStatus, CellStatus, Store};
+use crate::store::{CampaignStatus, Store, TaskStatus};
 
 /// Kinds of tasks: the first word of what they are, and what to call several of them.
 const KINDS: [(&str, &str); 3] = [("train", "trainings"), ("try", "evaluations"), ("search", "searches")];
@@ -27,7 +27,7 @@ pub struct CampaignProgress {
     /// Processes that work on the folder.
     pub processes: usize,
     /// How far the tasks of each kind are.
-    #[serde(rename = "cells")]
+    #[serde(rename = "tasks")]
     pub kinds: Vec<KindProgress>,
     /// The tasks that are under way, as people read them.
     pub in_hand: Vec<String>,
@@ -47,7 +47,7 @@ pub struct CampaignProgress {
     pub command: String,
     /// The tasks under way, as the store has them.
     #[serde(skip)]
-    pub under_way: Vec<CellStatus>,
+    pub under_way: Vec<TaskStatus>,
 }
 
 /// Whether a campaign goes on.
@@ -103,21 +103,21 @@ impl Session {
 }
 
 fn progress(campaign: CampaignStatus, processes: usize) -> CampaignProgress {
-    let CampaignStatus { name, command, cells } = campaign;
-    let state = match cells.iter().all(CellStatus::is_finished) {
+    let CampaignStatus { name, command, tasks } = campaign;
+    let state = match tasks.iter().all(TaskStatus::is_finished) {
         true => CampaignState::Finished,
         false if processes > 0 => CampaignState::Running,
         false => CampaignState::Stopped,
     };
-    let (measured_s, unmeasured) = left(&cells);
+    let (measured_s, unmeasured) = left(&tasks);
     let left = unmeasured.is_empty().then_some(measured_s);
-    let failed = |cell: &CellStatus| {
-        let header = cell.header.as_ref().filter(|header| !header.error.is_empty())?;
-        Some((cell.written?, header.error.clone()))
+    let failed = |task: &TaskStatus| {
+        let header = task.header.as_ref().filter(|header| !header.error.is_empty())?;
+        Some((task.written?, header.error.clone()))
     };
-    let last = cells.iter().filter_map(failed).max_by_key(|(when, _)| *when);
-    let kinds = KINDS.iter().filter_map(|(word, kind)| count(&cells, word, kind)).collect();
-    let under_way: Vec<CellStatus> = cells.into_iter().filter(|cell| cell.is_in_hand).collect();
+    let last = tasks.iter().filter_map(failed).max_by_key(|(when, _)| *when);
+    let kinds = KINDS.iter().filter_map(|(word, kind)| count(&tasks, word, kind)).collect();
+    let under_way: Vec<TaskStatus> = tasks.into_iter().filter(|task| task.is_in_hand).collect();
     CampaignProgress {
         campaign: name,
         state,
@@ -127,37 +127,37 @@ fn progress(campaign: CampaignStatus, processes: usize) -> CampaignProgress {
         measured_s,
         unmeasured,
         left_s: left.filter(|_| !under_way.is_empty()).map(|left| left / under_way.len() as f64),
-        in_hand: under_way.iter().map(|cell| cell.what.clone()).collect(),
+        in_hand: under_way.iter().map(|task| task.what.clone()).collect(),
         last_error: last.map(|(_, error)| error),
         command,
         under_way,
     }
 }
 
-fn of_kind<'a>(cells: &'a [CellStatus], word: &str) -> impl Iterator<Item = &'a CellStatus> {
-    cells.iter().filter(move |cell| cell.what.split(' ').next() == Some(word))
+fn of_kind<'a>(tasks: &'a [TaskStatus], word: &str) -> impl Iterator<Item = &'a TaskStatus> {
+    tasks.iter().filter(move |task| task.what.split(' ').next() == Some(word))
 }
 
-fn count(cells: &[CellStatus], word: &str, kind: &'static str) -> Option<KindProgress> {
-    let all = of_kind(cells, word).count();
-    let amount: u64 = of_kind(cells, word).map(|cell| cell.amount).sum();
-    let done: u64 = of_kind(cells, word).map(CellStatus::done).sum();
-    let finished = of_kind(cells, word).filter(|cell| cell.is_finished()).count();
+fn count(tasks: &[TaskStatus], word: &str, kind: &'static str) -> Option<KindProgress> {
+    let all = of_kind(tasks, word).count();
+    let amount: u64 = of_kind(tasks, word).map(|task| task.amount).sum();
+    let done: u64 = of_kind(tasks, word).map(TaskStatus::done).sum();
+    let finished = of_kind(tasks, word).filter(|task| task.is_finished()).count();
     (all > 0).then(|| KindProgress { kind, finished, all, share: done as f64 / amount.max(1) as f64 })
 }
 
 /// Work that is left as one thread would take it (s), estimated from the tasks that are there, and the kinds without any.
-fn left(cells: &[CellStatus]) -> (f64, Vec<&'static str>) {
+fn left(tasks: &[TaskStatus]) -> (f64, Vec<&'static str>) {
     let (mut seconds, mut unmeasured) = (0.0, Vec::new());
     for (word, kind) in KINDS {
-        let left: u64 = of_kind(cells, word).map(|cell| cell.amount - cell.done()).sum();
+        let left: u64 = of_kind(tasks, word).map(|task| task.amount - task.done()).sum();
         if left == 0 {
             continue;
         }
-        let done: u64 = of_kind(cells, word).map(CellStatus::done).sum();
-        let took: f64 = of_kind(cells, word)
-            .filter(|cell| cell.done() > 0)
-            .filter_map(|cell| Some(cell.header.as_ref()?.seconds))
+        let done: u64 = of_kind(tasks, word).map(TaskStatus::done).sum();
+        let took: f64 = of_kind(tasks, word)
+            .filter(|task| task.done() > 0)
+            .filter_map(|task| Some(task.header.as_ref()?.seconds))
             .sum();
         if done == 0 {
             unmeasured.push(kind);

@@ -4,11 +4,11 @@ use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use super::cell_file::{self, Found, Header};
 use super::place::Place;
+use super::task_file::{self, Found, Header};
 use super::work_folder::{LOCK, WorkFolder};
 use super::{Id, Ids, StoreError};
-use crate::campaign::cells;
+use crate::campaign::tasks;
 use crate::compile::Campaign;
 
 /// What is read of a file to see how it begins.
@@ -16,19 +16,19 @@ const BEGINNING: usize = 4096;
 /// Hears what is to be said about files.
 pub type Note = Box<dyn Fn(&str) + Send + Sync>;
 
-/// The cells of a folder for reports.
+/// The tasks of a folder for reports.
 pub struct Store {
     place: Place,
-    /// For cells in the making; none in a store that is only looked into.
+    /// For tasks in the making; none in a store that is only looked into.
     work: Option<WorkFolder>,
-    /// For reports in the making, where cells lie elsewhere.
+    /// For reports in the making, where tasks lie elsewhere.
     drafts: Option<WorkFolder>,
     note: Note,
-    /// The cells that were said to be damaged.
+    /// The tasks that were said to be damaged.
     said: Mutex<BTreeSet<Id>>,
 }
 
-/// A cell in hand: nobody else takes it until this is dropped.
+/// A task in hand: nobody else takes it until this is dropped.
 struct Claim {
     path: PathBuf,
     _file: File,
@@ -41,7 +41,7 @@ impl Drop for Claim {
 }
 
 impl Store {
-    /// Opens the store of a folder for reports, making both if need be. Its cells lie in a cache if one is named, which several such
+    /// Opens the store of a folder for reports, making both if need be. Its tasks lie in a cache if one is named, which several such
     /// folders may share, else beside the reports.
     ///
     /// # Errors
@@ -72,15 +72,15 @@ impl Store {
         Self { place: Place::within(folder), work: None, drafts: None, note, said: Mutex::default() }
     }
 
-    /// Where a cell is, if it is there.
+    /// Where a task is, if it is there.
     pub fn path(&self, id: Id) -> PathBuf {
         self.path_of(&id.to_string())
     }
 
-    /// Where a cell with this name is.
+    /// Where a task with this name is.
     pub(super) fn path_of(&self, id: &str) -> PathBuf {
         // Folders with a hundred thousand files are slow on some file systems.
-        self.root().join("cells").join(id.get(..2).unwrap_or_default()).join(id)
+        self.root().join("tasks").join(id.get(..2).unwrap_or_default()).join(id)
     }
 
     /// Where everything lies.
@@ -88,16 +88,16 @@ impl Store {
         &self.place
     }
 
-    /// Whether there is a folder for cells.
+    /// Whether there is a folder for tasks.
     pub fn is_there(&self) -> bool {
-        self.root().join("cells").is_dir()
+        self.root().join("tasks").is_dir()
     }
 
     fn root(&self) -> &Path {
         self.place.root()
     }
 
-    /// Reads a cell; says so when it is damaged.
+    /// Reads a task; says so when it is damaged.
     pub fn read(&self, id: Id) -> Found {
         let path = self.path(id);
         let bytes = match fs::read(&path) {
@@ -105,7 +105,7 @@ impl Store {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Found::Nothing,
             Err(_) => Vec::new(),
         };
-        match cell_file::decode(bytes) {
+        match task_file::decode(bytes) {
             Some((header, bytes)) => Found::Whole(header, bytes),
             None => {
                 self.damaged(id);
@@ -114,37 +114,37 @@ impl Store {
         }
     }
 
-    /// Says once that a cell is damaged.
+    /// Says once that a task is damaged.
     pub fn damaged(&self, id: Id) {
         if self.said.lock().unwrap_or_else(PoisonError::into_inner).insert(id) {
-            (self.note)(&format!("`{}` is damaged; its cell is done again", self.path(id).display()));
+            (self.note)(&format!("`{}` is damaged; its task is done again", self.path(id).display()));
         }
     }
 
-    /// Reads how a cell begins, without looking at its bytes; the error is that it is damaged.
+    /// Reads how a task begins, without looking at its bytes; the error is that it is damaged.
     pub fn head(&self, id: Id) -> Option<Result<Header, ()>> {
         self.head_of(&self.path(id))
     }
 
-    /// Reads how the cell in a file begins.
+    /// Reads how the task in a file begins.
     pub(super) fn head_of(&self, path: &Path) -> Option<Result<Header, ()>> {
         let mut beginning = Vec::new();
         let file = File::open(path).ok()?;
         let length = file.metadata().map(|data| data.len()).unwrap_or_default();
         let _ = file.take(BEGINNING as u64).read_to_end(&mut beginning);
-        let head = cell_file::head(&beginning);
-        let whole = head.filter(|(header, start)| cell_file::whole_length(header, *start) == length);
+        let head = task_file::head(&beginning);
+        let whole = head.filter(|(header, start)| task_file::whole_length(header, *start) == length);
         Some(whole.map(|(header, _)| header).ok_or(()))
     }
 
-    /// Writes a cell; it appears whole or not at all. What is finished survives a power cut.
+    /// Writes a task; it appears whole or not at all. What is finished survives a power cut.
     ///
     /// # Errors
     /// The file cannot be written.
     pub fn write(&self, id: Id, header: &Header, bytes: &[u8]) -> Result<(), StoreError> {
         let header = Header { length: bytes.len() as u64, ..header.clone() };
-        let sync = header.state == cell_file::State::Finished;
-        self.put(&self.path(id), &cell_file::encode(&header, bytes), sync)
+        let sync = header.state == task_file::State::Finished;
+        self.put(&self.path(id), &task_file::encode(&header, bytes), sync)
     }
 
     fn put(&self, path: &Path, bytes: &[u8], sync: bool) -> Result<(), StoreError> {
@@ -163,7 +163,7 @@ impl Store {
         put().map_err(failed)
     }
 
-    /// Takes a cell in hand; none while another process has it.
+    /// Takes a task in hand; none while another process has it.
     ///
     /// # Errors
     /// The folder cannot be written to.
@@ -209,20 +209,20 @@ impl Store {
         names
     }
 
-    /// The names of all cells that are there, with their sizes in bytes.
+    /// The names of all tasks that are there, with their sizes in bytes.
     pub fn sizes(&self) -> BTreeMap<String, u64> {
-        let folders = fs::read_dir(self.root().join("cells")).into_iter().flatten().flatten();
+        let folders = fs::read_dir(self.root().join("tasks")).into_iter().flatten().flatten();
         let files = folders.flat_map(|folder| fs::read_dir(folder.path()).into_iter().flatten().flatten());
         let size = |file: fs::DirEntry| Some((file.file_name().into_string().ok()?, file.metadata().ok()?.len()));
         files.filter_map(size).filter(|(name, _)| is_id(name)).collect()
     }
 
-    /// Removes the cells of a campaign, so that they are done again.
+    /// Removes the tasks of a campaign, so that they are done again.
     ///
     /// # Errors
     /// One cannot be removed.
     pub fn forget(&self, ids: &Ids, campaign: &Campaign) -> Result<(), StoreError> {
-        for path in cells(campaign).map(|cell| self.path(ids.get(cell))) {
+        for path in tasks(campaign).map(|task| self.path(ids.get(task))) {
             match fs::remove_file(&path) {
                 Err(error) if error.kind() != io::ErrorKind::NotFound => {
                     return Err(StoreError::File { path, source: error });
@@ -243,12 +243,12 @@ impl Store {
         locked(self.root())
     }
 
-    /// Removes a cell by its name.
+    /// Removes a task by its name.
     ///
     /// # Errors
     /// It cannot be removed.
     pub fn remove(&self, name: &str) -> Result<(), StoreError> {
-        let path = self.root().join("cells").join(&name[..2]).join(name);
+        let path = self.root().join("tasks").join(&name[..2]).join(name);
         fs::remove_file(&path).map_err(|source| StoreError::File { path, source })
     }
 
@@ -263,7 +263,7 @@ fn locked(folder: &Path) -> Option<File> {
     Some(door)
 }
 
-/// What is made as temporary is for its owner alone; cells are for everyone who may read their folder.
+/// What is made as temporary is for its owner alone; tasks are for everyone who may read their folder.
 #[cfg(unix)]
 fn readable<'a, 'b, 'c>(builder: &'a mut tempfile::Builder<'b, 'c>) -> &'a mut tempfile::Builder<'b, 'c> {
     use std::os::unix::fs::PermissionsExt;

@@ -1,15 +1,15 @@
 use std::fmt;
 
-use crate::campaign::{CHUNK, Cell};
+use crate::campaign::{CHUNK, Task};
 use crate::compile::{Campaign, Evaluation, Search, Training};
 
 /// The version of the code that makes numbers, as 16 hexadecimal digits.
 pub const CODE: &str = env!("FALSIFY_CODE");
 
-/// The version of what a cell's name is a digest of.
-const VERSION: &str = "falsify cell 1";
+/// The version of what a task's name is a digest of.
+const VERSION: &str = "falsify task 1";
 
-/// The name of a cell: a digest of all that its bytes depend on.
+/// The name of a task: a digest of all that its bytes depend on.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Id([u8; 16]);
 
@@ -36,7 +36,7 @@ impl Id {
     }
 }
 
-/// The names of all cells of a campaign.
+/// The names of all tasks of a campaign.
 #[derive(Debug, Clone)]
 pub struct Ids {
     trainings: Vec<Id>,
@@ -56,17 +56,17 @@ impl Ids {
         }
     }
 
-    /// The name of a cell.
+    /// The name of a task.
     ///
     /// That of a chunk does not depend on how many episodes are asked for: its first ones are the same in any number.
-    pub fn get(&self, cell: Cell) -> Id {
-        match cell {
-            Cell::Training(index) => self.trainings[index],
-            Cell::Chunk { evaluation, chunk } => {
+    pub fn get(&self, task: Task) -> Id {
+        match task {
+            Task::Training(index) => self.trainings[index],
+            Task::Chunk { evaluation, chunk } => {
                 let first = u64::from(chunk) * u64::from(CHUNK);
                 Id::of(&[b"chunk", &self.evaluations[evaluation].0, &first.to_le_bytes()])
             }
-            Cell::Search(index) => self.searches[index],
+            Task::Search(index) => self.searches[index],
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Cells of several stores in one.
+//! Tasks of several stores in one.
 
 use std::fs;
 use std::io;
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::{Found, Id, State, Store, StoreError};
 
-/// What several stores have of a cell, after the best of it was taken over.
+/// What several stores have of a task, after the best of it was taken over.
 #[derive(Debug, PartialEq)]
 pub enum Taken {
     /// All of it is there.
@@ -24,10 +24,10 @@ pub enum Taken {
 }
 
 impl Store {
-    /// Takes the best over that other stores have of a cell, of which `amount` is all.
+    /// Takes the best over that other stores have of a task, of which `amount` is all.
     ///
     /// # Errors
-    /// The cell cannot be written.
+    /// The task cannot be written.
     pub fn take(&self, id: Id, amount: Option<u64>, others: &[Store]) -> Result<Taken, StoreError> {
         let mut best: Option<(&Store, Found)> = None;
         let mut damaged = None;

@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Found, Header, Id, Ids, State, Store, StoreError, cell_name};
-use crate::campaign::{Cell, CellError, Claim, Keeper, Progress, SearchResult};
+use super::{Found, Header, Id, Ids, State, Store, StoreError, task_name};
+use crate::campaign::{Claim, Keeper, Progress, SearchResult, Task, TaskError};
 use crate::compile::Campaign;
 use crate::env::Outcome;
 use crate::falsifier::{Spent, TrainingRun};
@@ -16,27 +16,27 @@ use crate::rl::Trained;
 /// What a run may take.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
-    /// Time between two checkpoints of a cell.
+    /// Time between two checkpoints of a task.
     pub checkpoint: Duration,
-    /// Most time for a cell (s).
+    /// Most time for a task (s).
     pub seconds: Option<u64>,
-    /// Most simulator ticks for a cell.
+    /// Most simulator ticks for a task.
     pub ticks: Option<u64>,
 }
 
-/// The cells of one campaign in a store.
+/// The tasks of one campaign in a store.
 pub struct Kept<'a> {
     store: &'a Store,
     campaign: &'a Campaign,
     ids: Ids,
     limits: Limits,
-    in_hand: Mutex<BTreeMap<Cell, InHand>>,
+    in_hand: Mutex<BTreeMap<Task, InHand>>,
     /// Wall time of every training (s).
     seconds: Mutex<Vec<f64>>,
     failed: Mutex<Option<StoreError>>,
 }
 
-/// A cell that is being worked on.
+/// A task that is being worked on.
 struct InHand {
     begun: Instant,
     saved: Instant,
@@ -54,7 +54,7 @@ struct Record {
 }
 
 impl<'a> Kept<'a> {
-    /// Finds the cells of a campaign.
+    /// Finds the tasks of a campaign.
     pub fn new(store: &'a Store, campaign: &'a Campaign, seed: u64, limits: Limits) -> Self {
         Self {
             store,
@@ -81,18 +81,18 @@ impl<'a> Kept<'a> {
         lock(&self.failed).get_or_insert(error);
     }
 
-    fn path(&self, cell: Cell) -> PathBuf {
-        self.store.path(self.ids.get(cell))
+    fn path(&self, task: Task) -> PathBuf {
+        self.store.path(self.ids.get(task))
     }
 
-    fn id(&self, cell: Cell) -> Id {
-        self.ids.get(cell)
+    fn id(&self, task: Task) -> Id {
+        self.ids.get(task)
     }
 
-    /// Whether it is time for a checkpoint of a cell; from now on the next one is waited for.
-    fn is_due(&self, cell: Cell) -> bool {
+    /// Whether it is time for a checkpoint of a task; from now on the next one is waited for.
+    fn is_due(&self, task: Task) -> bool {
         let mut in_hand = lock(&self.in_hand);
-        let Some(in_hand) = in_hand.get_mut(&cell) else { return false };
+        let Some(in_hand) = in_hand.get_mut(&task) else { return false };
         let due = in_hand.saved.elapsed() >= self.limits.checkpoint;
         if due {
             in_hand.saved = Instant::now();
@@ -100,32 +100,32 @@ impl<'a> Kept<'a> {
         due
     }
 
-    fn seconds(&self, cell: Cell) -> f64 {
-        lock(&self.in_hand).get(&cell).map_or(0.0, |in_hand| in_hand.before + in_hand.begun.elapsed().as_secs_f64())
+    fn seconds(&self, task: Task) -> f64 {
+        lock(&self.in_hand).get(&task).map_or(0.0, |in_hand| in_hand.before + in_hand.begun.elapsed().as_secs_f64())
     }
 
-    fn take_over(&self, cell: Cell, seconds: f64, bytes: Vec<u8>) {
-        if let Some(in_hand) = lock(&self.in_hand).get_mut(&cell) {
+    fn take_over(&self, task: Task, seconds: f64, bytes: Vec<u8>) {
+        if let Some(in_hand) = lock(&self.in_hand).get_mut(&task) {
             (in_hand.before, in_hand.bytes) = (seconds, bytes);
         }
     }
 
-    fn write(&self, cell: Cell, state: State, done: u64, error: String, bytes: &[u8]) {
-        let seconds = self.seconds(cell);
-        if let Cell::Training(index) = cell {
+    fn write(&self, task: Task, state: State, done: u64, error: String, bytes: &[u8]) {
+        let seconds = self.seconds(task);
+        if let Task::Training(index) = task {
             lock(&self.seconds)[index] = seconds;
         }
-        let what = cell_name(self.campaign, cell);
+        let what = task_name(self.campaign, task);
         let header = Header { what, state, done, error, seconds, length: 0 };
-        if let Err(error) = self.store.write(self.id(cell), &header, bytes) {
+        if let Err(error) = self.store.write(self.id(task), &header, bytes) {
             self.fail(error);
         }
     }
 }
 
 impl Keeper for Kept<'_> {
-    fn claim(&self, cell: Cell) -> Option<Claim> {
-        let claim = match self.store.claim(self.id(cell)) {
+    fn claim(&self, task: Task) -> Option<Claim> {
+        let claim = match self.store.claim(self.id(task)) {
             Ok(claim) => claim?,
             Err(error) => {
                 self.fail(error);
@@ -134,51 +134,51 @@ impl Keeper for Kept<'_> {
         };
         let now = Instant::now();
         let in_hand = InHand { begun: now, saved: now, before: 0.0, bytes: Vec::new() };
-        lock(&self.in_hand).insert(cell, in_hand);
+        lock(&self.in_hand).insert(task, in_hand);
         Some(claim)
     }
 
     fn training(&self, training: usize) -> Option<Trained> {
-        let cell = Cell::Training(training);
-        let Found::Whole(header, bytes) = self.store.read(self.id(cell)) else { return None };
+        let task = Task::Training(training);
+        let Found::Whole(header, bytes) = self.store.read(self.id(task)) else { return None };
         if header.state != State::Finished {
             return None;
         }
         let trained = Trained::from_safetensors(&bytes);
         if trained.is_err() {
-            self.store.damaged(self.id(cell));
+            self.store.damaged(self.id(task));
         }
         lock(&self.seconds)[training] = header.seconds;
         trained.ok()
     }
 
     fn begun(&self, training: usize) -> Option<Vec<u8>> {
-        let cell = Cell::Training(training);
-        let Found::Whole(header, bytes) = self.store.read(self.id(cell)) else { return None };
+        let task = Task::Training(training);
+        let Found::Whole(header, bytes) = self.store.read(self.id(task)) else { return None };
         if header.state != State::Begun {
             return None;
         }
-        self.take_over(cell, header.seconds, Vec::new());
+        self.take_over(task, header.seconds, Vec::new());
         Some(bytes)
     }
 
     fn checkpoint(&self, training: usize, run: &TrainingRun, last: bool) {
-        let cell = Cell::Training(training);
-        if last || (!run.is_done() && self.is_due(cell)) {
+        let task = Task::Training(training);
+        if last || (!run.is_done() && self.is_due(task)) {
             let updates = run.learning_curve().len() as u64;
-            self.write(cell, State::Begun, updates, String::new(), &run.state(&BTreeMap::new()));
+            self.write(task, State::Begun, updates, String::new(), &run.state(&BTreeMap::new()));
         }
     }
 
     fn keep_training(&self, training: usize, trained: &Trained) {
         let updates = trained.learning_curve.len() as u64;
-        let cell = Cell::Training(training);
-        self.write(cell, State::Finished, updates, String::new(), &trained.to_safetensors());
+        let task = Task::Training(training);
+        self.write(task, State::Finished, updates, String::new(), &trained.to_safetensors());
     }
 
     fn episodes(&self, evaluation: usize, chunk: u32) -> Tally {
-        let cell = Cell::Chunk { evaluation, chunk };
-        let Found::Whole(header, bytes) = self.store.read(self.id(cell)) else { return Tally::default() };
+        let task = Task::Chunk { evaluation, chunk };
+        let Found::Whole(header, bytes) = self.store.read(self.id(task)) else { return Tally::default() };
         if header.state == State::Failed {
             return Tally::default();
         }
@@ -189,38 +189,38 @@ impl Keeper for Kept<'_> {
         }
         match record::tally(&bytes) {
             Ok(tally) => {
-                self.take_over(cell, header.seconds, bytes);
+                self.take_over(task, header.seconds, bytes);
                 tally
             }
             Err(_) => {
-                self.store.damaged(self.id(cell));
+                self.store.damaged(self.id(task));
                 Tally::default()
             }
         }
     }
 
     fn keep_episodes(&self, evaluation: usize, chunk: u32, rows: &[EpisodeRow], end: Progress<'_>) {
-        let cell = Cell::Chunk { evaluation, chunk };
-        if end == Progress::UnderWay && !self.is_due(cell) {
+        let task = Task::Chunk { evaluation, chunk };
+        if end == Progress::UnderWay && !self.is_due(task) {
             return;
         }
         let before = match end {
-            Progress::UnderWay => lock(&self.in_hand).get(&cell).map(|in_hand| in_hand.bytes.clone()),
-            _ => lock(&self.in_hand).get_mut(&cell).map(|in_hand| std::mem::take(&mut in_hand.bytes)),
+            Progress::UnderWay => lock(&self.in_hand).get(&task).map(|in_hand| in_hand.bytes.clone()),
+            _ => lock(&self.in_hand).get_mut(&task).map(|in_hand| std::mem::take(&mut in_hand.bytes)),
         };
         let before = before.filter(|bytes| !bytes.is_empty());
         let (bytes, done) = match record::encode(before.as_deref(), rows) {
             Ok(encoded) => encoded,
             Err(source) => {
                 let source = std::io::Error::other(source.to_string());
-                return self.fail(StoreError::File { path: self.path(cell), source });
+                return self.fail(StoreError::File { path: self.path(task), source });
             }
         };
         let faulty = rows.iter().any(|row| row.outcome.fault().is_some());
         let whole = done == self.campaign.evaluations[evaluation].chunk(chunk).len() as u64;
         let (state, error) = match end {
             // Whoever did not limit it has a right to all of it.
-            Progress::Failed(error @ (CellError::Time { .. } | CellError::Ticks { .. })) if !faulty => {
+            Progress::Failed(error @ (TaskError::Time { .. } | TaskError::Ticks { .. })) if !faulty => {
                 (State::Begun, error.to_string())
             }
             Progress::Failed(error) => (State::Failed, error.to_string()),
@@ -231,19 +231,19 @@ impl Keeper for Kept<'_> {
             Progress::UnderWay if faulty => return,
             _ => (State::Begun, String::new()),
         };
-        self.write(cell, state, done, error, &bytes);
+        self.write(task, state, done, error, &bytes);
     }
 
     fn search(&self, search: usize) -> Option<SearchResult> {
-        let cell = Cell::Search(search);
-        let Found::Whole(header, bytes) = self.store.read(self.id(cell)) else { return None };
+        let task = Task::Search(search);
+        let Found::Whole(header, bytes) = self.store.read(self.id(task)) else { return None };
         if header.state != State::Finished {
             return None;
         }
         let planned = &self.campaign.searches[search];
         let record: Option<Record> = serde_json::from_slice(&bytes).ok();
         if record.is_none() {
-            self.store.damaged(self.id(cell));
+            self.store.damaged(self.id(task));
         }
         let Record { spent, tried } = record?;
         Some(SearchResult { key: planned.key.clone(), budget: planned.budget, spent, tried, error: None })
@@ -254,18 +254,18 @@ impl Keeper for Kept<'_> {
         // An episode in error, or a reward that is no number, has no form; such a search is done again.
         let Ok(bytes) = serde_json::to_vec(&record) else { return };
         if serde_json::from_slice::<Record>(&bytes).is_ok_and(|read| read.spent == record.spent) {
-            let cell = Cell::Search(search);
-            self.write(cell, State::Finished, record.spent.episodes, String::new(), &bytes);
+            let task = Task::Search(search);
+            self.write(task, State::Finished, record.spent.episodes, String::new(), &bytes);
         }
     }
 
-    fn limit(&self, cell: Cell, ticks: u64) -> Option<CellError> {
+    fn limit(&self, task: Task, ticks: u64) -> Option<TaskError> {
         if let Some(limit) = self.limits.ticks.filter(|limit| ticks > *limit) {
-            return Some(CellError::Ticks { ticks: limit });
+            return Some(TaskError::Ticks { ticks: limit });
         }
         let seconds = self.limits.seconds?;
-        let begun = lock(&self.in_hand).get(&cell).map(|in_hand| in_hand.begun)?;
-        (begun.elapsed().as_secs() >= seconds).then_some(CellError::Time { seconds })
+        let begun = lock(&self.in_hand).get(&task).map(|in_hand| in_hand.begun)?;
+        (begun.elapsed().as_secs() >= seconds).then_some(TaskError::Time { seconds })
     }
 
     fn stop(&self) -> bool {
@@ -275,7 +275,7 @@ impl Keeper for Kept<'_> {
 
 impl Chunks for Kept<'_> {
     fn chunk(&self, evaluation: usize, chunk: u32) -> Option<Chunk> {
-        let id = self.id(Cell::Chunk { evaluation, chunk });
+        let id = self.id(Task::Chunk { evaluation, chunk });
         let Found::Whole(header, bytes) = self.store.read(id) else { return None };
         let outcomes = record::decode(&bytes).inspect_err(|_| self.store.damaged(id)).ok()?;
         Some(Chunk { outcomes, error: header.error })

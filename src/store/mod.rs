@@ -1,11 +1,11 @@
-//! Cells on disk: what campaigns have finished or begun, so that nothing is done twice and nothing is lost.
+//! Tasks on disk: what campaigns have finished or begun, so that nothing is done twice and nothing is lost.
 //!
-//! `OUT/.cells` is shared by all campaigns of a folder, a cache by those of several. A cell's name is a digest of all that its bytes depend on: the code, the
-//! seed, the scenario, and for a trained pedestrian its training. So a cell is either there as it should be or not there, whoever made it,
+//! `OUT/.falsify` is shared by all campaigns of a folder, a cache by those of several. A task's name is a digest of all that its bytes depend on: the code, the
+//! seed, the scenario, and for a trained pedestrian its training. So a task is either there as it should be or not there, whoever made it,
 //! and a file that says otherwise is damaged. Files appear whole; several processes may work on one folder.
 
 mod id;
-mod cell_file;
+mod task_file;
 mod store_error;
 mod work_folder;
 mod place;
@@ -16,14 +16,14 @@ mod kept;
 mod import;
 mod status;
 
-pub use cell_file::{Found, Header, State};
-#[cfg(any(fuzzing, test))]
-pub use cell_file::{decode, encode, head};
 pub use folder::{Note, Store};
 pub use id::{CODE, Id, Ids, vector_instructions};
 pub use import::Taken;
-pub use index::{Index, Known, cell_name};
+pub use index::{Index, Known, task_name};
 pub use kept::{Kept, Limits};
-pub use status::{CampaignStatus, CellStatus};
+pub use status::{CampaignStatus, TaskStatus};
 pub use store_error::StoreError;
+pub use task_file::{Found, Header, State};
+#[cfg(any(fuzzing, test))]
+pub use task_file::{decode, encode, head};
 pub use wants::Wants;

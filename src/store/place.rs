@@ -5,37 +5,37 @@ use std::path::{Path, PathBuf};
 use super::StoreError;
 use super::work_folder::{LOCK, PREFIX, WorkFolder};
 
-/// The folder beside the reports: for cells, and for reports in the making.
-const NAME: &str = ".cells";
-/// Cells, claims, and what campaigns wanted.
-const FOLDERS: [&str; 3] = ["cells", "claims", "campaigns"];
+/// The folder beside the reports: for tasks, and for reports in the making.
+const NAME: &str = ".falsify";
+/// Tasks, claims, and what campaigns wanted.
+const FOLDERS: [&str; 3] = ["tasks", "claims", "campaigns"];
 /// For whoever finds it.
 const README: &str = "README.txt";
 const ABOUT: &str = "\
 Finished and half-finished work of falsify, which reports are made from.
 Nothing else is lost with it than the time to do it again.
-`head -2` of a file in `cells` says what it is.
+`head -2` of a file in `tasks` says what it is.
 ";
 const ABOUT_DRAFTS: &str = "\
 Reports of falsify in the making. Finished and half-finished work lies in another folder: --cache, FALSIFY_CACHE
 or `cache` in falsify.toml named it.
 ";
 
-/// Where the cells of a folder for reports lie, and where its reports are made.
+/// Where the tasks of a folder for reports lie, and where its reports are made.
 #[derive(Debug, PartialEq)]
 pub(super) struct Place {
     /// The folder for reports, as the file system has it.
     out: PathBuf,
     /// The folder beside the reports, on their file system.
     beside: PathBuf,
-    /// The folder with the cells.
+    /// The folder with the tasks.
     root: PathBuf,
     /// The folder with what the campaigns of this folder for reports wanted.
     campaigns: PathBuf,
 }
 
 impl Place {
-    /// Finds the place of a folder for reports whose cells lie in a cache, if one is named.
+    /// Finds the place of a folder for reports whose tasks lie in a cache, if one is named.
     ///
     /// # Errors
     /// The cache lies among the reports.
@@ -76,7 +76,7 @@ impl Place {
         &self.beside
     }
 
-    /// The folder with the cells.
+    /// The folder with the tasks.
     pub fn root(&self) -> &Path {
         &self.root
     }
@@ -86,12 +86,12 @@ impl Place {
         &self.campaigns
     }
 
-    /// Whether cells lie beside the reports.
+    /// Whether tasks lie beside the reports.
     pub fn is_beside(&self) -> bool {
         self.root == self.beside
     }
 
-    /// Holds that a cache is a folder of cells, or empty, or not there yet.
+    /// Holds that a cache is a folder of tasks, or empty, or not there yet.
     ///
     /// # Errors
     /// It is something else.

@@ -13,13 +13,13 @@ pub struct CampaignStatus {
     pub name: String,
     /// The command that it was last run with; empty when nobody knows.
     pub command: String,
-    /// Its cells.
-    pub cells: Vec<CellStatus>,
+    /// Its tasks.
+    pub tasks: Vec<TaskStatus>,
 }
 
-/// How far a cell is.
+/// How far a task is.
 #[derive(Debug)]
-pub struct CellStatus {
+pub struct TaskStatus {
     /// What it is, for people; the first word is `train`, `try` or `search`.
     pub what: String,
     /// How much it is: updates, episodes, ticks.
@@ -32,7 +32,7 @@ pub struct CellStatus {
     pub is_in_hand: bool,
 }
 
-impl CellStatus {
+impl TaskStatus {
     /// Whether nothing is missing.
     pub fn is_finished(&self) -> bool {
         self.header.as_ref().is_some_and(|header| header.state == State::Finished)
@@ -53,14 +53,14 @@ impl Store {
     /// How far a campaign is.
     pub fn status(&self, name: &str) -> CampaignStatus {
         let index = Index::read(self, name);
-        let cell = |(id, (what, amount)): (&String, &(String, u64))| {
+        let task = |(id, (what, amount)): (&String, &(String, u64))| {
             let path = self.path_of(id);
             let written = fs::metadata(&path).and_then(|data| data.modified()).ok();
             let header = self.head_of(&path).and_then(Result::ok);
-            CellStatus { what: what.clone(), amount: *amount, header, written, is_in_hand: self.is_in_hand(id) }
+            TaskStatus { what: what.clone(), amount: *amount, header, written, is_in_hand: self.is_in_hand(id) }
         };
-        let cells = index.plan.iter().map(cell).collect();
-        CampaignStatus { name: name.to_string(), command: index.command, cells }
+        let tasks = index.plan.iter().map(task).collect();
+        CampaignStatus { name: name.to_string(), command: index.command, tasks }
     }
 
     /// How many processes are at work on the folder for reports.

@@ -1,7 +1,7 @@
 use std::io;
 use std::path::PathBuf;
 
-/// Why cells cannot be kept.
+/// Why tasks cannot be kept.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
     /// The folder cannot be made or written to.
@@ -23,7 +23,7 @@ pub enum StoreError {
     /// The cache lies among the reports.
     #[error(
         "the cache `{cache}` is in the folder for reports, `{out}`, where every folder is a report; name one elsewhere, or none to have it \
-         in `{out}/.cells`",
+         in `{out}/.falsify`",
         cache = cache.display(), out = out.display()
     )]
     Inside {
@@ -49,7 +49,7 @@ pub enum StoreError {
     /// Reports cannot be moved to their place.
     #[error(
         "`{beside}` is on another file system than the reports, so they could not appear in one step; take it away and name the place of \
-         the cells with --cache",
+         the tasks with --cache",
         beside = beside.display()
     )]
     Apart {

@@ -1,4 +1,4 @@
-//! What the campaigns of all folders for reports want that share the cells.
+//! What the campaigns of all folders for reports want that share the tasks.
 
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
@@ -14,8 +14,8 @@ pub struct Wants {
     pub campaign: String,
     /// The folder for its reports; none for the one at hand.
     pub elsewhere: Option<PathBuf>,
-    /// The names of its cells.
-    pub cells: BTreeSet<String>,
+    /// The names of its tasks.
+    pub tasks: BTreeSet<String>,
     file: PathBuf,
 }
 
@@ -53,13 +53,14 @@ impl Store {
             let index: Index = serde_json::from_str(&fs::read_to_string(&file).ok()?).ok()?;
             let elsewhere = if folder == place.campaigns() {
                 None
-            } else if folder.parent() == Some(place.root()) && place.root().file_name() == Some(OsStr::new(".cells")) {
+            } else if folder.parent() == Some(place.root()) && place.root().file_name() == Some(OsStr::new(".falsify"))
+            {
                 // It lies beside its reports, wherever they have gone together.
                 place.root().parent().map(Path::to_path_buf)
             } else {
                 Some(PathBuf::from(index.out))
             };
-            Some(Wants { campaign, elsewhere, cells: index.wanted, file })
+            Some(Wants { campaign, elsewhere, tasks: index.wanted, file })
         };
         entries(folder).filter(|path| path.is_file()).filter_map(read).collect()
     }

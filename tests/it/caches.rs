@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use crate::program::{command, error, falsify, falsify_with, report, said};
 
-/// Writes a campaign of two trainings, whose pedestrians and random ones are tried in one town: six cells.
+/// Writes a campaign of two trainings, whose pedestrians and random ones are tried in one town: six tasks.
 fn write_campaign(folder: &Path) {
     let lib = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/lib");
     let text = format!(
@@ -35,9 +35,9 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// How many cells a cache holds.
-fn cells(cache: &Path) -> usize {
-    report(&cache.join("cells")).len()
+/// How many tasks a cache holds.
+fn tasks(cache: &Path) -> usize {
+    report(&cache.join("tasks")).len()
 }
 
 #[test]
@@ -48,14 +48,14 @@ fn folders_for_reports_share_a_cache_and_none_takes_away_what_another_wants() {
     run(here, &["--out", "alone"]);
     run(here, &["--out", "one", "--cache", "cache"]);
     let second = run(here, &["--out", "two", "--cache", "cache"]);
-    assert!(error(&second).contains("6 of 6 cells were there already"), "{}", error(&second));
+    assert!(error(&second).contains("6 of 6 tasks were there already"), "{}", error(&second));
     let wanted = report(&here.join("alone/shared"));
     for out in ["one", "two"] {
         assert!(report(&here.join(out).join("shared")) == wanted, "{out} has other bytes");
-        assert_eq!(names(&here.join(out)), [".cells", "shared"]);
-        assert_eq!(names(&here.join(out).join(".cells")), ["README.txt", "lock"], "no cells, and no drafts any more");
+        assert_eq!(names(&here.join(out)), [".falsify", "shared"]);
+        assert_eq!(names(&here.join(out).join(".falsify")), ["README.txt", "lock"], "no tasks, and no drafts any more");
     }
-    assert_eq!(names(&here.join("cache")), ["README.txt", "campaigns", "cells", "claims", "lock"]);
+    assert_eq!(names(&here.join("cache")), ["README.txt", "campaigns", "tasks", "claims", "lock"]);
 
     // Each folder has its own campaigns.
     let status = |arguments: &[&str]| falsify(&[&["status"], arguments].concat(), here);
@@ -64,30 +64,30 @@ fn folders_for_reports_share_a_cache_and_none_takes_away_what_another_wants() {
     assert!(without.status.code() == Some(2) && error(&without).contains("--cache"), "{without:?}");
     assert_eq!(status(&["three", "--cache", "cache"]).status.code(), Some(2));
     let list = said(&falsify(&["run", "--list", "shared.scn", "--out", "three", "--cache", "cache"], here));
-    assert!(list.contains("0 of 6 cells to run, 6 to reuse"), "{list}");
+    assert!(list.contains("0 of 6 tasks to run, 6 to reuse"), "{list}");
 
     // What one does not want any more the other does.
     let other = ["--out", "two", "--cache", "cache", "--seed", "7"];
     run(here, &other);
-    assert_eq!(cells(&here.join("cache")), 12);
+    assert_eq!(tasks(&here.join("cache")), 12);
     let prune = |more: &[&str]| {
-        let output = falsify(&[&["cells", "two", "--cache", "cache", "--prune"], more].concat(), here);
+        let output = falsify(&[&["cache", "two", "--cache", "cache", "--prune"], more].concat(), here);
         assert!(output.status.success(), "{output:?}");
         said(&output)
     };
     let told = prune(&[]);
-    assert!(told.contains("removed 0 cells") && told.contains("campaign shared of `"), "{told}");
-    assert_eq!(cells(&here.join("cache")), 12);
+    assert!(told.contains("removed 0 tasks") && told.contains("campaign shared of `"), "{told}");
+    assert_eq!(tasks(&here.join("cache")), 12);
     std::fs::remove_dir_all(here.join("one")).unwrap();
     let told = prune(&[]);
-    assert!(told.contains("removed 0 cells") && told.contains("--prune --gone removes their cells"), "{told}");
+    assert!(told.contains("removed 0 tasks") && told.contains("--prune --gone removes their tasks"), "{told}");
     let told = prune(&["--gone"]);
-    assert!(told.contains("removed 6 cells"), "{told}");
-    assert_eq!(cells(&here.join("cache")), 6);
+    assert!(told.contains("removed 6 tasks"), "{told}");
+    assert_eq!(tasks(&here.join("cache")), 6);
     let again = run(here, &other);
-    assert!(error(&again).contains("6 of 6 cells were there already"), "{}", error(&again));
+    assert!(error(&again).contains("6 of 6 tasks were there already"), "{}", error(&again));
     let told = prune(&["--gone"]);
-    assert!(told.contains("removed 0 cells") && !told.contains("of `"), "{told}");
+    assert!(told.contains("removed 0 tasks") && !told.contains("of `"), "{told}");
 }
 
 #[test]
@@ -96,18 +96,18 @@ fn a_cache_may_be_the_cells_of_another_folder_and_is_left_whole() {
     let here = folder.path();
     write_campaign(here);
     run(here, &["--out", "old"]);
-    let output = run(here, &["--out", "new", "--cache", "old/.cells"]);
-    assert!(error(&output).contains("6 of 6 cells were there already"), "{}", error(&output));
-    run(here, &["--out", "new", "--cache", "old/.cells", "--seed", "2"]);
-    let pruned = said(&falsify(&["cells", "new", "--cache", "old/.cells", "--prune"], here));
-    assert!(pruned.contains("removed 0 cells"), "{pruned}");
+    let output = run(here, &["--out", "new", "--cache", "old/.falsify"]);
+    assert!(error(&output).contains("6 of 6 tasks were there already"), "{}", error(&output));
+    run(here, &["--out", "new", "--cache", "old/.falsify", "--seed", "2"]);
+    let pruned = said(&falsify(&["cache", "new", "--cache", "old/.falsify", "--prune"], here));
+    assert!(pruned.contains("removed 0 tasks"), "{pruned}");
     run(here, &["--out", "old", "--seed", "3"]);
-    // Named in whatever way, cells beside the reports are those that are there without a cache.
-    let named = run(here, &["--out", "old", "--seed", "3", "--cache", "new/../old/.cells"]);
-    assert!(error(&named).contains("6 of 6 cells were there already"), "{}", error(&named));
-    let pruned = said(&falsify(&["cells", "old", "--prune"], here));
-    assert!(pruned.contains("removed 6 cells") && pruned.contains("campaign shared of `"), "{pruned}");
-    assert_eq!(cells(&here.join("old/.cells")), 12);
+    // Named in whatever way, tasks beside the reports are those that are there without a cache.
+    let named = run(here, &["--out", "old", "--seed", "3", "--cache", "new/../old/.falsify"]);
+    assert!(error(&named).contains("6 of 6 tasks were there already"), "{}", error(&named));
+    let pruned = said(&falsify(&["cache", "old", "--prune"], here));
+    assert!(pruned.contains("removed 6 tasks") && pruned.contains("campaign shared of `"), "{pruned}");
+    assert_eq!(tasks(&here.join("old/.falsify")), 12);
 }
 
 #[test]
@@ -123,7 +123,7 @@ fn shards_may_leave_their_cells_in_caches() {
     };
     let wrong = merge(["a", "b"]);
     assert_eq!(wrong.status.code(), Some(9), "{wrong:?}");
-    assert!(error(&wrong).contains("there are no cells in `a`"), "{}", error(&wrong));
+    assert!(error(&wrong).contains("there are no tasks in `a`"), "{}", error(&wrong));
     let merged = merge(["scratch", "b"]);
     assert!(merged.status.success(), "{merged:?}");
     assert!(report(&here.join("merged/shared")) == report(&here.join("whole/shared")), "it has other bytes");
@@ -153,10 +153,10 @@ fn a_folder_that_is_no_cache_is_refused_and_left_as_it_is() {
     }
     assert_eq!(names(&here.join("thesis")), ["chapter.tex", "lock"]);
     assert_eq!(std::fs::read_to_string(here.join("thesis/lock")).unwrap(), "mine");
-    let nowhere = falsify(&["cells", "out", "--cache", "nowhere"], here);
+    let nowhere = falsify(&["cache", "out", "--cache", "nowhere"], here);
     assert!(nowhere.status.code() == Some(2) && error(&nowhere).contains("does not exist"), "{nowhere:?}");
     // What was begun and not finished is nobody else's.
-    std::fs::create_dir_all(here.join("begun/cells")).unwrap();
+    std::fs::create_dir_all(here.join("begun/tasks")).unwrap();
     run(here, &["--out", "out", "--cache", "begun"]);
 }
 
@@ -167,12 +167,12 @@ fn a_setting_or_a_variable_names_the_cache() {
     write_campaign(here);
     std::fs::write(here.join("falsify.toml"), "cache = \"from the file\"\n").unwrap();
     run(here, &[]);
-    assert_eq!(cells(&here.join("from the file")), 6);
+    assert_eq!(tasks(&here.join("from the file")), 6);
     assert!(said(&falsify(&["status"], here)).contains("shared: finished"));
-    assert!(said(&falsify(&["cells"], here)).contains("campaign shared: 6 of 6 cells"));
+    assert!(said(&falsify(&["cache"], here)).contains("campaign shared: 6 of 6 tasks"));
     let variables = [("FALSIFY_CACHE", "of the variable")];
     let list = said(&falsify_with(&["run", "--list", "shared.scn"], here, &variables));
-    assert!(list.contains("6 of 6 cells to run, 0 to reuse"), "{list}");
+    assert!(list.contains("6 of 6 tasks to run, 0 to reuse"), "{list}");
     let config = said(&falsify_with(&["config"], here, &variables));
     assert!(config.contains("cache = \"of the variable\"") && config.contains("# FALSIFY_CACHE"), "{config}");
 }
@@ -203,7 +203,7 @@ fn cells_and_reports_may_be_on_two_file_systems_and_a_kill_leaves_whole_reports(
     let time = begun.elapsed();
     let wanted = report(&here.join("alone/shared"));
     let there = other.path().to_str().unwrap();
-    for (out, cache) in [("near", format!("{there}/cells")), (&*format!("{there}/far"), "cells".into())] {
+    for (out, cache) in [("near", format!("{there}/tasks")), (&*format!("{there}/far"), "tasks".into())] {
         let mut kills = 0;
         loop {
             let mut command = command();
@@ -223,11 +223,11 @@ fn cells_and_reports_may_be_on_two_file_systems_and_a_kill_leaves_whole_reports(
             }
         }
         assert!(report(&here.join(out).join("shared")) == wanted, "{out} has other bytes");
-        assert_eq!(names(&here.join(out)), [".cells", "shared"]);
+        assert_eq!(names(&here.join(out)), [".falsify", "shared"]);
     }
-    if std::os::unix::fs::symlink(format!("{there}/cells"), here.join("alone/link")).is_ok() {
-        std::fs::remove_dir_all(here.join("alone/.cells")).unwrap();
-        std::fs::rename(here.join("alone/link"), here.join("alone/.cells")).unwrap();
+    if std::os::unix::fs::symlink(format!("{there}/tasks"), here.join("alone/link")).is_ok() {
+        std::fs::remove_dir_all(here.join("alone/.falsify")).unwrap();
+        std::fs::rename(here.join("alone/link"), here.join("alone/.falsify")).unwrap();
         let linked = falsify(&["run", "shared.scn", "--out", "alone"], here);
         let apart = elsewhere(here).is_some();
         assert_eq!(linked.status.code(), Some(if apart { 2 } else { 0 }), "{linked:?}");

@@ -136,7 +136,7 @@ fn a_second_run_replaces_the_report_of_the_first_and_leaves_nothing_behind() {
     let names: Vec<String> = std::fs::read_dir(folder.path().join("reports"))
         .unwrap()
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-        .filter(|name| name != ".cells")
+        .filter(|name| name != ".falsify")
         .collect();
     assert_eq!(names, ["tiny-smoke"]);
 }

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use crate::program::{self, error};
 
-/// A campaign of all kinds of cells that takes a moment.
+/// A campaign of all kinds of tasks that takes a moment.
 const SCENARIO: &str = r#"
 edition 1
 import "lib/paper.scn"
@@ -82,9 +82,9 @@ impl Place {
         files(&report).into_iter().map(read).collect()
     }
 
-    /// The files of all cells.
-    fn cells(&self) -> Vec<PathBuf> {
-        files(&self.out().join(".cells/cells"))
+    /// The files of all tasks.
+    fn tasks(&self) -> Vec<PathBuf> {
+        files(&self.out().join(".falsify/tasks"))
     }
 }
 
@@ -151,10 +151,10 @@ fn a_campaign_that_is_killed_at_any_moment_ends_in_the_same_bytes() {
         }
         same(&place.report(), &wanted, &format!("after {kills} kills"));
         let left: Vec<_> = std::fs::read_dir(place.out()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
-        assert_eq!(left.len(), 2, "the report and the cells: {left:?}");
+        assert_eq!(left.len(), 2, "the report and the tasks: {left:?}");
         let output = place.run(&[]);
-        assert!(error(&output).contains("13 of 13 cells were there already"), "{output:?}");
-        let work = std::fs::read_dir(place.out().join(".cells")).unwrap().map(|entry| entry.unwrap().file_name());
+        assert!(error(&output).contains("13 of 13 tasks were there already"), "{output:?}");
+        let work = std::fs::read_dir(place.out().join(".falsify")).unwrap().map(|entry| entry.unwrap().file_name());
         let dead: Vec<_> = work.filter(|name| name.to_string_lossy().starts_with("work-")).collect();
         assert!(dead.is_empty(), "{dead:?}");
     }
@@ -188,23 +188,23 @@ fn damaged_and_foreign_files_are_told_apart_from_cells() {
     let place = Place::new();
     assert!(place.run(&[]).status.success());
     let wanted = place.report();
-    let cells = place.cells();
-    assert_eq!(cells.len(), 13);
-    let mut bytes = std::fs::read(&cells[0]).unwrap();
+    let tasks = place.tasks();
+    assert_eq!(tasks.len(), 13);
+    let mut bytes = std::fs::read(&tasks[0]).unwrap();
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;
-    std::fs::write(&cells[0], &bytes).unwrap();
-    std::fs::write(&cells[1], &std::fs::read(&cells[1]).unwrap()[..100]).unwrap();
-    std::fs::write(&cells[2], "").unwrap();
-    std::fs::remove_file(&cells[3]).unwrap();
-    let foreign = [cells[4].with_file_name("thesis.txt"), place.out().join(".cells/notes.txt")];
+    std::fs::write(&tasks[0], &bytes).unwrap();
+    std::fs::write(&tasks[1], &std::fs::read(&tasks[1]).unwrap()[..100]).unwrap();
+    std::fs::write(&tasks[2], "").unwrap();
+    std::fs::remove_file(&tasks[3]).unwrap();
+    let foreign = [tasks[4].with_file_name("thesis.txt"), place.out().join(".falsify/notes.txt")];
     foreign.iter().for_each(|path| std::fs::write(path, "mine").unwrap());
     let list = place.list();
     assert!(list.contains("[run: damaged]") && list.contains("[run: gone]"), "{list}");
     let output = place.run(&[]);
     assert!(output.status.success(), "{output:?}");
-    assert_eq!(error(&output).matches("is damaged; its cell is done again").count(), 3, "{}", error(&output));
-    assert!(error(&output).contains("9 of 13 cells were there already"), "{}", error(&output));
+    assert_eq!(error(&output).matches("is damaged; its task is done again").count(), 3, "{}", error(&output));
+    assert!(error(&output).contains("9 of 13 tasks were there already"), "{}", error(&output));
     same(&place.report(), &wanted, "after damage");
     assert!(foreign.iter().all(|path| std::fs::read_to_string(path).unwrap() == "mine"));
     // A folder that goes while the program runs is made again, or told of; the next run ends well in any case.
@@ -270,7 +270,7 @@ fn a_cell_beyond_its_limit_is_an_error_and_goes_on_another_time() {
     let limited = place.run(&["--max-ticks", "1500"]);
     assert_eq!(limited.status.code(), Some(5), "{limited:?}");
     let said = error(&limited);
-    assert!(said.contains("not finished within the 1500 ticks that a cell may use"), "{said}");
+    assert!(said.contains("not finished within the 1500 ticks that a task may use"), "{said}");
     let partial = |name: &str| std::fs::read_to_string(place.out().join("cut-partial").join(name)).unwrap();
     let episodes = partial("episodes.csv");
     assert_eq!(episodes.lines().count(), 1 + 8 * 12, "every episode has a row");
@@ -285,9 +285,9 @@ fn a_cell_that_gets_an_instant_at_a_time_gets_on_and_says_why_it_is_not_there() 
     let (wanted, _) = undisturbed();
     let place = Place::new();
     for turn in 1..=3 {
-        let limited = place.run(&["--cell-time", "0"]);
+        let limited = place.run(&["--task-time", "0"]);
         assert_eq!(limited.status.code(), Some(5), "{limited:?}");
-        assert!(error(&limited).contains("not finished within the 0 s that a cell may take"), "{}", error(&limited));
+        assert!(error(&limited).contains("not finished within the 0 s that a task may take"), "{}", error(&limited));
         let list = place.list();
         assert_eq!(list.matches(&format!("[run: unfinished, {turn} of 6 updates]")).count(), 4, "{list}");
         assert_eq!(list.matches(&format!("[run: unfinished, {turn} of 12 episodes]")).count(), 4, "{list}");
@@ -296,8 +296,8 @@ fn a_cell_that_gets_an_instant_at_a_time_gets_on_and_says_why_it_is_not_there() 
     let episodes = std::fs::read_to_string(partial.join("episodes.csv")).unwrap();
     assert_eq!(episodes.lines().count(), 1 + 8 * 12, "every episode has a row");
     let in_error = |why: &str| episodes.lines().filter(|line| line.contains(&format!(",error,{why}"))).count();
-    assert_eq!(in_error("its training failed: not finished within the 0 s that a cell may take"), 4 * 12, "{episodes}");
-    assert_eq!(in_error("not finished within the 0 s that a cell may take"), 4 * (12 - 3), "{episodes}");
+    assert_eq!(in_error("its training failed: not finished within the 0 s that a task may take"), 4 * 12, "{episodes}");
+    assert_eq!(in_error("not finished within the 0 s that a task may take"), 4 * (12 - 3), "{episodes}");
     assert!(place.run(&[]).status.success());
     same(&place.report(), &wanted, "after three instants");
 }
@@ -345,6 +345,6 @@ fn a_full_disk_is_told_of_and_loses_nothing() {
     assert_eq!(text("first.code").trim(), "6", "{}", text("first.txt"));
     assert!(text("first.txt").contains("what was finished before is kept"), "{}", text("first.txt"));
     assert_eq!(text("second.code").trim(), "0", "{}", text("second.txt"));
-    assert!(text("second.txt").contains("cells were there already"), "{}", text("second.txt"));
+    assert!(text("second.txt").contains("tasks were there already"), "{}", text("second.txt"));
     same(&place.report(), &wanted, "after a full disk");
 }

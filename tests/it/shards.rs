@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use falsify::internal::campaign::{self, Cell, Shard, cells};
+use falsify::internal::campaign::{self, Shard, Task, tasks};
 use falsify::internal::compile::{Campaign, Catalog, compile};
 
 use crate::program::{error, falsify, report, said};
@@ -23,12 +23,12 @@ fn write_campaign(folder: &Path) {
     std::fs::write(folder.join("parts.scn"), text).unwrap();
 }
 
-/// The one file among the cells of a folder whose cell is told so.
+/// The one file among the tasks of a folder whose task is told so.
 fn cell_file(out: &Path, what: &str) -> PathBuf {
-    let folders = std::fs::read_dir(out.join(".cells/cells")).unwrap();
+    let folders = std::fs::read_dir(out.join(".falsify/tasks")).unwrap();
     let files = folders.flat_map(|folder| std::fs::read_dir(folder.unwrap().path()).unwrap());
     let told = |path: &PathBuf| String::from_utf8_lossy(&std::fs::read(path).unwrap()).contains(what);
-    files.map(|file| file.unwrap().path()).find(told).unwrap_or_else(|| panic!("no cell is told `{what}`"))
+    files.map(|file| file.unwrap().path()).find(told).unwrap_or_else(|| panic!("no task is told `{what}`"))
 }
 
 #[test]
@@ -59,7 +59,7 @@ fn shards_make_the_report_of_one_machine_and_whatever_is_missing_or_wrong_is_nam
     let other: Vec<&&PathBuf> = names.iter().filter(|name| whole[**name] != merged[**name]).collect();
     assert!(other.is_empty(), "{other:?} have other bytes");
 
-    // A cell that is damaged everywhere is missing; one that two tell differently is nobody's.
+    // A task that is damaged everywhere is missing; one that two tell differently is nobody's.
     let search = "search walk in harbour against blind, run 1";
     let owner = ["a", "b", "c"].into_iter().find(|out| {
         let found = std::panic::catch_unwind(|| cell_file(&here.join(out), search));
@@ -84,11 +84,11 @@ fn shards_of_one_folder_need_nothing_but_the_folder() {
     let here = folder.path();
     write_campaign(here);
     let stopped = falsify(&["run", "parts.scn", "--shard", "0/2", "--only", "trainings"], here);
-    assert!(stopped.status.success() && said(&stopped).contains("cells are there"), "{stopped:?}");
+    assert!(stopped.status.success() && said(&stopped).contains("tasks are there"), "{stopped:?}");
     let status = falsify(&["status"], here);
     let text = said(&status);
     assert_eq!(status.status.code(), Some(9), "{text}");
-    assert!(text.contains("parts: stopped") && text.contains("trainings   3 of 4 cells, 75 %"), "{text}");
+    assert!(text.contains("parts: stopped") && text.contains("trainings   3 of 4 tasks, 75 %"), "{text}");
     assert!(text.contains("go on with: falsify run parts.scn --shard 0/2 --only trainings"), "{text}");
     let left = "left for one thread, and the evaluations and searches, of which none is done yet";
     assert!(text.contains(left), "{text}");
@@ -129,24 +129,24 @@ fn every_cell_falls_to_one_shard_with_what_it_needs_and_the_shards_are_alike() {
     let mut campaign = planned("scenarios/first_look.scn");
     campaign.evaluations.iter_mut().for_each(|evaluation| evaluation.episodes = 25_000);
     for count in [1, 2, 3, 7, 16, 1000] {
-        let dealt: BTreeMap<Cell, u32> = campaign::deal(&campaign, count).into_iter().collect();
-        assert_eq!(dealt.len(), cells(&campaign).count());
-        let shards: Vec<Vec<Cell>> =
+        let dealt: BTreeMap<Task, u32> = campaign::deal(&campaign, count).into_iter().collect();
+        assert_eq!(dealt.len(), tasks(&campaign).count());
+        let shards: Vec<Vec<Task>> =
             (0..count).map(|index| campaign::shard(&campaign, Shard { index, count })).collect();
         for (index, shard) in shards.iter().enumerate() {
-            for cell in shard {
-                assert!(dealt[cell] == index as u32 || matches!(cell, Cell::Training(_)), "{cell:?}");
-                if let Cell::Chunk { evaluation, .. } = cell
+            for task in shard {
+                assert!(dealt[task] == index as u32 || matches!(task, Task::Training(_)), "{task:?}");
+                if let Task::Chunk { evaluation, .. } = task
                     && let Some(training) = campaign.evaluations[*evaluation].training()
                 {
-                    assert!(shard.contains(&Cell::Training(training)));
+                    assert!(shard.contains(&Task::Training(training)));
                 }
             }
         }
         // A training is done again by neighbours only.
-        let trained: usize = shards.iter().flatten().filter(|cell| matches!(cell, Cell::Training(_))).count();
+        let trained: usize = shards.iter().flatten().filter(|task| matches!(task, Task::Training(_))).count();
         assert!(trained < campaign.trainings.len() + count as usize, "{trained} trainings in {count} shards");
         let most = shards.iter().map(Vec::len).max().unwrap();
-        assert!(most <= dealt.len() / count as usize * 2 + 8, "{most} of {} cells in one of {count}", dealt.len());
+        assert!(most <= dealt.len() / count as usize * 2 + 8, "{most} of {} tasks in one of {count}", dealt.len());
     }
 }

@@ -1,7 +1,7 @@
 use std::time::{Duration, Instant};
 
 use super::piece::{Kind, Piece};
-use crate::campaign::Cell;
+use crate::campaign::Task;
 use crate::compile::Campaign;
 
 /// All pieces of a campaign that are done here: trainings, evaluations, searches.
@@ -17,14 +17,14 @@ pub struct Board<'a> {
 }
 
 impl<'a> Board<'a> {
-    /// Lays some cells of a campaign out, for this number of threads.
-    pub fn new(campaign: &'a Campaign, wanted: &[Cell], threads: usize) -> Self {
+    /// Lays some tasks of a campaign out, for this number of threads.
+    pub fn new(campaign: &'a Campaign, wanted: &[Task], threads: usize) -> Self {
         Self { campaign, began: Instant::now(), pieces: Piece::all(campaign, wanted), threads }
     }
 
-    /// The piece of a cell.
-    pub fn piece(&self, cell: Cell) -> &Piece {
-        let place = self.pieces.binary_search_by_key(&Piece::of(cell), |piece| (piece.kind, piece.place));
+    /// The piece of a task.
+    pub fn piece(&self, task: Task) -> &Piece {
+        let place = self.pieces.binary_search_by_key(&Piece::of(task), |piece| (piece.kind, piece.place));
         &self.pieces[place.expect("only what is wanted is done")]
     }
 

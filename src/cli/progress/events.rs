@@ -24,7 +24,7 @@ pub enum Event<'a> {
         searches: usize,
     },
     /// A piece of work begins.
-    CellBegun(About<'a>),
+    TaskBegun(About<'a>),
     /// A piece of work has come further; told about once a second.
     Progress {
         /// Which, and how far.
@@ -38,7 +38,7 @@ pub enum Event<'a> {
         campaign_left_s: Option<f64>,
     },
     /// A piece of work has ended.
-    CellFinished {
+    TaskFinished {
         /// Which, and how far.
         #[serde(flatten)]
         about: About<'a>,
@@ -120,7 +120,7 @@ impl<'a> Event<'a> {
 
     /// A piece of work begins.
     pub fn begun(board: &'a Board<'_>, piece: &'a Piece) -> Self {
-        Self::CellBegun(About::new(board, piece))
+        Self::TaskBegun(About::new(board, piece))
     }
 
     /// A piece of work has come further.
@@ -135,7 +135,7 @@ impl<'a> Event<'a> {
 
     /// A piece of work has ended.
     pub fn finished(board: &'a Board<'_>, piece: &'a Piece, note: &'a str, error: Option<&'a str>) -> Self {
-        Self::CellFinished {
+        Self::TaskFinished {
             about: About::new(board, piece),
             reused: piece.before(),
             took_s: piece.time().as_secs_f64(),

@@ -8,7 +8,7 @@ use super::events::Event;
 use super::lines::line;
 use super::piece::{Kind, Piece, amount};
 use super::showing::Showing;
-use crate::campaign::{Cell, CellError, Observer, SearchResult, TrainingResult};
+use crate::campaign::{Observer, SearchResult, Task, TaskError, TrainingResult};
 use crate::cli::console;
 use crate::cli::output::Output;
 use crate::compile::{Campaign, Evaluation, Training};
@@ -35,8 +35,8 @@ pub struct Progress<'a> {
 }
 
 impl<'a> Progress<'a> {
-    /// Gets ready for some cells of a campaign.
-    pub fn new(campaign: &'a Campaign, wanted: &[Cell], showing: Showing, output: Output, stop: Arc<Stop>) -> Self {
+    /// Gets ready for some tasks of a campaign.
+    pub fn new(campaign: &'a Campaign, wanted: &[Task], showing: Showing, output: Output, stop: Arc<Stop>) -> Self {
         let board = Board::new(campaign, wanted, rayon::current_num_threads());
         let terminal = std::io::stderr().is_terminal();
         let showing = match showing {
@@ -54,9 +54,9 @@ impl<'a> Progress<'a> {
         Self { board, bars, lines, events, stop, tasks: wanted.len(), reused, glances, next }
     }
 
-    /// The piece of a cell, which is begun now if it was not before.
-    fn piece(&self, cell: Cell) -> &Piece {
-        let piece = self.board.piece(cell);
+    /// The piece of a task, which is begun now if it was not before.
+    fn piece(&self, task: Task) -> &Piece {
+        let piece = self.board.piece(task);
         if piece.begin() && self.events {
             Event::begun(&self.board, piece).tell();
         }
@@ -80,14 +80,14 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// Ends a cell; with the last one of a piece comes what came of the piece.
-    fn end(&self, cell: Cell, result: Result<String, String>) {
-        let piece = self.board.piece(cell);
+    /// Ends a task; with the last one of a piece comes what came of the piece.
+    fn end(&self, task: Task, result: Result<String, String>) {
+        let piece = self.board.piece(task);
         let (note, error) = match result {
             Ok(note) => (note, None),
             Err(error) => (String::new(), Some(error)),
         };
-        if !piece.end_cell(error) {
+        if !piece.end_task(error) {
             return;
         }
         let error = piece.error();
@@ -117,18 +117,18 @@ impl Drop for Progress<'_> {
         }
         let reused = *self.reused.get_mut();
         if reused > 0 && (self.lines || self.bars.is_some()) {
-            console::note(&format!("{reused} of {} cells were there already", self.tasks));
+            console::note(&format!("{reused} of {} tasks were there already", self.tasks));
         }
     }
 }
 
 impl Observer for Progress<'_> {
     fn training_begun(&self, training: usize) {
-        self.piece(Cell::Training(training));
+        self.piece(Task::Training(training));
     }
 
     fn trained(&self, training: usize, _: &Training, log: &UpdateLog) {
-        self.board.piece(Cell::Training(training)).reach(log.steps);
+        self.board.piece(Task::Training(training)).reach(log.steps);
         self.glance();
     }
 
@@ -140,35 +140,35 @@ impl Observer for Progress<'_> {
             }
             Err(error) => Err(error.to_string()),
         };
-        self.end(Cell::Training(training), told);
+        self.end(Task::Training(training), told);
     }
 
     fn tried(&self, evaluation: usize, _: &Evaluation) {
-        self.piece(Cell::Chunk { evaluation, chunk: 0 }).advance(1);
+        self.piece(Task::Chunk { evaluation, chunk: 0 }).advance(1);
         self.glance();
     }
 
-    fn chunk_ended(&self, evaluation: usize, chunk: u32, error: Option<&CellError>) {
-        self.end(Cell::Chunk { evaluation, chunk }, error.map_or(Ok(String::new()), |error| Err(error.to_string())));
+    fn chunk_ended(&self, evaluation: usize, chunk: u32, error: Option<&TaskError>) {
+        self.end(Task::Chunk { evaluation, chunk }, error.map_or(Ok(String::new()), |error| Err(error.to_string())));
     }
 
-    fn reused(&self, cell: Cell) {
+    fn reused(&self, task: Task) {
         self.reused.fetch_add(1, Ordering::Relaxed);
-        self.board.piece(cell).found(amount(self.board.campaign, cell));
-        self.end(cell, Ok(String::new()));
+        self.board.piece(task).found(amount(self.board.campaign, task));
+        self.end(task, Ok(String::new()));
     }
 
-    fn continued(&self, cell: Cell, episodes: u32) {
-        self.piece(cell).found(episodes.into());
+    fn continued(&self, task: Task, episodes: u32) {
+        self.piece(task).found(episodes.into());
     }
 
     fn searched(&self, search: usize, result: &SearchResult) {
         let spent = &result.spent;
-        self.piece(Cell::Search(search)).reach(spent.ticks);
+        self.piece(Task::Search(search)).reach(spent.ticks);
         let told = match &result.error {
             Some(error) => Err(error.to_string()),
             None => Ok(format!("{} failures in {} episodes", spent.failures.len(), spent.episodes)),
         };
-        self.end(Cell::Search(search), told);
+        self.end(Task::Search(search), told);
     }
 }

@@ -2,7 +2,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use crate::campaign::Cell;
+use crate::campaign::Task;
 use crate::compile::{Campaign, Evaluation, Pedestrian};
 
 /// What a piece of work is.
@@ -64,7 +64,7 @@ pub struct Piece {
 
 #[derive(Debug, Default)]
 struct State {
-    /// Cells that have not ended.
+    /// Tasks that have not ended.
     open: usize,
     begun: Option<Instant>,
     took: Option<Duration>,
@@ -72,27 +72,27 @@ struct State {
 }
 
 impl Piece {
-    /// Makes the pieces of a campaign, in the plan's order, of which only some cells are done here; those without any are left out.
-    pub fn all(campaign: &Campaign, wanted: &[Cell]) -> Vec<Self> {
+    /// Makes the pieces of a campaign, in the plan's order, of which only some tasks are done here; those without any are left out.
+    pub fn all(campaign: &Campaign, wanted: &[Task]) -> Vec<Self> {
         let mut pieces: Vec<Self> = Vec::new();
-        for cell in wanted {
-            let (kind, place) = Self::of(*cell);
+        for task in wanted {
+            let (kind, place) = Self::of(*task);
             if pieces.last().is_none_or(|last| (last.kind, last.place) != (kind, place)) {
                 pieces.push(Self::new(campaign, kind, place));
             }
             let piece = pieces.last_mut().expect("one was put there");
-            piece.total += amount(campaign, *cell);
+            piece.total += amount(campaign, *task);
             piece.state.get_mut().unwrap_or_else(PoisonError::into_inner).open += 1;
         }
         pieces
     }
 
-    /// The piece that a cell belongs to.
-    pub fn of(cell: Cell) -> (Kind, usize) {
-        match cell {
-            Cell::Training(place) => (Kind::Training, place),
-            Cell::Chunk { evaluation, .. } => (Kind::Evaluation, evaluation),
-            Cell::Search(place) => (Kind::Search, place),
+    /// The piece that a task belongs to.
+    pub fn of(task: Task) -> (Kind, usize) {
+        match task {
+            Task::Training(place) => (Kind::Training, place),
+            Task::Chunk { evaluation, .. } => (Kind::Evaluation, evaluation),
+            Task::Search(place) => (Kind::Search, place),
         }
     }
 
@@ -134,8 +134,8 @@ impl Piece {
         self.done.store(units, Ordering::Relaxed);
     }
 
-    /// Ends one of its cells; says whether that was the last.
-    pub fn end_cell(&self, error: Option<String>) -> bool {
+    /// Ends one of its tasks; says whether that was the last.
+    pub fn end_task(&self, error: Option<String>) -> bool {
         let mut state = self.state();
         state.open = state.open.saturating_sub(1);
         state.error = state.error.take().or(error);
@@ -207,11 +207,11 @@ fn evaluation(evaluation: &Evaluation) -> String {
     format!("{who} in {} against {}, run {}", here.0, here.1, key.run)
 }
 
-/// How much a cell is, in units of its kind.
-pub fn amount(campaign: &Campaign, cell: Cell) -> u64 {
-    match cell {
-        Cell::Training(place) => campaign.trainings[place].config.total_steps,
-        Cell::Chunk { evaluation, chunk } => campaign.evaluations[evaluation].chunk(chunk).len() as u64,
-        Cell::Search(place) => campaign.searches[place].budget,
+/// How much a task is, in units of its kind.
+pub fn amount(campaign: &Campaign, task: Task) -> u64 {
+    match task {
+        Task::Training(place) => campaign.trainings[place].config.total_steps,
+        Task::Chunk { evaluation, chunk } => campaign.evaluations[evaluation].chunk(chunk).len() as u64,
+        Task::Search(place) => campaign.searches[place].budget,
     }
 }

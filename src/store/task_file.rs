@@ -1,13 +1,13 @@
-//! A cell in a file: two lines that people can read, the bytes, and a checksum over all of it.
+//! A task in a file: two lines that people can read, the bytes, and a checksum over all of it.
 
 use serde::{Deserialize, Serialize};
 
 /// The first line.
-const MAGIC: &[u8] = b"falsify cell 1\n";
+const MAGIC: &[u8] = b"falsify task 1\n";
 /// Bytes of the checksum.
 const SUM: usize = 32;
 
-/// How far a cell has come.
+/// How far a task has come.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum State {
@@ -19,7 +19,7 @@ pub enum State {
     Failed,
 }
 
-/// What a file says about its cell.
+/// What a file says about its task.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Header {
     /// What it is, for people.
@@ -36,14 +36,14 @@ pub struct Header {
     pub length: u64,
 }
 
-/// What is found where a cell may be.
+/// What is found where a task may be.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Found {
     /// No file.
     Nothing,
     /// A file that is none of ours, or not as it was written.
     Damaged,
-    /// A cell.
+    /// A task.
     Whole(Header, Vec<u8>),
 }
 

@@ -10,7 +10,7 @@ pub const CHUNK: u32 = 10_000;
 
 /// A piece of work of a campaign, by its place in the plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Cell {
+pub enum Task {
     /// A training.
     Training(usize),
     /// Some episodes of an evaluation.
@@ -61,36 +61,36 @@ impl Evaluation {
 }
 
 /// All pieces of work of a campaign, in its order: trainings, chunks of evaluations, searches.
-pub fn cells(campaign: &Campaign) -> impl Iterator<Item = Cell> {
+pub fn tasks(campaign: &Campaign) -> impl Iterator<Item = Task> {
     let chunks = |(evaluation, planned): (usize, &Evaluation)| {
-        (0..planned.chunks()).map(move |chunk| Cell::Chunk { evaluation, chunk })
+        (0..planned.chunks()).map(move |chunk| Task::Chunk { evaluation, chunk })
     };
     (0..campaign.trainings.len())
-        .map(Cell::Training)
+        .map(Task::Training)
         .chain(campaign.evaluations.iter().enumerate().flat_map(chunks))
-        .chain((0..campaign.searches.len()).map(Cell::Search))
+        .chain((0..campaign.searches.len()).map(Task::Search))
 }
 
 /// Why a piece of work came to nothing.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum CellError {
+pub enum TaskError {
     /// A training could not go on.
     #[error(transparent)]
     Training(#[from] TrainError),
     /// The training of the pedestrian that was to be tried came to nothing.
     #[error("its training failed: {0}")]
-    Untrained(Box<CellError>),
+    Untrained(Box<TaskError>),
     /// The driver failed in so many episodes in a row that no more were tried.
     #[error("not tried, since the driver had failed in ten episodes in a row")]
     Hopeless,
     /// It took longer than it may.
-    #[error("not finished within the {seconds} s that a cell may take")]
+    #[error("not finished within the {seconds} s that a task may take")]
     Time {
         /// The limit (s).
         seconds: u64,
     },
     /// It needs more simulator ticks than it may use.
-    #[error("not finished within the {ticks} ticks that a cell may use")]
+    #[error("not finished within the {ticks} ticks that a task may use")]
     Ticks {
         /// The limit.
         ticks: u64,

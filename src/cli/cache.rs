@@ -10,21 +10,21 @@ use crate::store::{Store, StoreError, Wants};
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
-  falsify cells                              what is stored in reports/.cells, by campaign
-  falsify cells --prune                      remove what no campaign needed in its last run
-  falsify cells --cache /scratch/cells --prune --gone
+  falsify cache                              what is stored in reports/.falsify, by campaign
+  falsify cache --prune                      remove what no campaign needed in its last run
+  falsify cache --cache /scratch/cache --prune --gone
                                              in a shared folder; also what belongs to deleted reports";
 
-/// Options of `falsify cells`.
+/// Options of `falsify cache`.
 #[derive(Debug, Args)]
-pub struct CellsOptions {
+pub struct CacheOptions {
     /// The folder for reports.
     #[arg(default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
     pub out: PathBuf,
     /// The folder that `run` was given as --cache.
     #[arg(long, env = "FALSIFY_CACHE", value_name = "DIR")]
     pub cache: Option<PathBuf>,
-    /// Remove cells that no campaign needed in its last run, for any folder for reports.
+    /// Remove tasks that no campaign needed in its last run, for any folder for reports.
     #[arg(long)]
     pub prune: bool,
     /// Also remove what was run for folders that do not exist, or cannot be seen from here.
@@ -32,8 +32,8 @@ pub struct CellsOptions {
     pub gone: bool,
 }
 
-/// `falsify cells`
-pub fn cells(options: &CellsOptions) -> ExitCode {
+/// `falsify cache`
+pub fn cache(options: &CacheOptions) -> ExitCode {
     if let Some(missing) = options.cache.as_ref().filter(|cache| !cache.exists()) {
         console::fail(&format!("the cache `{}` does not exist", missing.display()));
         return ExitCode::Usage;
@@ -51,23 +51,23 @@ pub fn cells(options: &CellsOptions) -> ExitCode {
     )
 }
 
-fn tell(store: &Store, options: &CellsOptions) -> Result<(), StoreError> {
+fn tell(store: &Store, options: &CacheOptions) -> Result<(), StoreError> {
     // What a campaign says that it wants from now on it has not looked for yet.
     let _still = options.prune.then(|| store.hold_still());
     let sizes = store.sizes();
     let mut used = BTreeSet::new();
     let (gone, kept): (Vec<Wants>, Vec<Wants>) =
         store.wants().into_iter().partition(|wants| options.gone && wants.is_gone());
-    for Wants { campaign, cells, elsewhere, .. } in gone.iter().chain(&kept) {
-        let there: Vec<u64> = cells.iter().filter_map(|id| sizes.get(id).copied()).collect();
+    for Wants { campaign, tasks, elsewhere, .. } in gone.iter().chain(&kept) {
+        let there: Vec<u64> = tasks.iter().filter_map(|id| sizes.get(id).copied()).collect();
         let of = elsewhere.as_ref().map_or(String::new(), |out| format!(" of `{}`", out.display()));
-        let (count, all, size) = (there.len(), cells.len(), megabytes(there.iter().sum()));
-        console::say(&format!("campaign {campaign}{of}: {count} of {all} cells, {size}"));
+        let (count, all, size) = (there.len(), tasks.len(), megabytes(there.iter().sum()));
+        console::say(&format!("campaign {campaign}{of}: {count} of {all} tasks, {size}"));
     }
-    kept.iter().for_each(|wants| used.extend(&wants.cells));
+    kept.iter().for_each(|wants| used.extend(&wants.tasks));
     let unused: Vec<(&String, &u64)> = sizes.iter().filter(|(id, _)| !used.contains(id)).collect();
     let size = megabytes(unused.iter().map(|(_, size)| **size).sum());
-    let what = format!("{} cells that no campaign needs, {size}", unused.len());
+    let what = format!("{} tasks that no campaign needs, {size}", unused.len());
     if options.prune {
         gone.iter().try_for_each(|wants| store.give_up(wants))?;
         unused.iter().try_for_each(|(id, _)| store.remove(id))?;
@@ -77,7 +77,7 @@ fn tell(store: &Store, options: &CellsOptions) -> Result<(), StoreError> {
     }
     if !options.gone && kept.iter().any(Wants::is_gone) {
         console::say(
-            "some folders for reports do not exist, or cannot be seen from here; --prune --gone removes their cells",
+            "some folders for reports do not exist, or cannot be seen from here; --prune --gone removes their tasks",
         );
     }
     Ok(())
