@@ -1,4 +1,4 @@
-use crate::compile::{Campaign, Pedestrian};
+use crate::compile::{Campaign, ControllerKind};
 
 /// Shrinks a campaign to a trial of its machinery: one run, two updates, five episodes, searches as long as ten episodes.
 pub fn smoke(campaign: &mut Campaign) {
@@ -12,7 +12,7 @@ pub fn smoke(campaign: &mut Campaign) {
     campaign.evaluations.retain(|evaluation| evaluation.trained.run == 0);
     for evaluation in &mut campaign.evaluations {
         evaluation.episodes = evaluation.episodes.min(5);
-        if let Pedestrian::Trained(training) | Pedestrian::Sampled(training) = &mut evaluation.pedestrian {
+        if let ControllerKind::Trained(training) | ControllerKind::Sampled(training) = &mut evaluation.controller {
             *training = kept.iter().position(|index| index == training).expect("run 0 is kept");
         }
     }

@@ -1,7 +1,7 @@
 use std::ops::Range;
 
 use super::StoppingRule;
-use crate::compile::{Campaign, Evaluation, Pedestrian};
+use crate::compile::{Campaign, ControllerKind, Evaluation};
 use crate::falsifier::TrainError;
 use crate::statistics::Weighted;
 
@@ -53,8 +53,8 @@ impl Evaluation {
 
     /// The place of the training that its pedestrian comes from.
     pub fn training(&self) -> Option<usize> {
-        match self.pedestrian {
-            Pedestrian::Trained(training) | Pedestrian::Sampled(training) => Some(training),
+        match self.controller {
+            ControllerKind::Trained(training) | ControllerKind::Sampled(training) => Some(training),
             _ => None,
         }
     }

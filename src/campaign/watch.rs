@@ -1,6 +1,6 @@
 use std::ops::{ControlFlow, Range};
 
-use crate::compile::{Evaluation, Pedestrian};
+use crate::compile::{ControllerKind, Evaluation};
 use crate::env::{Outcome, Trace};
 use crate::falsifier::{ActionMode, Homing, Intercept, Random, TrainedWalker, WalkPolicy, watch_walker};
 use crate::rl::ActorCritic;
@@ -41,15 +41,15 @@ pub(super) fn watch_numbered<T>(
         let trained = trained.expect("a trained pedestrian comes with its networks");
         Box::new(TrainedWalker::new(trained.clone(), evaluation.scenario.cast.obs_dim(), mode))
     };
-    let mut walker: Box<dyn WalkPolicy> = match evaluation.pedestrian {
-        Pedestrian::Random => Box::new(Random::default()),
-        Pedestrian::Homing => Box::new(Homing),
-        Pedestrian::Intercept => Box::new(Intercept),
-        Pedestrian::Trained(_) => learnt(ActionMode::Deterministic),
-        Pedestrian::Sampled(_) => learnt(ActionMode::Stochastic),
+    let mut walker: Box<dyn WalkPolicy> = match evaluation.controller {
+        ControllerKind::Random => Box::new(Random::default()),
+        ControllerKind::Homing => Box::new(Homing),
+        ControllerKind::Intercept => Box::new(Intercept),
+        ControllerKind::Trained(_) => learnt(ActionMode::Deterministic),
+        ControllerKind::Sampled(_) => learnt(ActionMode::Stochastic),
     };
     let place = |branch: &str| seed.child(branch).child(&evaluation.town).child(&evaluation.policy);
-    let own = place("walker").child(evaluation.pedestrian.name()).index(evaluation.trained.run.into());
+    let own = place("walker").child(evaluation.controller.name()).index(evaluation.trained.run.into());
     watch_walker(walker.as_mut(), &evaluation.scenario, episodes, &place("evaluate"), &own, note, observer)
 }
 

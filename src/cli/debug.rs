@@ -116,7 +116,7 @@ fn show_plan(plan: &Plan) -> String {
             let key = &evaluation.trained;
             text.push_str(&format!(
                 "  evaluation: {} ({}, {}, {}, run {}) in {} against {} with {}, {}\n",
-                evaluation.pedestrian.name(),
+                evaluation.controller.name(),
                 key.reward,
                 key.town,
                 key.policy,

@@ -40,8 +40,8 @@ mod grid;
 pub use catalog::{Catalog, TakenKind};
 pub use lower::{Compiled, Overrides, compile, compile_with};
 pub use plan::{
-    Campaign, Documented, Driver, Evaluation, NamedTown, Pedestrian, Plan, Published, PublishedCell, PublishedFigure,
-    Search, SearchKey, Training, TrainingKey,
+    Campaign, ControllerKind, Documented, Driver, Evaluation, NamedTown, Plan, Published, PublishedCell,
+    PublishedFigure, Search, SearchKey, Training, TrainingKey,
 };
 pub use policy_kind::{MakePolicy, PolicyKind};
 pub use published::published_columns;

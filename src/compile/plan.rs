@@ -197,22 +197,22 @@ pub struct Training {
     pub recipe: Recipe,
 }
 
-/// Who is tried.
+/// What controls the pedestrian of an evaluation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Pedestrian {
-    /// The one that a training brings forth: its place in [`Campaign::trainings`].
+pub enum ControllerKind {
+    /// The result of a training, which takes the mean of its policy: the training's place in [`Campaign::trainings`].
     Trained(usize),
-    /// The same, drawing its commands from its policy as in training instead of taking the mean.
+    /// The same, which draws its commands from its policy, as in training.
     Sampled(usize),
-    /// One that draws every command uniformly from all that it could do.
+    /// Draws every command uniformly from its range.
     Random,
-    /// One that walks straight at the ego.
+    /// Walks straight at the ego.
     Homing,
-    /// One that walks to where it would meet an ego that keeps its velocity.
+    /// Walks to where it would meet an ego that keeps its velocity.
     Intercept,
 }
 
-impl Pedestrian {
+impl ControllerKind {
     /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
@@ -230,8 +230,8 @@ impl Pedestrian {
 pub struct Evaluation {
     /// Its short name.
     pub id: RunId,
-    /// Who is tried.
-    pub pedestrian: Pedestrian,
+    /// What controls the pedestrian.
+    pub controller: ControllerKind,
     /// What it was trained in; for the untrained ones, whose reward and run these rows are compared with.
     pub trained: Arc<TrainingKey>,
     /// Name of the town.

@@ -45,7 +45,7 @@ impl Campaign {
         let mut register = Register::default();
         for evaluation in &mut self.evaluations {
             let key = &evaluation.trained;
-            let names = Names::new(&self.name).and(&evaluation.block.to_string()).and(evaluation.pedestrian.name());
+            let names = Names::new(&self.name).and(&evaluation.block.to_string()).and(evaluation.controller.name());
             let names = names.and(&key.reward).and(&key.town).and(&key.policy).and(&key.run.to_string());
             let names = names.and(&evaluation.town).and(&evaluation.policy);
             evaluation.id = register.name(names.and(&evaluation.vehicle).and(&evaluation.adversary));

@@ -49,7 +49,6 @@ pub struct Outcome {
     /// A digest of every state of the episode: equal digests mean equal episodes.
     pub digest: u64,
     /// Hashes of the states on the way, which show from where on two episodes differ.
-    #[serde(rename = "trail")]
     pub state_hashes: StateHashes,
 }
 

@@ -25,7 +25,7 @@ pub const TRAIN_POLICY: Column<String> =
 pub const RUN: Column<u32> = Column::new("run", "", "number of the run, that is of the training, from 0");
 /// What controls the pedestrian.
 pub const CONTROLLER: Column<String> = Column::new(
-    "pedestrian",
+    "controller",
     "",
     "what controls the pedestrian: `trained` (the mean of its policy), `sampled` (draws from its policy), `random` (each command \
      uniform), `homing` (walks straight at the car, as fast as it can), `intercept` (walks to where it would meet a car that keeps its \
@@ -125,8 +125,8 @@ pub const PEDESTRIAN_YAW: Column<f64> =
 pub const DIGEST: Column<String> =
     Column::new("digest", "", "hash of every state of the episode; equal digests mean equal episodes");
 /// Digests on the way.
-pub const TRAIL: Column<String> = Column::new(
-    "trail",
+pub const STATE_HASHES: Column<String> = Column::new(
+    "state_hashes",
     "",
     "of a collision: the number of decisions from mark to mark, a colon, and a byte of the digest at each mark; it shows where a \
      repetition diverges",

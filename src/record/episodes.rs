@@ -4,7 +4,7 @@ use super::columns::{
     ADVERSARY, AVOIDS, BLOCK, COLLISION, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
     EPISODE_LENGTH, EPISODE_REWARD, ERROR, FORESEEABLE, FRONT, HIDDEN_SHARE, IMPACT_BEARING, IMPACT_SPEED, IN_SIGHT,
     LEAST_GAP, MARGIN, MIN_TTC, MOVING, OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, REWARD, RUN,
-    RUN_ID, SPEED_REDUCTION, TICKS, TOWN, TRAIL, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT, WARNING,
+    RUN_ID, SPEED_REDUCTION, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT, WARNING,
 };
 use super::metric::{self, Metric};
 use super::{CellKey, ColumnReference, Entry, EpisodeRow, RunKey, Table};
@@ -124,7 +124,10 @@ pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
         .column(PEDESTRIAN_Y.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.y))
         .column(PEDESTRIAN_YAW.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.yaw.to_degrees()))
         .column(DIGEST.of(|row: &EpisodeRow| format!("{:016x}", row.outcome.digest)))
-        .column(TRAIL.of(|row: &EpisodeRow| row.outcome.is_collision().then(|| row.outcome.state_hashes.to_string())));
+        .column(
+            STATE_HASHES
+                .of(|row: &EpisodeRow| row.outcome.is_collision().then(|| row.outcome.state_hashes.to_string())),
+        );
     table.columns(verdicts())
 }
 

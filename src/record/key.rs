@@ -37,7 +37,7 @@ impl CellKey {
             policy: evaluation.policy.to_string(),
             vehicle: evaluation.vehicle.to_string(),
             adversary: evaluation.adversary.to_string(),
-            controller: evaluation.pedestrian.name().to_string(),
+            controller: evaluation.controller.name().to_string(),
             reward: trained.reward.clone(),
             train_town: trained.town.clone(),
             train_policy: trained.policy.clone(),

@@ -5,7 +5,7 @@ use polars::prelude::{BooleanChunked, DataFrame, Float64Chunked, PolarsResult, S
 use super::columns::{
     ADVERSARY, AVOIDS, BLOCK, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
     EPISODE_LENGTH, EPISODE_REWARD, ERROR, FRONT, IMPACT_BEARING, IMPACT_SPEED, IN_SIGHT, LEAST_GAP, MIN_TTC, MOVING,
-    OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, REWARD, RUN, RUN_ID, TICKS, TOWN, TRAIL,
+    OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, REWARD, RUN, RUN_ID, STATE_HASHES, TICKS, TOWN,
     TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT, WEIGHT,
 };
 use super::episodes::named;
@@ -131,7 +131,7 @@ impl<'a> EpisodeTable<'a> {
             pedestrian_y: PEDESTRIAN_Y.read(table)?,
             pedestrian_yaw: PEDESTRIAN_YAW.read(table)?,
             digest: DIGEST.read(table)?,
-            trail: TRAIL.read(table)?,
+            trail: STATE_HASHES.read(table)?,
             verdict: VERDICT.read(table)?,
             in_sight: IN_SIGHT.read(table)?,
         })

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::{Change, EpisodeName, Error, Input, Notice, Session};
 use crate::campaign;
-use crate::compile::{Campaign, Evaluation, Pedestrian, Search};
+use crate::compile::{Campaign, ControllerKind, Evaluation, Search};
 use crate::report::{FileRecord, Manifest, ReadError, StoredReport};
 use crate::rl::ActorCritic;
 use crate::seed::Seed;
@@ -135,8 +135,10 @@ impl Source {
     /// # Errors
     /// Their file cannot be read.
     pub fn trained(&self, evaluation: &Evaluation) -> Result<Option<ActorCritic>, ReadError> {
-        match evaluation.pedestrian {
-            Pedestrian::Trained(_) | Pedestrian::Sampled(_) => self.report.pedestrian(&evaluation.trained).map(Some),
+        match evaluation.controller {
+            ControllerKind::Trained(_) | ControllerKind::Sampled(_) => {
+                self.report.pedestrian(&evaluation.trained).map(Some)
+            }
             _ => Ok(None),
         }
     }

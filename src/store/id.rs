@@ -97,7 +97,7 @@ fn evaluation(evaluation: &Evaluation, training: Option<Id>, seed: u64) -> Id {
         &seed.to_le_bytes(),
         evaluation.town.as_bytes(),
         evaluation.policy.as_bytes(),
-        evaluation.pedestrian.name().as_bytes(),
+        evaluation.controller.name().as_bytes(),
         &evaluation.trained.run.to_le_bytes(),
         evaluation.recipe.bytes(),
         training.as_ref().map_or(&[], |training| &training.0),

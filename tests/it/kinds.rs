@@ -117,7 +117,7 @@ fn kinds_add_up_and_their_examples_can_be_repeated() {
         assert!((here.iter().map(|row| number(row, "share")).sum::<f64>() - 1.0).abs() < 1e-9);
         for row in here {
             let (run, episode) = (number(row, "example_run") as u32, number(row, "example_episode") as u32);
-            let is_it = |each: &&Evaluation| each.pedestrian.name() == pedestrian && each.trained.run == run;
+            let is_it = |each: &&Evaluation| each.controller.name() == pedestrian && each.trained.run == run;
             let evaluation = campaign.evaluations.iter().find(is_it).unwrap();
             let again = watch(
                 evaluation,
@@ -154,7 +154,7 @@ fn kinds_add_up_and_their_examples_can_be_repeated() {
 #[test]
 fn what_does_not_repeat_is_counted_and_not_clustered() {
     let (campaign, seed) = (campaign(), Seed::root(7));
-    let evaluation = campaign.evaluations.iter().find(|each| each.pedestrian.name() == "intercept").unwrap();
+    let evaluation = campaign.evaluations.iter().find(|each| each.controller.name() == "intercept").unwrap();
     let mut run = episodes(&rows(evaluation, &seed));
     let wrong = vec!["0123456789abcdef"; run.height()];
     run.with_column(Column::from(Series::new("digest".into(), wrong))).unwrap();

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use falsify::internal::compile::{Catalog, Pedestrian, compile};
+use falsify::internal::compile::{Catalog, ControllerKind, compile};
 use falsify::internal::diagnostic::Sources;
 use falsify::internal::env::Outcome;
 use falsify::internal::falsifier::{ActionMode, Random, TrainedWalker, WalkPolicy, train, try_walker};
@@ -29,7 +29,7 @@ fn a_trained_pedestrian_hits_a_careful_car_far_more_often_than_a_random_one() {
     let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
     let plan = compiled.plan.unwrap();
     let (training, evaluation) = (&plan.campaigns[0].trainings[0], &plan.campaigns[0].evaluations[0]);
-    assert_eq!(evaluation.pedestrian, Pedestrian::Trained(0));
+    assert_eq!(evaluation.controller, ControllerKind::Trained(0));
     let go_on = |_: &_| ControlFlow::Continue(());
     let trained = train(&training.scenario, 1, &training.config, &Seed::root(3), &mut { go_on }).unwrap();
     let rate = |walker: &mut dyn WalkPolicy| {

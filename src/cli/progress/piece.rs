@@ -3,7 +3,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::campaign::Task;
-use crate::compile::{Campaign, Evaluation, Pedestrian};
+use crate::compile::{Campaign, ControllerKind, Evaluation};
 
 /// What a piece of work is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
@@ -198,10 +198,10 @@ impl Piece {
 /// Who is tried, where, against whom.
 fn evaluation(evaluation: &Evaluation) -> String {
     let (key, here) = (&evaluation.trained, (&*evaluation.town, &*evaluation.policy));
-    let who = match evaluation.pedestrian {
-        Pedestrian::Trained(_) if (key.town.as_str(), key.policy.as_str()) == here => key.reward.clone(),
-        Pedestrian::Trained(_) => format!("{} of {} and {}", key.reward, key.town, key.policy),
-        Pedestrian::Sampled(_) => format!("sampled {} of {} and {}", key.reward, key.town, key.policy),
+    let who = match evaluation.controller {
+        ControllerKind::Trained(_) if (key.town.as_str(), key.policy.as_str()) == here => key.reward.clone(),
+        ControllerKind::Trained(_) => format!("{} of {} and {}", key.reward, key.town, key.policy),
+        ControllerKind::Sampled(_) => format!("sampled {} of {} and {}", key.reward, key.town, key.policy),
         other => format!("{} ({})", other.name(), key.reward),
     };
     format!("{who} in {} against {}, run {}", here.0, here.1, key.run)

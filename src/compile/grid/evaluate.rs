@@ -5,7 +5,7 @@ use super::axis::{Axis, Usual};
 use super::ground::note_towns;
 use crate::compile::RunId;
 use crate::compile::lowering::Lowering;
-use crate::compile::plan::{Campaign, Evaluation, Pedestrian, Training, TrainingKey};
+use crate::compile::plan::{Campaign, ControllerKind, Evaluation, Training, TrainingKey};
 use crate::env::RewardRule;
 use crate::lang::codes;
 use crate::lang::hir::Block;
@@ -37,8 +37,9 @@ impl Lowering<'_> {
         if untrained && words.iter().any(|word| matches!(word, Value::Choice("trained" | "sampled"))) {
             return self.said.push(codes::nobody_trained(block.place("pedestrians")));
         }
-        let who = if untrained { untrained_pedestrians(words) } else { pedestrians(words, &campaign.trainings) };
-        let each = who.len().max(rewards.len());
+        let controllers =
+            if untrained { untrained_controllers(words) } else { controllers(words, &campaign.trainings) };
+        let each = controllers.len().max(rewards.len());
         if !self.fits(block, [ground.towns.len(), ground.policies.len(), all.len(), each]) {
             return;
         }
@@ -56,9 +57,9 @@ impl Lowering<'_> {
             if untrained {
                 scenarios.insert(NO_REWARD, scenario(&RewardRule::default(), &[]));
             }
-            campaign.evaluations.extend(who.iter().map(|(pedestrian, trained)| Evaluation {
+            campaign.evaluations.extend(controllers.iter().map(|(controller, trained)| Evaluation {
                 id: RunId::default(),
-                pedestrian: *pedestrian,
+                controller: *controller,
                 trained: trained.clone(),
                 town: place.town.name.clone(),
                 policy: place.policy.name.clone(),
@@ -74,45 +75,45 @@ impl Lowering<'_> {
     }
 }
 
-/// Who is tried where nobody is trained: each once, for no reward.
-fn untrained_pedestrians(words: &[Value]) -> Vec<(Pedestrian, Arc<TrainingKey>)> {
+/// The controllers of a campaign without training: each once, for no reward.
+fn untrained_controllers(words: &[Value]) -> Vec<(ControllerKind, Arc<TrainingKey>)> {
     let reward = NO_REWARD.to_string();
     let key = Arc::new(TrainingKey { town: String::new(), policy: String::new(), reward, run: 0 });
     let untrained = |word: &Value| match word {
-        Value::Choice("random") => Some(Pedestrian::Random),
-        Value::Choice("homing") => Some(Pedestrian::Homing),
-        Value::Choice("intercept") => Some(Pedestrian::Intercept),
+        Value::Choice("random") => Some(ControllerKind::Random),
+        Value::Choice("homing") => Some(ControllerKind::Homing),
+        Value::Choice("intercept") => Some(ControllerKind::Intercept),
         _ => None,
     };
-    words.iter().filter_map(untrained).map(|pedestrian| (pedestrian, key.clone())).collect()
+    words.iter().filter_map(untrained).map(|controller| (controller, key.clone())).collect()
 }
 
-/// Who is tried: every trained pedestrian, and for every run of a reward a random one, which draws anew in each; the
-/// homing and the intercepting one draw nothing, so they are tried once for each reward.
-fn pedestrians(words: &[Value], trainings: &[Training]) -> Vec<(Pedestrian, Arc<TrainingKey>)> {
+/// The controllers of a campaign with trainings: every trained one, and for every run of a reward a random one, which draws anew in each.
+/// The homing and the intercepting controller draw nothing, so they are evaluated once for each reward.
+fn controllers(words: &[Value], trainings: &[Training]) -> Vec<(ControllerKind, Arc<TrainingKey>)> {
     let mut all = Vec::new();
     for word in words {
         let Value::Choice(word) = word else { panic!("checked: a choice") };
         let mut seen = BTreeSet::new();
         for (index, training) in trainings.iter().enumerate() {
-            let pedestrian = match *word {
-                "random" => Pedestrian::Random,
-                "homing" => Pedestrian::Homing,
-                "intercept" => Pedestrian::Intercept,
-                "sampled" => Pedestrian::Sampled(index),
-                _ => Pedestrian::Trained(index),
+            let controller = match *word {
+                "random" => ControllerKind::Random,
+                "homing" => ControllerKind::Homing,
+                "intercept" => ControllerKind::Intercept,
+                "sampled" => ControllerKind::Sampled(index),
+                _ => ControllerKind::Trained(index),
             };
             let mut key = training.key.clone();
-            if matches!(pedestrian, Pedestrian::Random | Pedestrian::Homing | Pedestrian::Intercept) {
+            if matches!(controller, ControllerKind::Random | ControllerKind::Homing | ControllerKind::Intercept) {
                 key.town = String::new();
                 key.policy = String::new();
             }
-            if matches!(pedestrian, Pedestrian::Homing | Pedestrian::Intercept) {
+            if matches!(controller, ControllerKind::Homing | ControllerKind::Intercept) {
                 key.run = 0;
             }
             let key = Arc::new(key);
-            if seen.insert((pedestrian, key.clone())) {
-                all.push((pedestrian, key));
+            if seen.insert((controller, key.clone())) {
+                all.push((controller, key));
             }
         }
     }

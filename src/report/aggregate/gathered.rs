@@ -91,7 +91,7 @@ pub fn gather(
         // Sums must not depend on the number of pieces.
         whole.rechunk_mut();
         gathered.runs.vstack_mut(&runs(&whole).map_err(failed)?).map_err(failed)?;
-        if evaluation.pedestrian.name() == "trained" {
+        if evaluation.controller.name() == "trained" {
             gathered.note_starts(evaluation, &whole).map_err(failed)?;
         }
         kinds.add(&whole).map_err(failed)?;

@@ -10,7 +10,7 @@ use crate::env::{Ending, Outcome};
 use crate::falsifier::Failure;
 use crate::record::columns::{
     BLOCK, DIGEST, DRIVING_MODE, EPISODE_LENGTH, EPISODE_REWARD, IMPACT, IMPACT_SPEED, MOTION, POLICY, REWARD, RUN,
-    RUN_ID, TOWN, TRAIL,
+    RUN_ID, STATE_HASHES, TOWN,
 };
 use crate::record::metric::MEAN;
 use crate::record::{Column, Entry, Interval, Table};
@@ -20,12 +20,12 @@ use crate::statistics::mean_interval;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figures {
     failures: usize,
-    failed_beginnings: usize,
+    failed_starts: usize,
     failure_rate: Option<f64>,
     first: Option<u64>,
     distinct: usize,
-    tried_collisions: usize,
-    tried_rate: Option<f64>,
+    evaluated_collisions: usize,
+    evaluated_rate: Option<f64>,
 }
 
 impl Figures {
@@ -33,15 +33,15 @@ impl Figures {
         let spent = &result.spent;
         let share = |part: usize, whole: u64| (whole > 0).then(|| part as f64 / whole as f64);
         let kinds: BTreeSet<_> = spent.failures.iter().map(|failure| kind(&failure.outcome)).collect();
-        let tried_collisions = result.tried.iter().filter(|outcome| outcome.is_collision()).count();
+        let evaluated_collisions = result.tried.iter().filter(|outcome| outcome.is_collision()).count();
         Self {
             failures: spent.failures.len(),
-            failed_beginnings: spent.failures.iter().map(|failure| failure.beginning).collect::<BTreeSet<_>>().len(),
+            failed_starts: spent.failures.iter().map(|failure| failure.beginning).collect::<BTreeSet<_>>().len(),
             failure_rate: share(spent.failures.len(), spent.episodes),
             first: spent.failures.first().map(|failure| failure.ticks),
             distinct: kinds.len(),
-            tried_collisions,
-            tried_rate: share(tried_collisions, result.tried.len() as u64),
+            evaluated_collisions,
+            evaluated_rate: share(evaluated_collisions, result.tried.len() as u64),
         }
     }
 }
@@ -74,11 +74,11 @@ pub struct SearchCell {
     /// Failures.
     pub failures: Average,
     /// Starts from which a failure was found.
-    pub failed_beginnings: Average,
+    pub failed_starts: Average,
     /// Kinds of failures.
     pub distinct: Average,
     /// Collision rate of the pedestrian it ended up with.
-    pub tried_rate: Average,
+    pub evaluated_rate: Average,
 }
 
 /// A mean over runs with Student's 95 % interval; the mean is none without a value, the interval with fewer than two.
@@ -122,9 +122,9 @@ fn gather(cell: &[&SearchResult]) -> SearchCell {
         first_failure: median_time(&times),
         failure_rate: share(over(&|figures| figures.failure_rate)),
         failures: over(&|figures| Some(figures.failures as f64)),
-        failed_beginnings: over(&|figures| Some(figures.failed_beginnings as f64)),
+        failed_starts: over(&|figures| Some(figures.failed_starts as f64)),
         distinct: over(&|figures| Some(figures.distinct as f64)),
-        tried_rate: share(over(&|figures| figures.tried_rate)),
+        evaluated_rate: share(over(&|figures| figures.evaluated_rate)),
     }
 }
 
@@ -139,7 +139,7 @@ const FALSIFIER: Column<String> = Column::new("falsifier", "", "name of the fals
 pub const FAILURE: Column<u64> =
     Column::new("failure", "", "number of the failure in its search, from 0; `RUN_ID:FAILURE` is its name");
 /// The start.
-pub const BEGINNING: Column<u64> = Column::new("beginning", "", "number of its start");
+pub const START: Column<u64> = Column::new("start", "", "number of its start");
 /// Ticks when it was found.
 pub const FOUND_AFTER: Column<u64> = Column::new("found_after_ticks", "", "simulator ticks that the search had used");
 /// The commands of the pedestrian.
@@ -156,10 +156,10 @@ const BUDGET: Column<u64> = Column::new("budget_ticks", "", "simulator ticks tha
 // The columns of searches that cells of searches summarise.
 const FAILURE_COUNT: &str = "failures";
 const FAILURE_RATE: &str = "failure_rate";
-const FAILED_STARTS: &str = "failed_beginnings";
+const FAILED_STARTS: &str = "failed_starts";
 const FIRST_FAILURE: &str = "first_failure_ticks";
 const DISTINCT: &str = "distinct_failures";
-const TRIED_RATE: &str = "tried_rate";
+const EVALUATED_RATE: &str = "evaluated_rate";
 
 /// The columns of a search's key, without the run.
 fn search_key<'t, R>(key: impl Fn(&R) -> &SearchKey + Copy + 't) -> [Entry<'t, R>; 6] {
@@ -218,7 +218,7 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
     )
     .column(
         count(
-            "beginnings",
+            "starts",
             "",
             "different starts of these episodes; starts 0, 1, 2, … of a run are the same for all falsifiers",
         )
@@ -233,7 +233,7 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
             "starts from which a collision was found; the fair count between methods that leave a start after a collision (`cem`, `cma_es`, \
              `mcts`) and those that walk once from each",
         )
-        .of(|row: &Row<'_>| row.1.failed_beginnings as u64),
+        .of(|row: &Row<'_>| row.1.failed_starts as u64),
     )
     .column(
         number(FIRST_FAILURE, "", "ticks used when the first was found, its own included; missing if none was found")
@@ -250,14 +250,14 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
     )
     .column(
         count(
-            "tried_episodes",
+            "evaluated_episodes",
             "",
             "fresh episodes of the controller that the falsifier ended with, outside the budget; their starts are those of `evaluate`",
         )
         .of(|row: &Row<'_>| row.0.tried.len() as u64),
     )
-    .column(count("tried_collisions", "", "collisions of these").of(|row: &Row<'_>| row.1.tried_collisions as u64))
-    .column(number(TRIED_RATE, "", "their share of `tried_episodes`").of(|row: &Row<'_>| row.1.tried_rate))
+    .column(count("evaluated_collisions", "", "collisions of these").of(|row: &Row<'_>| row.1.evaluated_collisions as u64))
+    .column(number(EVALUATED_RATE, "", "their share of `evaluated_episodes`").of(|row: &Row<'_>| row.1.evaluated_rate))
 }
 
 /// Cells of searches as a table, one row each, in the order given.
@@ -292,9 +292,9 @@ pub fn search_cell_columns() -> Table<'static, SearchCell> {
     )
     .columns(averaged(FAILURE_RATE, |cell| cell.failure_rate))
     .columns(averaged(FAILURE_COUNT, |cell| cell.failures))
-    .columns(averaged(FAILED_STARTS, |cell| cell.failed_beginnings))
+    .columns(averaged(FAILED_STARTS, |cell| cell.failed_starts))
     .columns(averaged(DISTINCT, |cell| cell.distinct))
-    .columns(averaged(TRIED_RATE, |cell| cell.tried_rate))
+    .columns(averaged(EVALUATED_RATE, |cell| cell.evaluated_rate))
 }
 
 /// The mean of a column over runs with its interval.
@@ -323,7 +323,7 @@ pub fn failure_table<'a>() -> Table<'a, Found<'a>> {
         .columns(search_key(|row: &Row<'_>| &row.0.key))
         .column(run(|row: &Row<'_>| &row.0.key))
         .column(FAILURE.of(|row: &Row<'_>| row.2))
-        .column(BEGINNING.of(|row: &Row<'_>| row.1.beginning))
+        .column(START.of(|row: &Row<'_>| row.1.beginning))
         .column(FOUND_AFTER.of(|row: &Row<'_>| row.1.ticks))
         .column(IMPACT.of(|row: &Row<'_>| kind(&row.1.outcome).0.name()))
         .column(MOTION.of(|row: &Row<'_>| if kind(&row.1.outcome).1 { "moving" } else { "standing" }))
@@ -333,7 +333,7 @@ pub fn failure_table<'a>() -> Table<'a, Found<'a>> {
         .column(EPISODE_LENGTH.of(|row: &Row<'_>| row.1.outcome.duration))
         .column(COMMANDS.of(|row: &Row<'_>| commands(row.1)))
         .column(DIGEST.of(|row: &Row<'_>| format!("{:016x}", row.1.outcome.digest)))
-        .column(TRAIL.of(|row: &Row<'_>| row.1.outcome.state_hashes.to_string()))
+        .column(STATE_HASHES.of(|row: &Row<'_>| row.1.outcome.state_hashes.to_string()))
 }
 
 /// Commands as `heading@speed` (rad, m/s), with all the digits that it takes to read the same numbers back.

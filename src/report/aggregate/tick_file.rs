@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::ticks::TICKS;
 use super::{Episodes, ticks};
 use crate::campaign::{Finished, watch};
-use crate::compile::{Evaluation, Pedestrian};
+use crate::compile::{ControllerKind, Evaluation};
 use crate::env::{Outcome, Trace};
 use crate::record::EpisodeTable;
 use crate::report::{ReportFolder, WriteError};
@@ -43,7 +43,7 @@ impl<'a> Wanted<'a> {
             let trained = finished.trainings.iter().find(|training| training.key == *evaluation.trained);
             let trained =
                 trained.and_then(|training| training.result.as_ref().ok()).map(|trained| &trained.actor_critic);
-            let learnt = matches!(evaluation.pedestrian, Pedestrian::Trained(_) | Pedestrian::Sampled(_));
+            let learnt = matches!(evaluation.controller, ControllerKind::Trained(_) | ControllerKind::Sampled(_));
             let chosen = run.parts().map(|part| chosen(&part?, all)).collect::<PolarsResult<Vec<_>>>();
             let episodes = chosen.map_err(|source| WriteError::Table { name: TICKS.into(), source })?.concat();
             if !episodes.is_empty() && (trained.is_some() || !learnt) {

@@ -3,7 +3,7 @@ use polars::prelude::{DataFrame, PolarsResult};
 use super::cell::CellModes;
 use super::sample::RunSample;
 use crate::campaign::TrainingResult;
-use crate::compile::{Campaign, Evaluation, Pedestrian};
+use crate::compile::{Campaign, ControllerKind, Evaluation};
 use crate::record::RunKey;
 use crate::rl::ActorCritic;
 use crate::seed::Seed;
@@ -79,7 +79,9 @@ fn networks<'a>(
     trainings: &'a [TrainingResult],
     evaluation: &Evaluation,
 ) -> Option<&'a ActorCritic> {
-    let (Pedestrian::Trained(training) | Pedestrian::Sampled(training)) = evaluation.pedestrian else { return None };
+    let (ControllerKind::Trained(training) | ControllerKind::Sampled(training)) = evaluation.controller else {
+        return None;
+    };
     let key = &campaign.trainings[training].key;
     let result = trainings.iter().find(|result| result.key == *key)?;
     Some(&result.result.as_ref().ok()?.actor_critic)

@@ -11,7 +11,7 @@ use crate::statistics::wilson;
 
 /// The controller that is subtracted.
 const OTHER_CONTROLLER: Column<String> =
-    Column::new("other_pedestrian", "", "controller of the cell that is subtracted");
+    Column::new("other_controller", "", "controller of the cell that is subtracted");
 /// Its reward.
 const OTHER_REWARD: Column<String> = Column::new("other_reward", "", "reward of that cell");
 /// What is compared.

@@ -13,8 +13,8 @@ use polars_io::{SerReader, SerWriter};
 use crate::compile::{RunId, TrainingKey};
 use crate::env::StateHashes;
 use crate::record::EPISODES;
-use crate::record::columns::{EPISODE, RUN_ID, TRAIL};
-use crate::report::aggregate::{BEGINNING, COMMANDS, FAILURE, FAILURES, FOUND_AFTER, RUNS, TICKS};
+use crate::record::columns::{EPISODE, RUN_ID, STATE_HASHES};
+use crate::report::aggregate::{COMMANDS, FAILURE, FAILURES, FOUND_AFTER, RUNS, START, TICKS};
 use crate::report::folder::MARK;
 use crate::report::{Manifest, pedestrian_file};
 use crate::rl::{ActorCritic, CheckpointError};
@@ -254,7 +254,7 @@ pub fn value(row: &DataFrame, column: &str) -> String {
 
 /// The trail of the first row, if it has one.
 pub fn trail(row: &DataFrame) -> Option<StateHashes> {
-    value(row, TRAIL.name).parse().ok()
+    value(row, STATE_HASHES.name).parse().ok()
 }
 
 /// The failure of a search in the first row; none when its columns hold something else.
@@ -265,7 +265,7 @@ pub fn failure(row: &DataFrame) -> Option<StoredFailure> {
     };
     let number = |column: &str| u64::from_str(&value(row, column)).ok();
     Some(StoredFailure {
-        beginning: number(BEGINNING.name)?,
+        beginning: number(START.name)?,
         ticks: number(FOUND_AFTER.name)?,
         commands: value(row, COMMANDS.name).split_whitespace().map(command).collect::<Option<_>>()?,
     })

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use super::super::town::Scenery;
 use super::{ModeCard, Replay};
 use crate::campaign::{TrainingResult, watch};
-use crate::compile::{Campaign, Evaluation, Pedestrian};
+use crate::compile::{Campaign, ControllerKind, Evaluation};
 use crate::judge::judge;
 use crate::rl::ActorCritic;
 use crate::seed::Seed;
@@ -44,8 +44,8 @@ fn repeat(
     episode: u32,
     scenery: &Scenery,
 ) -> Option<Replay> {
-    let trained: Option<&ActorCritic> = match evaluation.pedestrian {
-        Pedestrian::Trained(training) | Pedestrian::Sampled(training) => {
+    let trained: Option<&ActorCritic> = match evaluation.controller {
+        ControllerKind::Trained(training) | ControllerKind::Sampled(training) => {
             let key = &campaign.trainings[training].key;
             let found = trainings.iter().find(|training| training.key == *key)?;
             Some(&found.result.as_ref().ok()?.actor_critic)

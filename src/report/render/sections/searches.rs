@@ -23,9 +23,9 @@ pub fn search_section(cells: &[SearchCell]) -> Section {
             Value::Of((cell.runs - cell.censored) as u64, cell.runs as u64),
             median(cell.first_failure).into(),
             average(cell.failure_rate, 3),
-            average(cell.failed_beginnings, 1),
+            average(cell.failed_starts, 1),
             average(cell.distinct, 1),
-            average(cell.tried_rate, 2),
+            average(cell.evaluated_rate, 2),
         ]
     };
     Section {
