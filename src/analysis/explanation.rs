@@ -311,7 +311,7 @@ mod tests {
         let counted = found.rules.iter().fold((0, 0), |sum, rule| {
             (sum.0 + rule.learnt.0 + rule.held_out.0, sum.1 + rule.learnt.1 + rule.held_out.1)
         });
-        assert_eq!(counted, found.overall, "the rules part the beginnings");
+        assert_eq!(counted, found.overall, "the rules part the starts");
     }
 
     #[test]

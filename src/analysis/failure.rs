@@ -9,9 +9,9 @@ use crate::judge::Label;
 pub enum Impact {
     /// Within the front sector.
     Front,
-    /// Beside it, to the car's left.
+    /// PublishedComparison it, to the car's left.
     Left,
-    /// Beside it, to the car's right.
+    /// PublishedComparison it, to the car's right.
     Right,
     /// Within 60° of straight behind.
     Rear,

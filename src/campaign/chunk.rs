@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::watch::{flow, watch_numbered};
-use super::{Keeper, Observer, Progress, Task, TaskError};
+use super::{Observer, Progress, ResultStore, Task, TaskError};
 use crate::compile::Campaign;
 use crate::env::{Outcome, Trace};
 use crate::judge::{NearMiss, judge};
@@ -32,19 +32,19 @@ impl Rows {
     }
 }
 
-/// Tries the episodes of a chunk that the keeper does not have.
+/// Tries the episodes of a chunk that the result store does not have.
 pub(super) fn try_chunk(
     campaign: &Campaign,
     (index, chunk): (usize, u32),
     trained: Option<&ActorCritic>,
     seed: &Seed,
-    keeper: &dyn Keeper,
+    results: &dyn ResultStore,
     observer: &dyn Observer,
 ) {
     let evaluation = &campaign.evaluations[index];
     let task = Task::Chunk { evaluation: index, chunk };
     let wanted = evaluation.chunk(chunk);
-    let before = keeper.episodes(index, chunk);
+    let before = results.episodes(index, chunk);
     let first = wanted.start + before.episodes;
     if before.enough || first >= wanted.end {
         return observer.reused(task);
@@ -65,12 +65,12 @@ pub(super) fn try_chunk(
             weight: 1.0,
         });
     };
-    let stop = || observer.stop() || keeper.stop();
+    let stop = || observer.stop() || results.stop();
     let mut tell = |_| {
         observer.tried(index, evaluation);
         let rows = rows.borrow();
-        keeper.keep_episodes(index, chunk, &rows.settled, Progress::UnderWay);
-        limit = keeper.limit(task, rows.ticks);
+        results.keep_episodes(index, chunk, &rows.settled, Progress::UnderWay);
+        limit = results.limit(task, rows.ticks);
         flow(limit.is_some() || stop())
     };
     let rule = evaluation.rule();
@@ -99,7 +99,7 @@ pub(super) fn try_chunk(
         None if enough => Progress::Enough,
         None => Progress::Ended,
     };
-    keeper.keep_episodes(index, chunk, &settled, end);
+    results.keep_episodes(index, chunk, &settled, end);
     observer.chunk_ended(index, chunk, error.as_ref());
 }
 

@@ -1,11 +1,11 @@
 //! Runs a campaign: trainings, evaluations and searches as tasks, side by side on rayon's threads.
 //!
-//! What is finished goes to a [`Keeper`], who gives it back another time; progress goes to an [`Observer`]. An evaluation begins when
+//! A [`ResultStore`] takes what is finished and returns it in a later run; progress goes to an [`Observer`]. An evaluation begins when
 //! its pedestrian is trained. Results are in the order of the plan, whatever the threads did.
 
 mod task;
 mod observer;
-mod keeper;
+mod result_store;
 mod watch;
 mod chunk;
 mod stopping;
@@ -16,8 +16,8 @@ mod run;
 mod shard;
 mod smoke;
 
-pub use keeper::{Claim, InMemory, Keeper, Progress};
 pub use observer::{Observer, Silent};
+pub use result_store::{Claim, InMemory, Progress, ResultStore};
 pub use run::{Finished, TrainingResult, collect, run, run_tasks};
 pub use search_result::SearchResult;
 pub use shard::{Shard, deal, shard};

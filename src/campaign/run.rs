@@ -6,7 +6,7 @@ use rayon::Yield;
 use super::chunk::try_chunk;
 use super::queue::{Next, Queue};
 use super::search::search;
-use super::{Keeper, Observer, Progress, SearchResult, Task, TaskError, tasks};
+use super::{Observer, Progress, ResultStore, SearchResult, Task, TaskError, tasks};
 use crate::compile::{Campaign, Training, TrainingKey};
 use crate::falsifier::TrainingRun;
 use crate::rl::{self, Trained};
@@ -21,7 +21,7 @@ pub struct TrainingResult {
     pub result: Result<Trained, TaskError>,
 }
 
-/// What came of a campaign, beside the episodes that the keeper has.
+/// What came of a campaign, beside the episodes that the result store has.
 #[derive(Debug, Clone)]
 pub struct Finished {
     /// The trainings, in the plan's order. Those that were never begun are missing.
@@ -35,10 +35,10 @@ pub struct Finished {
 /// Runs a campaign on the present rayon pool.
 ///
 /// Every training and every evaluation has a seed of its own that depends on the names of its town, policy, reward and
-/// run alone: nothing changes when others are added to the campaign. What the keeper has is not done again, which changes
+/// run alone: nothing changes when others are added to the campaign. What the result store has is not done again, which changes
 /// nothing either.
-pub fn run(campaign: &Campaign, seed: &Seed, keeper: &dyn Keeper, observer: &dyn Observer) -> Finished {
-    run_tasks(campaign, &tasks(campaign).collect::<Vec<_>>(), seed, keeper, observer)
+pub fn run(campaign: &Campaign, seed: &Seed, results: &dyn ResultStore, observer: &dyn Observer) -> Finished {
+    run_tasks(campaign, &tasks(campaign).collect::<Vec<_>>(), seed, results, observer)
 }
 
 /// Runs some tasks of a campaign as [`run`] runs all; with a chunk that needs a training comes the training.
@@ -46,7 +46,7 @@ pub fn run_tasks(
     campaign: &Campaign,
     wanted: &[Task],
     seed: &Seed,
-    keeper: &dyn Keeper,
+    results: &dyn ResultStore,
     observer: &dyn Observer,
 ) -> Finished {
     let mut ready = VecDeque::new();
@@ -61,7 +61,7 @@ pub fn run_tasks(
     let work = Work {
         campaign,
         seed,
-        keeper,
+        results,
         observer,
         queue: Queue::new(ready, later),
         waiting,
@@ -76,15 +76,15 @@ pub fn run_tasks(
     }
 }
 
-/// What a keeper has of a campaign, without doing anything.
-pub fn collect(campaign: &Campaign, keeper: &dyn Keeper) -> Finished {
+/// What a result store has of a campaign, without doing anything.
+pub fn collect(campaign: &Campaign, results: &dyn ResultStore) -> Finished {
     let training = |(index, training): (usize, &Training)| {
-        let trained = keeper.training(index)?;
+        let trained = results.training(index)?;
         Some(TrainingResult { key: training.key.clone(), result: Ok(trained) })
     };
     Finished {
         trainings: campaign.trainings.iter().enumerate().filter_map(training).collect(),
-        searches: (0..campaign.searches.len()).filter_map(|index| keeper.search(index)).collect(),
+        searches: (0..campaign.searches.len()).filter_map(|index| results.search(index)).collect(),
         interrupted: false,
     }
 }
@@ -101,7 +101,7 @@ pub(super) fn training_of(campaign: &Campaign, task: Task) -> Option<usize> {
 struct Work<'a> {
     campaign: &'a Campaign,
     seed: &'a Seed,
-    keeper: &'a dyn Keeper,
+    results: &'a dyn ResultStore,
     observer: &'a dyn Observer,
     queue: Queue,
     /// The tasks that wait for each training.
@@ -130,7 +130,7 @@ impl Work<'_> {
                 self.queue.end();
             }
             match self.queue.next() {
-                Next::Work(task) => match self.keeper.claim(task) {
+                Next::Work(task) => match self.results.claim(task) {
                     Some(_claim) => {
                         self.work_on(task);
                         let released =
@@ -150,7 +150,7 @@ impl Work<'_> {
     }
 
     fn stop(&self) -> bool {
-        self.observer.stop() || self.keeper.stop()
+        self.observer.stop() || self.results.stop()
     }
 
     fn work_on(&self, task: Task) {
@@ -168,14 +168,14 @@ impl Work<'_> {
     fn train(&self, index: usize) -> TrainingResult {
         let training = &self.campaign.trainings[index];
         let key = training.key.clone();
-        if let Some(trained) = self.keeper.training(index) {
+        if let Some(trained) = self.results.training(index) {
             self.observer.reused(Task::Training(index));
             return TrainingResult { key, result: Ok(trained) };
         }
         self.observer.training_begun(index);
         let result = self.carry_out(index, training);
         if let Ok(trained) = &result {
-            self.keeper.keep_training(index, trained);
+            self.results.keep_training(index, trained);
         }
         let result = TrainingResult { key, result };
         self.observer.training_ended(index, &result);
@@ -190,7 +190,7 @@ impl Work<'_> {
         let resume =
             |state: Vec<u8>| TrainingRun::resume(&state, scenario, training.environments, &training.config, &seed).ok();
         // A state that does not fit is as good as none: the training is done from its beginning.
-        let mut run = match self.keeper.begun(index).and_then(resume) {
+        let mut run = match self.results.begun(index).and_then(resume) {
             Some(run) => run,
             None => begin()?,
         };
@@ -199,12 +199,12 @@ impl Work<'_> {
             let log = run.learning_curve().last().expect("an update has just ended");
             self.observer.trained(index, training, log);
             let (update, ticks) = (log.update, log.steps * u64::from(scenario.episode.hold));
-            if let Some(limit) = self.keeper.limit(Task::Training(index), ticks).filter(|_| !run.is_done()) {
-                self.keeper.checkpoint(index, &run, true);
+            if let Some(limit) = self.results.limit(Task::Training(index), ticks).filter(|_| !run.is_done()) {
+                self.results.checkpoint(index, &run, true);
                 return Err(limit);
             }
             let stop = self.stop() && !run.is_done();
-            self.keeper.checkpoint(index, &run, stop);
+            self.results.checkpoint(index, &run, stop);
             if stop {
                 return Err(TaskError::Training(rl::TrainError::Stopped { update }.into()));
             }
@@ -220,22 +220,22 @@ impl Work<'_> {
             Some(TrainingResult { result: Err(TaskError::Training(error)), .. }) if error.is_stopped() => return,
             Some(TrainingResult { result: Err(error), .. }) => {
                 let error = TaskError::Untrained(Box::new(error.clone()));
-                self.keeper.keep_episodes(index, chunk, &[], Progress::Failed(&error));
+                self.results.keep_episodes(index, chunk, &[], Progress::Failed(&error));
                 return self.observer.chunk_ended(index, chunk, Some(&error));
             }
             None => None,
         };
-        try_chunk(self.campaign, (index, chunk), trained, self.seed, self.keeper, self.observer);
+        try_chunk(self.campaign, (index, chunk), trained, self.seed, self.results, self.observer);
     }
 
     fn search(&self, index: usize) -> Option<SearchResult> {
-        if let Some(result) = self.keeper.search(index) {
+        if let Some(result) = self.results.search(index) {
             self.observer.reused(Task::Search(index));
             return Some(result);
         }
-        let result = search(index, &self.campaign.searches[index], self.seed, self.keeper, self.observer)?;
+        let result = search(index, &self.campaign.searches[index], self.seed, self.results, self.observer)?;
         if result.error.is_none() && !result.spent.stopped {
-            self.keeper.keep_search(index, &result);
+            self.results.keep_search(index, &result);
         }
         self.observer.searched(index, &result);
         Some(result)

@@ -1,12 +1,12 @@
 use super::watch::flow;
-use super::{Keeper, Observer, SearchResult, Task, TaskError};
+use super::{Observer, ResultStore, SearchResult, Task, TaskError};
 use crate::compile::Search;
-use crate::falsifier::{Simulator, Spent, try_walker};
+use crate::falsifier::{SearchOutcome, Simulator, try_walker};
 use crate::seed::Seed;
 
 impl Search {
-    /// The seed of its beginnings: the same for all falsifiers.
-    pub fn beginnings(&self, seed: &Seed) -> Seed {
+    /// The seed of its starts: the same for all falsifiers.
+    pub fn starts(&self, seed: &Seed) -> Seed {
         seed.child("search").child(&self.key.town).child(&self.key.policy).index(self.key.run.into())
     }
 }
@@ -16,22 +16,22 @@ pub fn search(
     index: usize,
     search: &Search,
     seed: &Seed,
-    keeper: &dyn Keeper,
+    results: &dyn ResultStore,
     observer: &dyn Observer,
 ) -> Option<SearchResult> {
     let (key, task) = (&search.key, Task::Search(index));
-    let stop = || observer.stop() || keeper.stop();
+    let stop = || observer.stop() || results.stop();
     if stop() {
         return None;
     }
     // Ticks are what a search is given, so whether they are too many is known before.
-    if let Some(limit @ TaskError::Ticks { .. }) = keeper.limit(task, search.budget) {
-        let spent = Spent { ticks: 0, episodes: 0, beginnings: 0, failures: Vec::new(), stopped: false };
+    if let Some(limit @ TaskError::Ticks { .. }) = results.limit(task, search.budget) {
+        let spent = SearchOutcome { ticks: 0, episodes: 0, starts: 0, failures: Vec::new(), stopped: false };
         let (budget, tried) = (search.budget, Vec::new());
         return Some(SearchResult { key: key.clone(), budget, spent, tried, error: Some(limit) });
     }
-    let late = || stop() || keeper.limit(task, 0).is_some();
-    let mut simulator = Simulator::new(search.scenario.clone(), search.beginnings(seed), search.budget, &late);
+    let late = || stop() || results.limit(task, 0).is_some();
+    let mut simulator = Simulator::new(search.scenario.clone(), search.starts(seed), search.budget, &late);
     let place = |branch: &str| seed.child(branch).child(&key.town).child(&key.policy);
     let own = place("falsifier").child(&key.falsifier).index(key.run.into());
     let (walker, error) = match search.falsifier.search(&mut simulator, &own.child("search")) {
@@ -48,6 +48,6 @@ pub fn search(
         };
         try_walker(walker.as_mut(), &search.scenario, search.tries, &fresh, &drawn, &mut go_on)
     });
-    let error = error.or_else(|| keeper.limit(task, 0).filter(|_| spent.stopped && !stop()));
+    let error = error.or_else(|| results.limit(task, 0).filter(|_| spent.stopped && !stop()));
     Some(SearchResult { key: key.clone(), budget: search.budget, spent, tried, error })
 }

@@ -1,7 +1,7 @@
 use super::TaskError;
 use crate::compile::SearchKey;
 use crate::env::Outcome;
-use crate::falsifier::Spent;
+use crate::falsifier::SearchOutcome;
 
 /// What came of a search.
 #[derive(Debug, Clone)]
@@ -11,7 +11,7 @@ pub struct SearchResult {
     /// How many simulator ticks it might use.
     pub budget: u64,
     /// What it did with them.
-    pub spent: Spent,
+    pub spent: SearchOutcome,
     /// Fresh episodes of the pedestrian that it ended up with; empty without one.
     pub tried: Vec<Outcome>,
     /// Why it ended early.

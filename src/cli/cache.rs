@@ -5,7 +5,7 @@ use clap::Args;
 
 use super::exit_code::ExitCode;
 use super::{console, failure};
-use crate::store::{Store, StoreError, Wants};
+use crate::store::{References, Store, StoreError};
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
@@ -56,9 +56,9 @@ fn tell(store: &Store, options: &CacheOptions) -> Result<(), StoreError> {
     let _still = options.prune.then(|| store.hold_still());
     let sizes = store.sizes();
     let mut used = BTreeSet::new();
-    let (gone, kept): (Vec<Wants>, Vec<Wants>) =
+    let (gone, kept): (Vec<References>, Vec<References>) =
         store.wants().into_iter().partition(|wants| options.gone && wants.is_gone());
-    for Wants { campaign, tasks, elsewhere, .. } in gone.iter().chain(&kept) {
+    for References { campaign, tasks, elsewhere, .. } in gone.iter().chain(&kept) {
         let there: Vec<u64> = tasks.iter().filter_map(|id| sizes.get(id).copied()).collect();
         let of = elsewhere.as_ref().map_or(String::new(), |out| format!(" of `{}`", out.display()));
         let (count, all, size) = (there.len(), tasks.len(), megabytes(there.iter().sum()));
@@ -75,7 +75,7 @@ fn tell(store: &Store, options: &CacheOptions) -> Result<(), StoreError> {
     } else {
         console::say(&format!("{what}{}", if unused.is_empty() { "" } else { "; --prune removes them" }));
     }
-    if !options.gone && kept.iter().any(Wants::is_gone) {
+    if !options.gone && kept.iter().any(References::is_gone) {
         console::say(
             "some folders for reports do not exist, or cannot be seen from here; --prune --gone removes their tasks",
         );

@@ -72,7 +72,7 @@ pub fn sample(plan: &Plan, wanted: &Wanted<'_>) -> ExitCode {
 fn survey<'a>(campaign: &'a Campaign, wanted: &Wanted<'_>) -> Result<Vec<Sample<'a>>, WriteError> {
     let mut samples = Vec::new();
     let begins = |(_, scenario): &(&str, &Arc<Scenario>)| scenario.spawn.begins_in(&scenario.town);
-    for (town, scenario) in campaign.beginnings().into_iter().filter(begins) {
+    for (town, scenario) in campaign.starts().into_iter().filter(begins) {
         let rule = &scenario.spawn;
         let mut stream = Seed::root(wanted.seed).child("sample").child(town).child(&rule.name).stream();
         let first = scenario.cast.pedestrian.first_heading;

@@ -1,22 +1,22 @@
 //! What the files say about a cell, as a digest: results are taken up again as long as it stays the same.
 
+use super::fingerprint::Fingerprint;
 use super::lowering::Lowering;
-use super::recipe::Recipe;
 use crate::lang::hir::{Block, Declaration};
 use crate::signature::{DeclarationId, Distribution, Formula, Value};
 
 impl Lowering<'_> {
-    /// The recipe of a cell that hangs on these declarations. Towns and policies among them have been lowered before, so that
-    /// the files they name are known. The empty recipe when none is wanted.
-    pub fn recipe(&mut self, parts: &[DeclarationId]) -> Recipe {
+    /// The fingerprint of a task that depends on these declarations. Towns and policies among them have been lowered before, so that
+    /// the files they name are known. The empty fingerprint when none is wanted.
+    pub fn fingerprint(&mut self, parts: &[DeclarationId]) -> Fingerprint {
         if !self.read.wanted() {
-            return Recipe::default();
+            return Fingerprint::default();
         }
         let mut digest = blake3::Hasher::new();
         for part in parts {
             digest.update(&self.digest(*part));
         }
-        Recipe(*digest.finalize().as_bytes())
+        Fingerprint(*digest.finalize().as_bytes())
     }
 
     fn digest(&mut self, id: DeclarationId) -> [u8; 32] {
@@ -158,11 +158,11 @@ fn formula(out: &mut Vec<u8>, whole: &Formula) {
 mod tests {
     use std::path::Path;
 
-    use super::super::{Catalog, Recipe, compile};
+    use super::super::{Catalog, Fingerprint, compile};
     use crate::diagnostic::Sources;
 
-    /// The recipes of the evaluations in both towns, with this map and these changes of the text.
-    fn recipes(map: &str, changes: &[(&str, &str)]) -> Vec<Recipe> {
+    /// The fingerprints of the evaluations in both towns, with this map and these changes of the text.
+    fn fingerprints(map: &str, changes: &[(&str, &str)]) -> Vec<Fingerprint> {
         let text = r#"edition 1
 town old = opendrive(file: "old.xodr")
 town new { street quay { through: [(0 m, 0 m), (300 m, 0 m)] } }
@@ -190,16 +190,16 @@ campaign both {
         let compiled = compile(&["a.scn".into()], &Catalog::builtin(), &read, &mut Sources::default()).unwrap();
         let plan = compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));
         let campaign = &plan.campaigns[0];
-        let trained = campaign.trainings.iter().map(|each| each.recipe);
-        trained.chain(campaign.evaluations.iter().map(|each| each.recipe)).collect()
+        let trained = campaign.trainings.iter().map(|each| each.fingerprint);
+        trained.chain(campaign.evaluations.iter().map(|each| each.fingerprint)).collect()
     }
 
     #[test]
     fn a_recipe_follows_what_its_cell_hangs_on_and_nothing_else() {
         let map = include_str!("../../tests/suite/files/odd.xodr");
-        let base = recipes(map, &[]);
+        let base = fingerprints(map, &[]);
         let changed = |map: &str, changes: &[(&str, &str)]| -> Vec<bool> {
-            recipes(map, changes).iter().zip(&base).map(|(a, b)| a != b).collect()
+            fingerprints(map, changes).iter().zip(&base).map(|(a, b)| a != b).collect()
         };
         // Training, old, new.
         assert_eq!(changed(&format!("{map}<!-- resurveyed -->"), &[]), [false, true, false], "a map");

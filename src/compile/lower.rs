@@ -39,7 +39,7 @@ pub struct Overrides {
     pub settings: Vec<String>,
     /// Whether imported towns are among the plan's, too, as far as they can be built.
     pub imported_towns: bool,
-    /// Whether the plan is looked at and not run: its cells have no names, and no recipes.
+    /// Whether the plan is looked at and not run: its tasks have no names and no fingerprints.
     pub only_checked: bool,
 }
 

@@ -41,7 +41,7 @@ pub(super) struct Lowering<'a> {
     pub said: &'a mut Vec<Diagnostic>,
     pub read: &'a Noting<'a>,
     pub maps: &'a BTreeMap<String, PathBuf>,
-    /// Digests of declarations, for recipes.
+    /// Digests of declarations, for fingerprints.
     pub digests: BTreeMap<DeclarationId, [u8; 32]>,
     /// The texts of the files.
     pub sources: &'a Sources,

@@ -27,7 +27,7 @@ mod campaign;
 mod plan;
 mod noting;
 mod lowering;
-mod recipe;
+mod fingerprint;
 mod digest;
 mod run_id;
 mod run_names;
@@ -38,6 +38,7 @@ mod lower;
 mod grid;
 
 pub use catalog::{Catalog, TakenKind};
+pub use fingerprint::Fingerprint;
 pub use lower::{Compiled, Overrides, compile, compile_with};
 pub use plan::{
     Campaign, ControllerKind, Documented, Driver, Evaluation, NamedTown, Plan, Published, PublishedCell,
@@ -45,5 +46,4 @@ pub use plan::{
 };
 pub use policy_kind::{MakePolicy, PolicyKind};
 pub use published::published_columns;
-pub use recipe::Recipe;
 pub use run_id::{NoRunId, RunId};

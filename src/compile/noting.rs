@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::lang::Reader;
 
-/// Reads files and remembers a digest of each, if recipes are wanted.
+/// Reads files and remembers a digest of each, if fingerprints are wanted.
 pub(super) struct Noting<'a> {
     read: &'a dyn Reader,
     wanted: bool,

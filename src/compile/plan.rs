@@ -2,7 +2,7 @@ use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::{Recipe, RunId};
+use super::{Fingerprint, RunId};
 use crate::av::sensors::SensorModel;
 use crate::env::Scenario;
 use crate::falsifier::Falsifier;
@@ -42,7 +42,7 @@ impl Plan {
 
 impl Campaign {
     /// One scenario for every spawn rule in every town, with the town's name, each once.
-    pub fn beginnings(&self) -> Vec<(&str, &Arc<Scenario>)> {
+    pub fn starts(&self) -> Vec<(&str, &Arc<Scenario>)> {
         let trained = self.trainings.iter().map(|training| (training.key.town.as_str(), &training.scenario));
         let tried = self.evaluations.iter().map(|evaluation| (&*evaluation.town, &evaluation.scenario));
         let searched = self.searches.iter().map(|search| (search.key.town.as_str(), &search.scenario));
@@ -194,7 +194,7 @@ pub struct Training {
     /// In how many environments.
     pub environments: usize,
     /// What the files say about it.
-    pub recipe: Recipe,
+    pub fingerprint: Fingerprint,
 }
 
 /// What controls the pedestrian of an evaluation.
@@ -249,7 +249,7 @@ pub struct Evaluation {
     /// How many episodes, at most when there is a half-width.
     pub episodes: u32,
     /// What the files say about it, without how its pedestrian was trained.
-    pub recipe: Recipe,
+    pub fingerprint: Fingerprint,
     /// The half-width of the collision rate's 95 % interval at which it ends before that.
     pub halfwidth: Option<f64>,
 }
@@ -304,5 +304,5 @@ pub struct Search {
     /// In how many fresh episodes the pedestrian that it ends up with is tried, if it has one.
     pub tries: u32,
     /// What the files say about it.
-    pub recipe: Recipe,
+    pub fingerprint: Fingerprint,
 }

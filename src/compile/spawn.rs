@@ -193,7 +193,7 @@ fn ground(word: &str) -> Ground {
     match word {
         "driving" => Ground::Driving,
         "sidewalk" => Ground::Sidewalk,
-        "beside" => Ground::Beside,
+        "beside" => Ground::PublishedComparison,
         _ => Ground::OffRoad,
     }
 }

@@ -9,7 +9,7 @@ use crate::sim::WalkCommand;
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Failure {
     /// Number of its start under the seed of the search.
-    pub beginning: u64,
+    pub start: u64,
     /// Ticks that the search had used when it was found, those of this episode included.
     pub ticks: u64,
     /// The commands: one for each pedestrian in every decision.
@@ -21,21 +21,16 @@ pub struct Failure {
 impl Failure {
     /// Simulates it again under the seed of the search; none when the commands do not lead to an end.
     pub fn replay(&self, scenario: &Arc<Scenario>, seed: Seed) -> Option<Outcome> {
-        follow(scenario, seed, self.beginning, &self.commands).map(|(outcome, _)| outcome)
+        follow(scenario, seed, self.start, &self.commands).map(|(outcome, _)| outcome)
     }
 }
 
 /// Repeats an episode from a start under the seed of a search with these commands; none when they do not lead to an end.
-pub fn follow(
-    scenario: &Arc<Scenario>,
-    seed: Seed,
-    beginning: u64,
-    commands: &[WalkCommand],
-) -> Option<(Outcome, Trace)> {
+pub fn follow(scenario: &Arc<Scenario>, seed: Seed, start: u64, commands: &[WalkCommand]) -> Option<(Outcome, Trace)> {
     let mut env = PedestrianEnv::new(scenario.clone(), seed);
     let mut trace = Trace::new(scenario);
     let mut decisions = commands.chunks_exact(scenario.cast.pedestrian_count());
-    let outcome = play(&mut env, &mut trace, beginning, |_, commands| {
+    let outcome = play(&mut env, &mut trace, start, |_, commands| {
         commands.copy_from_slice(decisions.next()?);
         Some(())
     })?;

@@ -30,7 +30,7 @@ pub use learning::Learning;
 pub use method::Falsifier;
 pub use open_loop::OpenLoop;
 pub use random::Random;
-pub use simulator::{Simulator, Spent};
+pub use simulator::{SearchOutcome, Simulator};
 pub use trained::{ActionMode, TrainedWalker};
 pub use training::{TrainError, train};
 pub use training_run::TrainingRun;

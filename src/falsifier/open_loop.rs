@@ -159,7 +159,7 @@ impl OpenLoop {
     }
 
     /// Evaluates plans from one start; none when the budget is spent.
-    fn search_from(&self, beginning: u64, simulator: &mut Simulator<'_>, seed: &Seed) -> Option<()> {
+    fn search_from(&self, start: u64, simulator: &mut Simulator<'_>, seed: &Seed) -> Option<()> {
         let mut stream = seed.stream();
         let mut optimizer = self.optimizer(&simulator.env().scenario().cast);
         let mut tried = 0;
@@ -171,7 +171,7 @@ impl OpenLoop {
                     return Some(());
                 }
                 tried += 1;
-                if !simulator.begin(beginning) {
+                if !simulator.begin(start) {
                     return None;
                 }
                 let env = simulator.env();
@@ -208,8 +208,8 @@ fn command(spec: &ActionSpec, line: f64, [heading, speed]: [f64; ActionSpec::DIM
 
 impl Falsifier for OpenLoop {
     fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
-        for beginning in 0.. {
-            if self.search_from(beginning, simulator, &seed.index(beginning)).is_none() {
+        for start in 0.. {
+            if self.search_from(start, simulator, &seed.index(start)).is_none() {
                 break;
             }
         }

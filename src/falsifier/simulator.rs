@@ -17,12 +17,12 @@ pub struct Simulator<'a> {
     env: PedestrianEnv,
     budget: u64,
     used: u64,
-    beginning: u64,
+    start: u64,
     commands: Vec<WalkCommand>,
     /// Memory for the commands of a decision.
     chosen: Vec<WalkCommand>,
     episodes: u64,
-    beginnings: BTreeSet<u64>,
+    starts: BTreeSet<u64>,
     failures: Vec<Failure>,
     spent: bool,
     stop: &'a (dyn Fn() -> bool + Sync),
@@ -33,13 +33,13 @@ pub struct Simulator<'a> {
 
 /// The result of a search: what a falsifier did with its budget.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Spent {
+pub struct SearchOutcome {
     /// Ticks that were simulated.
     pub ticks: u64,
     /// Episodes that came to an end.
     pub episodes: u64,
     /// Starts of these episodes, each counted once.
-    pub beginnings: u64,
+    pub starts: u64,
     /// The failures, in the order in which they were found.
     pub failures: Vec<Failure>,
     /// Whether it was stopped from outside.
@@ -57,11 +57,11 @@ impl<'a> Simulator<'a> {
             seed,
             budget,
             used: 0,
-            beginning: 0,
+            start: 0,
             commands: Vec::new(),
             chosen,
             episodes: 0,
-            beginnings: BTreeSet::new(),
+            starts: BTreeSet::new(),
             failures: Vec::new(),
             spent: false,
             stop,
@@ -86,13 +86,13 @@ impl<'a> Simulator<'a> {
     }
 
     /// Starts an episode from the start with this number; false when the budget is spent.
-    pub fn begin(&mut self, beginning: u64) -> bool {
+    pub fn begin(&mut self, start: u64) -> bool {
         self.stopped |= (self.stop)();
         self.spent |= self.stopped;
         if !self.spent {
-            self.beginning = beginning;
+            self.start = start;
             self.commands.clear();
-            self.env.begin(beginning);
+            self.env.begin(start);
         }
         !self.spent
     }
@@ -144,10 +144,10 @@ impl<'a> Simulator<'a> {
 
     fn note(&mut self, outcome: Outcome) {
         self.episodes += 1;
-        self.beginnings.insert(self.beginning);
+        self.starts.insert(self.start);
         if outcome.is_collision() {
             let commands = self.commands.clone();
-            self.failures.push(Failure { beginning: self.beginning, ticks: self.used, commands, outcome });
+            self.failures.push(Failure { start: self.start, ticks: self.used, commands, outcome });
         }
     }
 
@@ -173,7 +173,7 @@ impl<'a> Simulator<'a> {
         for (share, clock) in shares.into_iter().zip(&clocks) {
             self.used += share.used;
             self.episodes += share.episodes;
-            self.beginnings.extend(share.beginnings);
+            self.starts.extend(share.starts);
             self.stopped |= share.stopped;
             self.spent |= share.spent;
             self.failures.extend(share.failures.into_iter().map(|failure| {
@@ -182,15 +182,15 @@ impl<'a> Simulator<'a> {
                 Failure { ticks, ..failure }
             }));
         }
-        self.failures.sort_by_key(|failure| (failure.ticks, failure.beginning));
+        self.failures.sort_by_key(|failure| (failure.ticks, failure.start));
     }
 
     /// What was done with the budget.
-    pub fn into_spent(self) -> Spent {
-        Spent {
+    pub fn into_spent(self) -> SearchOutcome {
+        SearchOutcome {
             ticks: self.used,
             episodes: self.episodes,
-            beginnings: self.beginnings.len() as u64,
+            starts: self.starts.len() as u64,
             failures: self.failures,
             stopped: self.stopped,
         }

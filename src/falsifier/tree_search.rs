@@ -107,10 +107,10 @@ impl TreeSearch {
     }
 
     /// Grows a tree from one start; none when the budget is spent.
-    fn search_from(&self, beginning: u64, simulator: &mut Simulator<'_>, stream: &mut Stream) -> Option<()> {
+    fn search_from(&self, start: u64, simulator: &mut Simulator<'_>, stream: &mut Stream) -> Option<()> {
         let mut tree = Tree::new(simulator.env().bounds().len());
         for _ in 0..self.tries {
-            if !simulator.begin(beginning) {
+            if !simulator.begin(start) {
                 return None;
             }
             self.simulate(&mut tree, simulator, stream)?;
@@ -206,8 +206,8 @@ fn draw<'a>(simulator: &'a Simulator<'_>, stream: &'a mut Stream) -> impl Iterat
 
 impl Falsifier for TreeSearch {
     fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
-        for beginning in 0.. {
-            if self.search_from(beginning, simulator, &mut seed.index(beginning).stream()).is_none() {
+        for start in 0.. {
+            if self.search_from(start, simulator, &mut seed.index(start).stream()).is_none() {
                 break;
             }
         }

@@ -40,11 +40,11 @@ impl<W> Walking<W> {
 impl<W: WalkPolicy + Clone + std::fmt::Debug + Send + Sync + 'static> Falsifier for Walking<W> {
     fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
         let mut walker = self.walker.clone();
-        for beginning in 0.. {
-            if !simulator.begin(beginning) {
+        for start in 0.. {
+            if !simulator.begin(start) {
                 break;
             }
-            walker.begin(seed.index(beginning).stream());
+            walker.begin(seed.index(start).stream());
             simulator.finish(|env, commands| walker.choose(env, commands));
         }
         Ok(Some(Box::new(walker)))

@@ -340,7 +340,7 @@ impl Checker<'_> {
         };
         let before = self.diagnostics.len();
         let checked: Vec<Option<Quantity>> = arguments.iter().map(|each| self.quantity(each)).collect();
-        // Between two arguments a comma is missing rather than a sign.
+        // AcrossRuns two arguments a comma is missing rather than a sign.
         if let ([_], Function::Min | Function::Max) = (arguments, function)
             && let Some(said) = self.diagnostics[before..].iter_mut().find(|said| codes::lacks_sign(said))
         {

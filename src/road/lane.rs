@@ -11,15 +11,15 @@ pub enum LaneKind {
     Driving,
     /// People walk on it.
     Sidewalk,
-    /// Beside the carriageway.
+    /// PublishedComparison the carriageway.
     Shoulder,
-    /// Between carriageway and shoulder or kerb.
+    /// AcrossRuns carriageway and shoulder or kerb.
     Border,
     /// For bicycles.
     Biking,
     /// For parking.
     Parking,
-    /// Between two carriageways.
+    /// AcrossRuns two carriageways.
     Median,
     /// A hard shoulder.
     Stop,

@@ -6,7 +6,7 @@ use super::{EpisodeName, Error};
 use crate::campaign::{SearchResult, watch};
 use crate::compile::{Evaluation, Search};
 use crate::env::{Outcome, Scenario, Trace};
-use crate::falsifier::{Failure, Spent, follow};
+use crate::falsifier::{Failure, SearchOutcome, follow};
 use crate::judge::{NearMiss, Verdict, judge};
 use crate::record::{self, EpisodeRow, RunKey};
 use crate::report::{self, Difference};
@@ -76,15 +76,14 @@ impl Source {
         let stored = self.report.search_failure(name.run, name.number)?;
         let Some(stored) = stored else { return Err(self.missing(name, "failure")) };
         let followed = report::failure(&stored).and_then(|failure| {
-            let seed = search.beginnings(&self.seed);
-            let (outcome, trace) = follow(&search.scenario, seed, failure.beginning, &failure.commands)?;
+            let seed = search.starts(&self.seed);
+            let (outcome, trace) = follow(&search.scenario, seed, failure.start, &failure.commands)?;
             Some((failure, outcome, trace))
         });
         let Some((failure, outcome, trace)) = followed else {
             return Err(Error::CommandsDiffer { name });
         };
-        let failure =
-            Failure { beginning: failure.beginning, ticks: failure.ticks, commands: failure.commands, outcome };
+        let failure = Failure { start: failure.start, ticks: failure.ticks, commands: failure.commands, outcome };
         // A table of this failure alone would count it as the first.
         let again = if outcome.is_collision() { search_row(search, failure) } else { Default::default() };
         let key = &search.key;
@@ -130,7 +129,7 @@ impl Source {
 
 /// The row of a failure in the table of its search.
 fn search_row(search: &Search, failure: Failure) -> report::Row {
-    let spent = Spent { ticks: 0, episodes: 0, beginnings: 0, failures: vec![failure], stopped: false };
+    let spent = SearchOutcome { ticks: 0, episodes: 0, starts: 0, failures: vec![failure], stopped: false };
     let key = search.key.clone();
     report::search_failures(&[SearchResult { key, budget: search.budget, spent, tried: Vec::new(), error: None }])
 }

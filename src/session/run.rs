@@ -10,7 +10,7 @@ use crate::compile::{Campaign, Evaluation, Training};
 use crate::report::{self, Episodes, FailureModes, FileRecord, Gathered, Metrics, ReportFolder, Wanted, WriteError};
 use crate::rl::UpdateLog;
 use crate::seed::Seed;
-use crate::store::{Ids, Index, Kept, Note, Store};
+use crate::store::{CampaignStore, Ids, Index, Note, Store};
 
 /// How much is done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -89,21 +89,21 @@ impl Session {
             store.forget(&Ids::new(campaign, options.seed), campaign).map_err(|error| options.keep(error))?;
         }
         index.write(store, &name, campaign, options.seed).map_err(|error| options.keep(error))?;
-        let keeper = Kept::new(store, campaign, options.seed, options.limits);
+        let results = CampaignStore::new(store, campaign, options.seed, options.limits);
         let finished = match work {
             Work::All => {
                 let tasks: Vec<Task> = campaign::tasks(campaign).collect();
-                campaign::run(campaign, &seed, &keeper, &self.listener(campaign, &tasks))
+                campaign::run(campaign, &seed, &results, &self.listener(campaign, &tasks))
             }
-            Work::None => campaign::collect(campaign, &keeper),
+            Work::None => campaign::collect(campaign, &results),
         };
-        if let Some(error) = keeper.take_failure() {
+        if let Some(error) = results.take_failure() {
             return Err(options.keep(error));
         }
         index.write(store, &name, campaign, options.seed).map_err(|error| options.keep(error))?;
         let written = |error: WriteError| options.keep(error);
         let mut modes = FailureModes::new(campaign, &finished.trainings, &seed);
-        let episodes = Episodes::new(campaign, &keeper);
+        let episodes = Episodes::new(campaign, &results);
         let gathered = report::gather(&folder, &episodes, &mut modes, &seed).map_err(written)?;
         if gathered.episodes == 0
             && finished.searches.is_empty()
@@ -112,12 +112,12 @@ impl Session {
             return Ok(CampaignOutcome::Empty { name, interrupted: finished.interrupted });
         }
         self.notice_errors(&gathered, &name);
-        let times = Times { trainings: keeper.training_seconds(), run: began.elapsed().as_secs_f64() };
+        let times = Times { trainings: results.training_seconds(), run: began.elapsed().as_secs_f64() };
         let manifest = self.manifest(campaign, options, files, &finished, &gathered, &times);
         report::write(&folder, campaign, &finished, &gathered, modes, &manifest).map_err(written)?;
         if options.ticks != Ticks::None {
             let all = options.ticks == Ticks::All;
-            let wanted = Wanted::of(&Episodes::new(campaign, &keeper), &finished, all).map_err(written)?;
+            let wanted = Wanted::of(&Episodes::new(campaign, &results), &finished, all).map_err(written)?;
             report::write_ticks(&folder, &seed, &wanted).map_err(written)?;
         }
         let folder = self.stop.while_placing(|| {

@@ -3,7 +3,7 @@ use super::{Error, RunOptions, Session, ShardReport};
 use crate::campaign::{self, Shard, Task};
 use crate::compile::Campaign;
 use crate::seed::Seed;
-use crate::store::{Ids, Index, Kept, State, Store};
+use crate::store::{CampaignStore, Ids, Index, State, Store};
 
 /// Options of [`Session::run_shard`], beside those of a run.
 #[derive(Debug, Clone, Copy)]
@@ -48,11 +48,11 @@ impl Session {
         let mut index = Index::read(store, &name);
         index.command.clone_from(&options.command);
         index.write(store, &name, campaign, options.seed).map_err(|error| options.keep(error))?;
-        let keeper = Kept::new(store, campaign, options.seed, options.limits);
+        let results = CampaignStore::new(store, campaign, options.seed, options.limits);
         let listener = self.listener(campaign, &tasks);
-        campaign::run_tasks(campaign, &tasks, &Seed::root(options.seed), &keeper, &listener);
+        campaign::run_tasks(campaign, &tasks, &Seed::root(options.seed), &results, &listener);
         drop(listener);
-        if let Some(error) = keeper.take_failure() {
+        if let Some(error) = results.take_failure() {
             return Err(options.keep(error));
         }
         let ids = Ids::new(campaign, options.seed);

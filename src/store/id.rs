@@ -82,7 +82,7 @@ fn training(training: &Training, seed: u64) -> Id {
         key.policy.as_bytes(),
         key.reward.as_bytes(),
         &key.run.to_le_bytes(),
-        training.recipe.bytes(),
+        training.fingerprint.bytes(),
         // A smoke run takes fewer steps than the files say.
         &config.total_steps.to_le_bytes(),
     ])
@@ -99,7 +99,7 @@ fn evaluation(evaluation: &Evaluation, training: Option<Id>, seed: u64) -> Id {
         evaluation.policy.as_bytes(),
         evaluation.controller.name().as_bytes(),
         &evaluation.trained.run.to_le_bytes(),
-        evaluation.recipe.bytes(),
+        evaluation.fingerprint.bytes(),
         training.as_ref().map_or(&[], |training| &training.0),
     ])
 }
@@ -115,7 +115,7 @@ fn search(search: &Search, seed: u64) -> Id {
         key.town.as_bytes(),
         key.policy.as_bytes(),
         &key.run.to_le_bytes(),
-        search.recipe.bytes(),
+        search.fingerprint.bytes(),
         &search.budget.to_le_bytes(),
         &search.tries.to_le_bytes(),
     ])

@@ -30,7 +30,7 @@ pub struct Index {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Made {
     id: String,
-    recipe: String,
+    fingerprint: String,
     code: String,
     seed: u64,
 }
@@ -64,8 +64,8 @@ impl Index {
         for task in tasks(campaign) {
             let id = ids.get(task);
             if store.head(id).is_some_and(|head| head.is_ok_and(|header| header.state == State::Finished)) {
-                let (recipe, code) = (recipe(campaign, task), CODE.to_string());
-                let made = Made { id: id.to_string(), recipe, code, seed };
+                let (fingerprint, code) = (fingerprint(campaign, task), CODE.to_string());
+                let made = Made { id: id.to_string(), fingerprint, code, seed };
                 self.done.insert(task_name(campaign, task), made);
             }
         }
@@ -93,7 +93,7 @@ impl Index {
         Known::Missing(match made {
             _ if made.id == id.to_string() => "gone",
             _ if made.seed != seed => "seed changed",
-            _ if made.recipe != recipe(campaign, task) => "scenario changed",
+            _ if made.fingerprint != fingerprint(campaign, task) => "scenario changed",
             _ if made.code != CODE => "code changed",
             _ => "training changed",
         })
@@ -118,11 +118,11 @@ fn amount(campaign: &Campaign, task: Task) -> u64 {
     }
 }
 
-fn recipe(campaign: &Campaign, task: Task) -> String {
+fn fingerprint(campaign: &Campaign, task: Task) -> String {
     match task {
-        Task::Training(index) => campaign.trainings[index].recipe.to_string(),
-        Task::Chunk { evaluation, .. } => campaign.evaluations[evaluation].recipe.to_string(),
-        Task::Search(index) => campaign.searches[index].recipe.to_string(),
+        Task::Training(index) => campaign.trainings[index].fingerprint.to_string(),
+        Task::Chunk { evaluation, .. } => campaign.evaluations[evaluation].fingerprint.to_string(),
+        Task::Search(index) => campaign.searches[index].fingerprint.to_string(),
     }
 }
 

@@ -11,19 +11,19 @@ mod work_folder;
 mod place;
 mod folder;
 mod index;
-mod wants;
-mod kept;
+mod references;
+mod campaign_store;
 mod import;
 mod status;
 
+pub use campaign_store::{CampaignStore, Limits};
 pub use folder::{Note, Store};
 pub use id::{CODE, Id, Ids, vector_instructions};
 pub use import::Taken;
 pub use index::{Index, Known, task_name};
-pub use kept::{Kept, Limits};
+pub use references::References;
 pub use status::{CampaignStatus, TaskStatus};
 pub use store_error::StoreError;
 pub use task_file::{Found, Header, State};
 #[cfg(any(fuzzing, test))]
 pub use task_file::{decode, encode, head};
-pub use wants::Wants;

@@ -105,6 +105,6 @@ campaign looks {
         hits.into_iter().filter(|hit| *hit).count()
     };
     assert_eq!(campaigns.len(), 2);
-    assert_ne!(campaigns[0].evaluations[0].recipe, campaigns[1].evaluations[0].recipe);
+    assert_ne!(campaigns[0].evaluations[0].fingerprint, campaigns[1].evaluations[0].fingerprint);
     assert!(moving(0) + 10 < moving(1), "{} with good eyes, {} without", moving(0), moving(1));
 }

@@ -59,11 +59,11 @@ fn every_falsifier_finds_the_obvious_failure_within_its_budget() {
         assert!(!spent.failures.is_empty(), "{name} found nothing");
         assert!(spent.failures.is_sorted_by_key(|failure| failure.ticks), "{name}");
         assert!(spent.failures.last().unwrap().ticks <= spent.ticks, "{name}");
-        assert!(spent.failures.len() as u64 <= spent.episodes && spent.beginnings <= spent.episodes, "{name}");
+        assert!(spent.failures.len() as u64 <= spent.episodes && spent.starts <= spent.episodes, "{name}");
         let walks = ["chance", "home", "meet", "learner", "pair"].contains(&name.as_str());
         assert_eq!(result.tried.len(), if walks { 20 } else { 0 }, "{name}");
         for failure in &spent.failures {
-            let again = failure.replay(&search.scenario, search.beginnings(&Seed::root(5)));
+            let again = failure.replay(&search.scenario, search.starts(&Seed::root(5)));
             assert_eq!(again, Some(failure.outcome), "{name}: a failure does not repeat");
         }
     }
@@ -84,10 +84,10 @@ fn ticks_are_those_of_all_episodes_up_to_the_failure() {
         let failed: u64 = result.spent.failures.iter().map(|failure| u64::from(failure.outcome.ticks)).sum();
         assert!(failed <= result.spent.ticks);
     }
-    // A method that leaves a beginning with its failure never fails there twice.
-    let mut beginnings: Vec<u64> = results[1].spent.failures.iter().map(|failure| failure.beginning).collect();
-    beginnings.dedup();
-    assert_eq!(beginnings.len(), results[1].spent.failures.len());
+    // A method that leaves a start with its failure never fails there twice.
+    let mut starts: Vec<u64> = results[1].spent.failures.iter().map(|failure| failure.start).collect();
+    starts.dedup();
+    assert_eq!(starts.len(), results[1].spent.failures.len());
 }
 
 #[test]
@@ -122,7 +122,7 @@ fn beginnings_are_shared_and_a_second_falsifier_changes_nothing_for_the_first() 
     let (alone, both) = (run(&obvious("cross", 3_000, 1)), run(&obvious("home, cross", 3_000, 1)));
     assert_eq!(alone[0].spent, both[1].spent);
     let (home, cross) = (&both[0].spent.failures, &both[1].spent.failures);
-    let met = cross.iter().filter_map(|a| home.iter().find(|b| b.beginning == a.beginning).map(|b| (a, b)));
+    let met = cross.iter().filter_map(|a| home.iter().find(|b| b.start == a.start).map(|b| (a, b)));
     let pairs: Vec<_> = met.collect();
     assert!(!pairs.is_empty());
     assert!(pairs.iter().all(|(a, b)| a.outcome.spawn == b.outcome.spawn));

@@ -343,7 +343,7 @@ fn what_a_user_calls_perfect_is_nobodys_default() {
             }}
             "#
         ));
-        plan.campaigns[0].trainings[0].recipe
+        plan.campaigns[0].trainings[0].fingerprint
     };
     assert_eq!(tried("perfect"), tried("nice"));
 }

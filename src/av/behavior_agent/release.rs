@@ -15,7 +15,7 @@ pub enum Release {
     V0_9_15,
 }
 
-/// Between which points an obstacle's distance and bearing are measured outside junctions.
+/// AcrossRuns which points an obstacle's distance and bearing are measured outside junctions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Measure {
     /// From the ego's centre to the obstacle's.

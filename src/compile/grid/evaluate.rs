@@ -48,7 +48,7 @@ impl Lowering<'_> {
             let ground = place.declarations(car, walker, &usual.rule);
             let mut scenario = |rule: &RewardRule, declared: &[DeclarationId]| {
                 let scenario = place.scenario(&car.value, &walker.value, &usual.rule.value, rule);
-                (scenario, self.recipe(&[ground.as_slice(), declared].concat()))
+                (scenario, self.fingerprint(&[ground.as_slice(), declared].concat()))
             };
             let mut scenarios: BTreeMap<&str, _> = BTreeMap::new();
             for (name, reward) in rewards {
@@ -68,7 +68,7 @@ impl Lowering<'_> {
                 block: number,
                 scenario: scenarios[trained.reward.as_str()].0.clone(),
                 episodes: block.arguments.integer("episodes") as u32,
-                recipe: scenarios[trained.reward.as_str()].1,
+                fingerprint: scenarios[trained.reward.as_str()].1,
                 halfwidth: block.arguments.has("halfwidth").then(|| block.arguments.number("halfwidth")),
             }));
         }

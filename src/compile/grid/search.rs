@@ -42,7 +42,7 @@ impl Lowering<'_> {
         for (place, rival) in ground.places().flat_map(|place| falsifiers.iter().map(move |rival| (place, rival))) {
             let scenario = place.scenario(car, walker, &usual.rule.value, &rival.reward.1);
             let ground = place.declarations(&usual.car, &usual.walker, &usual.rule);
-            let recipe = self.recipe(&[ground.as_slice(), &rival.declarations].concat());
+            let fingerprint = self.fingerprint(&[ground.as_slice(), &rival.declarations].concat());
             campaign.searches.extend((0..runs).map(|run| Search {
                 key: SearchKey {
                     id: RunId::default(),
@@ -58,7 +58,7 @@ impl Lowering<'_> {
                 falsifier: rival.falsifier.clone(),
                 budget: block.arguments.integer("budget") as u64,
                 tries: block.arguments.integer("episodes") as u32,
-                recipe,
+                fingerprint,
             }));
         }
     }

@@ -33,7 +33,7 @@ impl Lowering<'_> {
             for reward in &paid {
                 let scenario = place.scenario(car, walker, &usual.rule.value, &reward.value);
                 let ground = place.declarations(&usual.car, &usual.walker, &usual.rule);
-                let recipe = self.recipe(&[ground.as_slice(), &[reward.id, training.id]].concat());
+                let fingerprint = self.fingerprint(&[ground.as_slice(), &[reward.id, training.id]].concat());
                 campaign.trainings.extend((0..runs).map(|run| Training {
                     key: TrainingKey {
                         town: place.town.name.to_string(),
@@ -44,7 +44,7 @@ impl Lowering<'_> {
                     scenario: scenario.clone(),
                     config: config.clone(),
                     environments: *environments,
-                    recipe,
+                    fingerprint,
                 }));
             }
         }

@@ -15,7 +15,7 @@ pub enum Ground {
     /// A sidewalk.
     Sidewalk,
     /// Another lane: shoulder, parking, biking, …
-    Beside,
+    PublishedComparison,
     /// No lane at all.
     OffRoad,
 }
@@ -35,7 +35,7 @@ impl Ground {
             }
         }
         match within(LaneFilter::Any) {
-            Some(kind) if kind != LaneKind::None => Self::Beside,
+            Some(kind) if kind != LaneKind::None => Self::PublishedComparison,
             _ => Self::OffRoad,
         }
     }
@@ -88,7 +88,7 @@ impl fmt::Display for Constraint {
                 let name = |ground: &Ground| match ground {
                     Ground::Driving => "driving",
                     Ground::Sidewalk => "sidewalk",
-                    Ground::Beside => "beside",
+                    Ground::PublishedComparison => "beside",
                     Ground::OffRoad => "off_road",
                 };
                 write!(f, "ground: [{}]", grounds.iter().map(name).collect::<Vec<_>>().join(", "))

@@ -75,7 +75,7 @@ impl fmt::Display for Rarity {
         }
         write!(
             f,
-            "only {accepted} of {tried} beginnings satisfy all constraints; the one that fails most is `{worst}`, satisfied by {worst_passed}"
+            "only {accepted} of {tried} starts satisfy all constraints; the one that fails most is `{worst}`, satisfied by {worst_passed}"
         )
     }
 }

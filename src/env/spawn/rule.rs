@@ -184,8 +184,8 @@ impl SpawnRule {
     ) -> (Spawn, u32) {
         let mut tried = 0;
         let mut search = |egos, tries| self.search((egos, tries), town, obstacles, first, stream, &mut tried);
-        let beginning = search(EGOS, TRIES).or_else(|| search(LAST_TRIES, 1));
-        (beginning.expect("checked: of ten thousand beginnings one is accepted"), tried)
+        let start = search(EGOS, TRIES).or_else(|| search(LAST_TRIES, 1));
+        (start.expect("checked: of ten thousand starts one is accepted"), tried)
     }
 
     /// Draws a start as [`SpawnRule::sample`]; none when none is found around a few poses of the ego.

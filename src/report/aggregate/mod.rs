@@ -18,7 +18,7 @@ pub use episodes::{Episodes, Run};
 pub use gathered::{Gathered, gather};
 pub use learning_curve::{learning_curve, learning_curve_table};
 pub use metrics::{CELLS, Cell, Metrics, RUNS, Spread, metrics, references};
-pub use published::{Agreement, Beside, beside, published, published_table};
+pub use published::{Agreement, PublishedComparison, beside, published, published_table};
 pub use searches::{
     Average, COMMANDS, FAILURE, FAILURES, FOUND_AFTER, START, SearchCell, failure_table, search_cell_columns,
     search_cell_table, search_cells, search_failures, search_table, searches,

@@ -10,7 +10,7 @@ const ROUNDED_AWAY: f64 = 0.004;
 
 /// A figure of ours beside one that others have published.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Beside<'a> {
+pub struct PublishedComparison<'a> {
     /// Where the published one is from.
     pub source: &'a str,
     /// What is said of it.
@@ -58,7 +58,7 @@ impl Agreement {
     }
 }
 
-impl Beside<'_> {
+impl PublishedComparison<'_> {
     /// The published mean and spread.
     pub fn theirs(&self) -> Spread {
         Spread { mean: Some(self.published.mean), sd: self.published.sd }
@@ -78,7 +78,7 @@ impl Beside<'_> {
 }
 
 /// Puts published figures beside those of our trained pedestrians, in the order of the published cells.
-pub fn beside<'a>(published: &'a [Published], cells: &'a [Cell]) -> Vec<Beside<'a>> {
+pub fn beside<'a>(published: &'a [Published], cells: &'a [Cell]) -> Vec<PublishedComparison<'a>> {
     let mut all = Vec::new();
     for table in published {
         for (theirs, cell) in table.cells.iter().flat_map(|theirs| matching(theirs, cells)) {
@@ -98,7 +98,7 @@ fn matching<'a>(theirs: &'a PublishedCell, cells: &'a [Cell]) -> impl Iterator<I
     cells.iter().filter(trained).filter(same).map(move |cell| (theirs, cell))
 }
 
-fn compare<'a>(table: &'a Published, published: PublishedFigure, cell: &'a Cell) -> Beside<'a> {
+fn compare<'a>(table: &'a Published, published: PublishedFigure, cell: &'a Cell) -> PublishedComparison<'a> {
     let ours = figure(cell, published.column).expect("checked: every published figure is one of a cell");
     let difference = ours.mean.map(|mean| mean - published.mean);
     let interval = difference.zip(ours.sd).zip(published.sd).and_then(|((difference, sd), theirs)| {
@@ -106,7 +106,7 @@ fn compare<'a>(table: &'a Published, published: PublishedFigure, cell: &'a Cell)
         Some((difference - half, difference + half))
     });
     let (source, docs) = (&table.source, &table.docs);
-    Beside { source, docs, cell, published, published_runs: table.runs, ours, difference, interval }
+    PublishedComparison { source, docs, cell, published, published_runs: table.runs, ours, difference, interval }
 }
 
 /// The figure of a cell that published ones are compared with, by its column without `_mean`.
@@ -133,13 +133,13 @@ fn welch((a, n): (f64, u32), (b, m): (f64, u32)) -> Option<f64> {
 }
 
 /// Published figures beside ours as a table, one row for each figure.
-pub fn published(all: &[Beside<'_>]) -> DataFrame {
+pub fn published(all: &[PublishedComparison<'_>]) -> DataFrame {
     published_table().frame(&all.iter().collect::<Vec<_>>())
 }
 
 /// The columns of [`published`].
-pub fn published_table<'a>() -> Table<'a, &'a Beside<'a>> {
-    type Row<'a> = &'a Beside<'a>;
+pub fn published_table<'a>() -> Table<'a, &'a PublishedComparison<'a>> {
+    type Row<'a> = &'a PublishedComparison<'a>;
     let (text, number) = (Column::<String>::new, Column::<f64>::new);
     Table::new(
         "published",

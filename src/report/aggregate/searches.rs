@@ -36,7 +36,7 @@ impl Figures {
         let evaluated_collisions = result.tried.iter().filter(|outcome| outcome.is_collision()).count();
         Self {
             failures: spent.failures.len(),
-            failed_starts: spent.failures.iter().map(|failure| failure.beginning).collect::<BTreeSet<_>>().len(),
+            failed_starts: spent.failures.iter().map(|failure| failure.start).collect::<BTreeSet<_>>().len(),
             failure_rate: share(spent.failures.len(), spent.episodes),
             first: spent.failures.first().map(|failure| failure.ticks),
             distinct: kinds.len(),
@@ -222,7 +222,7 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
             "",
             "different starts of these episodes; starts 0, 1, 2, … of a run are the same for all falsifiers",
         )
-        .of(|row: &Row<'_>| row.0.spent.beginnings),
+        .of(|row: &Row<'_>| row.0.spent.starts),
     )
     .column(count(FAILURE_COUNT, "", "episodes that ended in a collision").of(|row: &Row<'_>| row.1.failures as u64))
     .column(number(FAILURE_RATE, "", "their share of `episodes`").of(|row: &Row<'_>| row.1.failure_rate))
@@ -323,7 +323,7 @@ pub fn failure_table<'a>() -> Table<'a, Found<'a>> {
         .columns(search_key(|row: &Row<'_>| &row.0.key))
         .column(run(|row: &Row<'_>| &row.0.key))
         .column(FAILURE.of(|row: &Row<'_>| row.2))
-        .column(START.of(|row: &Row<'_>| row.1.beginning))
+        .column(START.of(|row: &Row<'_>| row.1.start))
         .column(FOUND_AFTER.of(|row: &Row<'_>| row.1.ticks))
         .column(IMPACT.of(|row: &Row<'_>| kind(&row.1.outcome).0.name()))
         .column(MOTION.of(|row: &Row<'_>| if kind(&row.1.outcome).1 { "moving" } else { "standing" }))

@@ -8,7 +8,7 @@ use crate::statistics::{Sample, Weighted, interquartile_mean, mean_interval, qua
 
 /// A figure between trainings.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Between {
+pub struct AcrossRuns {
     /// Of each run, in order; none where it has no value.
     pub by_run: Vec<Option<f64>>,
     /// Mean of the middle half of the runs.
@@ -45,7 +45,7 @@ pub struct CellEvidence {
     /// Collisions of all runs.
     pub collisions: Weighted,
     /// In the order of [`Figure::ALL`].
-    pub between: [Between; 5],
+    pub between: [AcrossRuns; 5],
     /// Median, 90th and 99th percentile of the impact speeds (m/s).
     pub impact_speed: Quantiles,
     /// 1st and 10th percentile and median of the least times to collision of episodes without a collision (s).
@@ -86,7 +86,7 @@ impl CellEvidence {
         let sample = place.sample(measured, cell, None);
         let (least, most) = figure.bounds();
         let cut = |(low, high): (f64, f64)| (low.clamp(least, most), high.clamp(least, most));
-        self.between[figure as usize] = Between {
+        self.between[figure as usize] = AcrossRuns {
             iqm: interquartile_mean(&known),
             bootstrap: sample.as_ref().map(|sample| cut(sample.bootstrap(&seed.child(figure.name())))),
             student: if known.is_empty() { None } else { mean_interval(&known).1.map(cut) },
@@ -99,7 +99,7 @@ impl CellEvidence {
     }
 
     /// A figure between trainings.
-    pub fn between(&self, figure: Figure) -> &Between {
+    pub fn between(&self, figure: Figure) -> &AcrossRuns {
         &self.between[figure as usize]
     }
 

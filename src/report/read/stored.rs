@@ -67,8 +67,8 @@ pub struct StoredReport {
 /// A failure of a search as its report has it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredFailure {
-    /// Number of its beginning.
-    pub beginning: u64,
+    /// Number of its start.
+    pub start: u64,
     /// Ticks that the search had used when it was found.
     pub ticks: u64,
     /// The commands that lead to it.
@@ -265,7 +265,7 @@ pub fn failure(row: &DataFrame) -> Option<StoredFailure> {
     };
     let number = |column: &str| u64::from_str(&value(row, column)).ok();
     Some(StoredFailure {
-        beginning: number(START.name)?,
+        start: number(START.name)?,
         ticks: number(FOUND_AFTER.name)?,
         commands: value(row, COMMANDS.name).split_whitespace().map(command).collect::<Option<_>>()?,
     })

@@ -300,13 +300,13 @@ fn building_rows_fill_both_sides_and_stay_off_lanes_and_each_other() {
     assert_eq!(town.obstacles[0], fixed);
     assert!(town.obstacles.len() > 40, "{}", town.obstacles.len());
     let south = |house: &&OrientedBox| (house.pose.y - (-8.3 - 2.0 - 5.0)).abs() < 1e-9;
-    // Between the bends at both ends 96 m or so are straight.
+    // AcrossRuns the bends at both ends 96 m or so are straight.
     assert_eq!(town.obstacles.iter().filter(south).count(), 5);
 }
 
 #[test]
 fn houses_that_would_reach_the_next_street_are_left_out() {
-    // Between the street in the south and the one through the middle lie 43 m in the west and 54 m in the east.
+    // AcrossRuns the street in the south and the one through the middle lie 43 m in the west and 54 m in the east.
     let mut design = block();
     design.block_buildings = Some(BuildingRow { setback: 0.0, depth: 55.0, length: 9.0, gap: 0.0 });
     let town = built(&design);
@@ -410,7 +410,7 @@ fn a_leg_without_room_is_a_fault() {
     let [DesignError::ShortLeg { street: at, from, to, length, needed }] = &short[..] else { panic!("{short:?}") };
     assert_eq!((at.as_str(), from.as_str(), to.as_str(), *length), ("High Street", "middle", "east", 15.0));
     assert!((needed - 15.3).abs() < 1e-9);
-    // Between two junctions there must be room for both.
+    // AcrossRuns two junctions there must be room for both.
     let between = |length: f64| {
         let mut town = t_junction();
         town.nodes[2].position.x = length;

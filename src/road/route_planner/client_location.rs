@@ -117,7 +117,7 @@ mod tests {
         let arc = Geometry::arc(0.0, Pose::new(1e5, 0.0, 0.0), 10.0, 0.1);
         let (place, yaw) = on_piece(&arc, 10.0).unwrap();
         assert_eq!(yaw, 1.0);
-        // Between neighbouring floats at 100 km are 8 mm.
+        // AcrossRuns neighbouring floats at 100 km are 8 mm.
         assert!((f64::from(place.x) - (1e5 + 10.0 * libm::sin(1.0))).abs() < 0.02);
     }
 

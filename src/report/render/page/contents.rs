@@ -4,7 +4,7 @@ use super::{ModeCard, Tally};
 use crate::campaign::TrainingResult;
 use crate::compile::Campaign;
 use crate::report::render::table::Section;
-use crate::report::{Beside, Cell, Manifest};
+use crate::report::{Cell, Manifest, PublishedComparison};
 
 /// All that a page shows.
 #[derive(Debug, Clone)]
@@ -28,7 +28,7 @@ pub struct Contents<'a> {
     /// The published figures, as a table.
     pub published_section: Option<Section>,
     /// The published figures, for the diamonds in the results.
-    pub published: &'a [Beside<'a>],
+    pub published: &'a [PublishedComparison<'a>],
     /// The other files of the report that the page may link to.
     pub files: &'a [String],
 }

@@ -8,7 +8,7 @@ use super::markup::{count, percent};
 use crate::record::CellKey;
 use crate::report::render::svg::px;
 use crate::report::render::table::Value;
-use crate::report::{Beside, Spread};
+use crate::report::{PublishedComparison, Spread};
 use crate::statistics::wilson;
 
 /// Width and height of the picture of a rate.
@@ -64,7 +64,8 @@ pub fn results(contents: &Contents<'_>, cells: &[Named<'_>], rates: &BTreeMap<Ce
 fn row(contents: &Contents<'_>, named: &Named<'_>, rates: &RunRates) -> Markup {
     let cell = named.cell;
     let published = |column: &str| {
-        let same = |beside: &&Beside<'_>| beside.published.column == column && std::ptr::eq(beside.cell, cell);
+        let same =
+            |beside: &&PublishedComparison<'_>| beside.published.column == column && std::ptr::eq(beside.cell, cell);
         contents.published.iter().find(same)
     };
     html! {
@@ -119,7 +120,7 @@ fn picture(
     mean: Spread,
     (low, high): (f64, f64),
     runs: &[f64],
-    published: Option<&Beside<'_>>,
+    published: Option<&PublishedComparison<'_>>,
 ) -> Markup {
     let says = mean.mean.map(|mean| format!("{}, interval {} to {}", percent(mean), percent(low), percent(high)));
     let middle = SIZE.1 / 2.0;

@@ -1,8 +1,8 @@
 use crate::report::render::table::{Column, Section, Table, Value};
-use crate::report::{Agreement, Beside};
+use crate::report::{Agreement, PublishedComparison};
 
 /// Published figures compared with ours; none without any.
-pub fn published_section(all: &[Beside<'_>]) -> Option<Section> {
+pub fn published_section(all: &[PublishedComparison<'_>]) -> Option<Section> {
     let first = all.first()?;
     let within = all.iter().filter(|row| row.agreement() == Agreement::Within).count();
     let indistinct = all.iter().filter(|row| row.agreement() == Agreement::Indistinct).count();
@@ -22,11 +22,11 @@ pub fn published_section(all: &[Beside<'_>]) -> Option<Section> {
     })
 }
 
-fn table(rows: &[Beside<'_>]) -> Table {
+fn table(rows: &[PublishedComparison<'_>]) -> Table {
     let mut head: Vec<Column> = ["controller", "reward", "town", "policy", "figure"].map(Column::text).into();
     head.extend(["published", "here", "difference, 95 %"].map(Column::number));
     head.push(Column::text("agreement"));
-    let row = |row: &Beside<'_>| {
+    let row = |row: &PublishedComparison<'_>| {
         let agreement = row.agreement();
         let differs = agreement == Agreement::Differs;
         let name = agreement.name().to_string();

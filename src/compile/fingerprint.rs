@@ -6,22 +6,22 @@ use std::fmt;
 /// the contents of files such as maps and models. It does not hold documentation, layout, where a declaration stands, or
 /// anything else that the files declare, so another town or reward in a campaign leaves it as it was.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
-pub struct Recipe(pub(super) [u8; 32]);
+pub struct Fingerprint(pub(super) [u8; 32]);
 
-impl Recipe {
+impl Fingerprint {
     /// The digest.
     pub fn bytes(&self) -> &[u8; 32] {
         &self.0
     }
 }
 
-impl fmt::Display for Recipe {
+impl fmt::Display for Fingerprint {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&blake3::Hash::from_bytes(self.0).to_hex())
     }
 }
 
-impl fmt::Debug for Recipe {
+impl fmt::Debug for Fingerprint {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{self}")
     }

@@ -9,7 +9,7 @@ use super::{Index, Store, StoreError};
 
 /// What a campaign wants.
 #[derive(Debug)]
-pub struct Wants {
+pub struct References {
     /// Its name.
     pub campaign: String,
     /// The folder for its reports; none for the one at hand.
@@ -19,7 +19,7 @@ pub struct Wants {
     file: PathBuf,
 }
 
-impl Wants {
+impl References {
     /// Whether the folder for its reports is not there any more, or not to be seen from here.
     pub fn is_gone(&self) -> bool {
         self.elsewhere.as_ref().is_some_and(|out| !out.is_dir())
@@ -28,9 +28,9 @@ impl Wants {
 
 impl Store {
     /// What all campaigns want, of this folder for reports first.
-    pub fn wants(&self) -> Vec<Wants> {
+    pub fn wants(&self) -> Vec<References> {
         let campaigns = self.place().root().join("campaigns");
-        let mut found: Vec<Wants> = self.wanted_in(&campaigns);
+        let mut found: Vec<References> = self.wanted_in(&campaigns);
         for folder in entries(&campaigns).filter(|path| path.is_dir()) {
             found.extend(self.wanted_in(&folder));
         }
@@ -42,11 +42,11 @@ impl Store {
     ///
     /// # Errors
     /// Its file cannot be removed.
-    pub fn give_up(&self, wants: &Wants) -> Result<(), StoreError> {
+    pub fn give_up(&self, wants: &References) -> Result<(), StoreError> {
         fs::remove_file(&wants.file).map_err(|source| StoreError::File { path: wants.file.clone(), source })
     }
 
-    fn wanted_in(&self, folder: &Path) -> Vec<Wants> {
+    fn wanted_in(&self, folder: &Path) -> Vec<References> {
         let place = self.place();
         let read = |file: PathBuf| {
             let campaign = file.file_name()?.to_str()?.strip_suffix(".json")?.to_string();
@@ -60,7 +60,7 @@ impl Store {
             } else {
                 Some(PathBuf::from(index.out))
             };
-            Some(Wants { campaign, elsewhere, tasks: index.wanted, file })
+            Some(References { campaign, elsewhere, tasks: index.wanted, file })
         };
         entries(folder).filter(|path| path.is_file()).filter_map(read).collect()
     }

@@ -6,10 +6,10 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 
 use super::{Found, Header, Id, Ids, State, Store, StoreError, task_name};
-use crate::campaign::{Claim, Keeper, Progress, SearchResult, Task, TaskError};
+use crate::campaign::{Claim, Progress, ResultStore, SearchResult, Task, TaskError};
 use crate::compile::Campaign;
 use crate::env::Outcome;
-use crate::falsifier::{Spent, TrainingRun};
+use crate::falsifier::{SearchOutcome, TrainingRun};
 use crate::record::{self, Chunk, Chunks, EpisodeRow, Tally};
 use crate::rl::Trained;
 
@@ -25,7 +25,7 @@ pub struct Limits {
 }
 
 /// The tasks of one campaign in a store.
-pub struct Kept<'a> {
+pub struct CampaignStore<'a> {
     store: &'a Store,
     campaign: &'a Campaign,
     ids: Ids,
@@ -49,11 +49,11 @@ struct InHand {
 /// A search as it is written down.
 #[derive(Serialize, Deserialize)]
 struct Record {
-    spent: Spent,
+    spent: SearchOutcome,
     tried: Vec<Outcome>,
 }
 
-impl<'a> Kept<'a> {
+impl<'a> CampaignStore<'a> {
     /// Finds the tasks of a campaign.
     pub fn new(store: &'a Store, campaign: &'a Campaign, seed: u64, limits: Limits) -> Self {
         Self {
@@ -123,7 +123,7 @@ impl<'a> Kept<'a> {
     }
 }
 
-impl Keeper for Kept<'_> {
+impl ResultStore for CampaignStore<'_> {
     fn claim(&self, task: Task) -> Option<Claim> {
         let claim = match self.store.claim(self.id(task)) {
             Ok(claim) => claim?,
@@ -273,7 +273,7 @@ impl Keeper for Kept<'_> {
     }
 }
 
-impl Chunks for Kept<'_> {
+impl Chunks for CampaignStore<'_> {
     fn chunk(&self, evaluation: usize, chunk: u32) -> Option<Chunk> {
         let id = self.id(Task::Chunk { evaluation, chunk });
         let Found::Whole(header, bytes) = self.store.read(id) else { return None };

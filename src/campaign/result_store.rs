@@ -12,8 +12,8 @@ pub type Claim = Box<dyn Send>;
 /// Stores the finished tasks of a campaign, and returns them when it is run again. Called from many threads.
 ///
 /// A task is claimed, asked for, worked on, stored and released, in this order. An implementation that can no longer store returns
-/// `true` from [`Keeper::stop`] and reports the cause to its user.
-pub trait Keeper: Sync {
+/// `true` from [`ResultStore::stop`] and reports the cause to its user.
+pub trait ResultStore: Sync {
     /// Claims a task; none while another worker has it.
     fn claim(&self, task: Task) -> Option<Claim> {
         let _ = task;
@@ -101,7 +101,7 @@ impl InMemory {
     }
 }
 
-impl Keeper for InMemory {
+impl ResultStore for InMemory {
     fn keep_episodes(&self, evaluation: usize, chunk: u32, rows: &[EpisodeRow], end: Progress<'_>) {
         if end != Progress::UnderWay {
             let mut chunks = self.chunks.lock().unwrap_or_else(PoisonError::into_inner);
