@@ -12,7 +12,7 @@ use crate::av::{Fault, onnx};
 use crate::compile::{Catalog, compile};
 use crate::diagnostic::{Colour, Sources, render};
 use crate::env::{Outcome, Scenario};
-use crate::falsifier::{Random, try_walker};
+use crate::falsifier::{Random, evaluate};
 use crate::lang;
 use crate::record;
 use crate::rl::{ActorCritic, Trained};
@@ -46,9 +46,15 @@ pub fn driver(bytes: &[u8]) -> Outcome {
     static SCENARIO: LazyLock<Arc<Scenario>> = LazyLock::new(scenario);
     ANSWERS.lock().unwrap_or_else(PoisonError::into_inner).clone_from(&bytes.to_vec());
     let seed = Seed::root(1);
-    let mut outcomes = try_walker(&mut Random::default(), &SCENARIO, 1, &seed, &seed.child("walker"), &mut |_| {
-        ControlFlow::Continue(())
-    });
+    let mut outcomes =
+        evaluate(
+            &mut Random::default(),
+            &SCENARIO,
+            1,
+            &seed,
+            &seed.child("walker"),
+            &mut |_| ControlFlow::Continue(()),
+        );
     let outcome = outcomes.remove(0);
     assert!(outcome.reward.is_finite(), "{outcome:?}");
     outcome

@@ -1,7 +1,7 @@
 use super::watch::flow;
 use super::{Observer, ResultStore, SearchResult, Task, TaskError};
 use crate::compile::Search;
-use crate::falsifier::{SearchOutcome, Simulator, try_walker};
+use crate::falsifier::{SearchOutcome, Simulator, evaluate};
 use crate::seed::Seed;
 
 impl Search {
@@ -46,7 +46,7 @@ pub fn search(
             spent.stopped |= stopped;
             flow(stopped)
         };
-        try_walker(walker.as_mut(), &search.scenario, search.tries, &fresh, &drawn, &mut go_on)
+        evaluate(walker.as_mut(), &search.scenario, search.tries, &fresh, &drawn, &mut go_on)
     });
     let error = error.or_else(|| results.limit(task, 0).filter(|_| spent.stopped && !stop()));
     Some(SearchResult { key: key.clone(), budget: search.budget, spent, tried, error })

@@ -2,7 +2,7 @@ use std::ops::{ControlFlow, Range};
 
 use crate::compile::{ControllerKind, Evaluation};
 use crate::env::{Outcome, Trace};
-use crate::falsifier::{ActionMode, Homing, Intercept, Random, TrainedWalker, WalkPolicy, watch_walker};
+use crate::falsifier::{ActionMode, Homing, Intercept, Random, TrainedWalker, WalkPolicy, evaluate_noting};
 use crate::rl::ActorCritic;
 use crate::seed::Seed;
 
@@ -12,7 +12,7 @@ use crate::seed::Seed;
 /// and the same again when a failure is replayed. `trained` is what the evaluation's training has brought forth; untrained
 /// pedestrians need none.
 ///
-/// Ends early, with the first episodes up to there, as [`watch_walker`] does.
+/// Ends early, with the first episodes up to there, as [`evaluate_noting`] does.
 ///
 /// # Panics
 /// When the evaluation is of a trained pedestrian and there is none.
@@ -50,7 +50,7 @@ pub(super) fn watch_numbered<T>(
     };
     let place = |branch: &str| seed.child(branch).child(&evaluation.town).child(&evaluation.policy);
     let own = place("walker").child(evaluation.controller.name()).index(evaluation.trained.run.into());
-    watch_walker(walker.as_mut(), &evaluation.scenario, episodes, &place("evaluate"), &own, note, observer)
+    evaluate_noting(walker.as_mut(), &evaluation.scenario, episodes, &place("evaluate"), &own, note, observer)
 }
 
 /// Breaks where `stop` is true.

@@ -18,7 +18,7 @@ use crate::av::external::{External, Link, Opener, PROTOCOL, Program, Settings};
 use crate::compile::{Catalog, compile};
 use crate::diagnostic::Sources;
 use crate::env::{Outcome, Scenario, Trace};
-use crate::falsifier::{Random, watch_walker};
+use crate::falsifier::{Random, evaluate_noting};
 use crate::process::ProcessOpener;
 use crate::seed::Seed;
 
@@ -101,7 +101,7 @@ pub fn check(options: &AvCheckOptions) -> ExitCode {
             *outcome
         };
         let go_on = &mut |_| if fell.get() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-        let outcomes = watch_walker(&mut walker, &scenario, 0..EPISODES, &seed, &seed.child("walker"), note, go_on);
+        let outcomes = evaluate_noting(&mut walker, &scenario, 0..EPISODES, &seed, &seed.child("walker"), note, go_on);
         let ticks: u32 = outcomes.iter().map(|outcome| outcome.ticks).sum();
         (outcomes, f64::from(ticks) / began.elapsed().as_secs_f64())
     };

@@ -7,7 +7,7 @@ use super::input::{GivenOptions, session};
 use super::{console, failure, sample};
 use crate::compile::Plan;
 use crate::diagnostic::{Severity, records, sarif};
-use crate::lang::mistakes::mistakes;
+use crate::lang::error_index::mistakes;
 use crate::session::{Checked, Error};
 
 /// Shown after the help.
@@ -78,7 +78,7 @@ pub fn check(options: &CheckOptions) -> ExitCode {
         Some((count, plan)) => draw(plan, count, options),
         None => ExitCode::Done,
     };
-    // The program ends here; to take a plan to pieces first costs time.
+    // The program ends here; taking the plan apart first costs time.
     std::mem::forget(found);
     if checked == ExitCode::Done { sampled } else { checked }
 }

@@ -88,8 +88,8 @@ fn tell(replay: &Replay, narrative: &Narrative) {
     for difference in &repeated.differences {
         console::say(&format!("  {} was {}, and is {}", difference.column, difference.stored, difference.again));
     }
-    match &repeated.parting {
-        Some(parting) => console::say(&format!("it parts {parting}")),
+    match &repeated.divergence {
+        Some(divergence) => console::say(&format!("it diverges {divergence}")),
         None => console::say(
             "where it starts to differ is not known; `falsify run --ticks failures` stores the ticks that show it",
         ),
@@ -114,7 +114,7 @@ fn as_json(replay: &Replay, narrative: &Narrative) -> serde_json::Value {
         "seed": report.manifest().seed,
         "equal": repeated.differences.is_empty(),
         "differences": differences.collect::<Vec<_>>(),
-        "parting": repeated.parting,
+        "divergence": repeated.divergence,
         "collision": outcome.is_collision(),
         "impact_speed_mps": outcome.impact_speed(),
         "episode_length_s": outcome.duration,

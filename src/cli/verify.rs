@@ -78,8 +78,9 @@ pub fn verify(options: &VerifyOptions) -> ExitCode {
 fn show(different: &[Repeated]) {
     for repeated in different.iter().take(SHOWN) {
         let columns: Vec<&str> = repeated.differences.iter().map(|difference| difference.column.as_str()).collect();
-        let parting = repeated.parting.as_ref().map_or(String::new(), |parting| format!("; it parts {parting}"));
-        console::fail(&format!("{} differs from the report: {}{parting}", repeated.name, columns.join(", ")));
+        let divergence =
+            repeated.divergence.as_ref().map_or(String::new(), |divergence| format!("; it diverges {divergence}"));
+        console::fail(&format!("{} differs from the report: {}{divergence}", repeated.name, columns.join(", ")));
     }
     if different.len() > SHOWN {
         console::fail(&format!("… and {} more", different.len() - SHOWN));

@@ -1,9 +1,9 @@
 use std::fmt::Write;
 
 use super::Catalog;
-use crate::lang::mistakes::{Mistake, mistakes};
+use crate::lang::error_index::{Mistake, mistakes};
+use crate::lang::keywords::{WORDS, Word};
 use crate::lang::nearest;
-use crate::lang::words::{WORDS, Word};
 use crate::lang::{DIMENSIONS, functions, library};
 use crate::signature::{Event, Param, Signature, Type, Variable, bounds};
 use crate::units::{Dimension, UNIT_NAMES, parse_unit};

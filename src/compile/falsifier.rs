@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use crate::diagnostic::Diagnostic;
 use crate::falsifier::{Falsifier, Homing, Intercept, Learning, OpenLoop, Random, TreeSearch, Walking};
-use crate::lang::codes;
+use crate::lang::diagnostics;
 use crate::lang::hir::Declaration;
 use crate::rl::PpoConfig;
 use crate::signature::{Arguments, DeclarationId, Form, Signature, Value};
@@ -76,7 +76,7 @@ pub fn lower(
         && elite > population
     {
         let message = format!("an elite of {elite} is more than the population of {population}");
-        said.push(codes::contradiction(declaration.block.place("elite"), message));
+        said.push(diagnostics::contradiction(declaration.block.place("elite"), message));
     }
     (found.expect("checked: the kind is in the catalogue").make)(arguments, &training)
 }

@@ -15,7 +15,7 @@ use crate::diagnostic::{Diagnostic, Severity, Sources};
 use crate::env::{PolicyMaker, SpawnRule};
 use crate::geometry::Obstacles;
 use crate::lang::hir::{Block, Declaration, ParamId};
-use crate::lang::{self, Reader, Unreadable, codes};
+use crate::lang::{self, Reader, Unreadable, diagnostics};
 use crate::signature::DeclarationId;
 
 /// What came of a set of files.
@@ -115,7 +115,7 @@ pub fn compile_with(
     let errors: Vec<&Diagnostic> = diagnostics.iter().filter(|each| is_error(each)).collect();
     let (plan, unplaced) = match errors.as_slice() {
         [] => (Some(plan), None),
-        errors if errors.iter().all(|each| codes::is_unplaceable(each)) => (None, Some(plan)),
+        errors if errors.iter().all(|each| diagnostics::is_unplaceable(each)) => (None, Some(plan)),
         _ => (None, None),
     };
     Ok(Compiled { plan, unplaced, diagnostics })

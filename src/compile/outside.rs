@@ -7,7 +7,7 @@ use crate::av::external::{External, Program, Settings};
 use crate::av::onnx::{Model, Onnx};
 use crate::env::PolicyMaker;
 use crate::lang::hir::Declaration;
-use crate::lang::{Reader, codes, reason};
+use crate::lang::{Reader, diagnostics, reason};
 use crate::signature::Signature;
 
 /// A kind of driving policy from outside: what it takes, and how a maker of it comes to be.
@@ -34,16 +34,16 @@ fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<Po
     let program = match Program::parse(command, lowering.beside(declaration, "")) {
         Ok(program) => program,
         Err(reason) => {
-            lowering.said.push(codes::unusable_command(place, command, reason));
+            lowering.said.push(diagnostics::unusable_command(place, command, reason));
             return None;
         }
     };
     let Some(opener) = lowering.catalog.opener.clone() else {
-        lowering.said.push(codes::external_not_allowed(place, command));
+        lowering.said.push(diagnostics::external_not_allowed(place, command));
         return None;
     };
     if let Err(reason) = opener.find(&program) {
-        lowering.said.push(codes::unusable_command(place, command, &reason));
+        lowering.said.push(diagnostics::unusable_command(place, command, &reason));
         return None;
     }
     // What the files of a command hold belongs to what the scenario says.
@@ -64,7 +64,7 @@ fn onnx(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<Policy
             Some(Arc::new(move || Box::new(Onnx::new(worlds, model.clone()))))
         }
         Err(reason) => {
-            lowering.said.push(codes::unusable_model(declaration.block.place("model"), path, &reason));
+            lowering.said.push(diagnostics::unusable_model(declaration.block.place("model"), path, &reason));
             None
         }
     }

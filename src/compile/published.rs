@@ -1,6 +1,6 @@
 use super::plan::{Published, PublishedCell, PublishedFigure};
 use crate::diagnostic::Diagnostic;
-use crate::lang::codes;
+use crate::lang::diagnostics;
 use crate::lang::hir::{Block, Declaration, Program};
 use crate::signature::{DeclarationId, Form, Param, Signature, Type};
 use crate::units::Dimension;
@@ -69,7 +69,7 @@ fn cell(block: &Block, program: &Program, said: &mut Vec<Diagnostic>) -> Publish
     for (_, mean, spread, _) in FIGURES {
         if arguments.has(spread) && !arguments.has(mean) {
             let message = format!("`{spread}` is the spread of `{mean}`, which is not given");
-            said.push(codes::contradiction(block.place(spread), message));
+            said.push(diagnostics::contradiction(block.place(spread), message));
         }
     }
     let name = |id: DeclarationId| program.get(id).name.clone();

@@ -5,7 +5,7 @@
 //! the rest is left to rejection, unless ever smaller boxes of beginnings show that it never holds together.
 
 use crate::diagnostic::{Diagnostic, Label, Span};
-use crate::lang::codes;
+use crate::lang::diagnostics;
 use crate::signature::{BinaryOperator, Bounds, Distribution, Formula, VariableId, Vocabulary};
 use crate::units::Dimension;
 
@@ -205,7 +205,7 @@ impl<'a> Sector<'a> {
     }
 
     fn contradiction(&self, condition: &Formula, span: Span) -> Diagnostic {
-        let mut diagnostic = codes::contradiction(span, "this never holds".into());
+        let mut diagnostic = diagnostics::contradiction(span, "this never holds".into());
         let mut named = Vec::new();
         variables(condition, &mut named);
         let derived = |name: &str| matches!(name, "ahead" | "aside");

@@ -4,7 +4,7 @@ use super::sector::Sector;
 use crate::diagnostic::{Diagnostic, Sources};
 use crate::env::{Constraint, EgoStart, Ground, LanePiece, Measure, RoadShape, SpawnRule};
 use crate::geometry::Pose;
-use crate::lang::codes;
+use crate::lang::diagnostics;
 use crate::lang::hir::Block;
 use crate::signature::{Arguments, Distribution, Form, Param, Signature, Type, Value, Vocabulary};
 use crate::units::Dimension;
@@ -107,7 +107,7 @@ pub fn lower(
     let before = said.len();
     if area && !matches!(distance.0, Distribution::Uniform(..)) {
         let message = "places are uniform over the ground only when the distance is a range `low .. high`".to_string();
-        said.push(codes::contradiction(block.place("measure"), message).label(distance.1, "this is no range"));
+        said.push(diagnostics::contradiction(block.place("measure"), message).label(distance.1, "this is no range"));
     }
     let mut constraints = vec![Constraint::Clearance(arguments.number("clearance"))];
     if arguments.has("ground") {
@@ -169,7 +169,9 @@ fn ego_start(block: &Block, said: &mut Vec<Diagnostic>) -> EgoStart {
         (true, false) => {
             let message = "the ego begins either on `ego_poses` or on an `ego_lane`, not on both".to_string();
             let lane = block.nested("ego_lane").next().expect("there is a piece");
-            said.push(codes::contradiction(block.place("ego_poses"), message).label(lane.head, "the lane is here"));
+            said.push(
+                diagnostics::contradiction(block.place("ego_poses"), message).label(lane.head, "the lane is here"),
+            );
             EgoStart::Anywhere
         }
         (true, true) => EgoStart::Poses(poses(arguments)),

@@ -3,7 +3,7 @@ use std::path::Path;
 
 use crate::diagnostic::{Diagnostic, Sources, Span};
 use crate::geometry::{OrientedBox, Point, Pose, Vector};
-use crate::lang::codes;
+use crate::lang::diagnostics;
 use crate::lang::hir::{Block, Declaration};
 use crate::road::design::{BuildingRow, DesignError, Node, Street, StreetProfile, TownDesign};
 use crate::road::{LaneFilter, Road, Shape, SpeedSign, Town, TownParts, opendrive};
@@ -209,7 +209,7 @@ pub fn lower(
     };
     let before = said.len();
     if let Some(second) = block.nested("row_houses").nth(1) {
-        said.push(codes::contradiction(second.head, "this town has `row_houses` already".into()));
+        said.push(diagnostics::contradiction(second.head, "this town has `row_houses` already".into()));
     }
     let standing = standing(block, said);
     // Rows of houses give way to what is placed by hand.
@@ -238,7 +238,7 @@ pub fn lower(
                 "" => format!("road {}", road.id),
                 name => format!("`{name}`"),
             };
-            said.push(codes::unbuildable_town(*place, &format!("this stands on a driving lane of {whose}")));
+            said.push(diagnostics::unbuildable_town(*place, &format!("this stands on a driving lane of {whose}")));
         }
     }
     let whole = said.len() == before;
@@ -249,7 +249,7 @@ pub fn lower(
 /// Says what stands where it has no effect.
 fn idle(town: &Town, block: &Block, standing: &[(Span, OrientedBox)]) -> Vec<Diagnostic> {
     let far = |own: &OrientedBox| !town.roads.iter().any(|road| comes_near(road, own, FAR));
-    let lost = standing.iter().filter(|(_, own)| far(own)).map(|(place, _)| codes::far_from_streets(*place, FAR));
+    let lost = standing.iter().filter(|(_, own)| far(own)).map(|(place, _)| diagnostics::far_from_streets(*place, FAR));
     let unseen = |sign: &&Block| {
         let at = pose(sign.arguments.value("at")).position();
         town.nearest_lane(at, LaneFilter::Driving).is_none_or(|lane| {
@@ -257,7 +257,7 @@ fn idle(town: &Town, block: &Block, standing: &[(Span, OrientedBox)]) -> Vec<Dia
             town.pose(lane).to_local(at).norm() > reach
         })
     };
-    let passed_by_none = block.nested("speed_sign").filter(unseen).map(|sign| codes::sign_off_lanes(sign.head));
+    let passed_by_none = block.nested("speed_sign").filter(unseen).map(|sign| diagnostics::sign_off_lanes(sign.head));
     lost.chain(passed_by_none).collect()
 }
 
@@ -270,7 +270,7 @@ fn unbuildable(fault: &DesignError, block: &Block) -> Diagnostic {
             (Some((key, "of buildings" | "between buildings")), Some(row)) => (row, key.to_string()),
             _ => (block, what.replace(' ', "_")),
         };
-        return codes::unbuildable_town(owner.place(&key), &fault.to_string());
+        return diagnostics::unbuildable_town(owner.place(&key), &fault.to_string());
     }
     let mut places: Vec<Span> = Vec::new();
     for name in fault.names() {
@@ -283,7 +283,8 @@ fn unbuildable(fault: &DesignError, block: &Block) -> Diagnostic {
         let place = street.or_else(|| corner().map(|(_, span)| *span));
         places.extend(place.filter(|place| !places.contains(place)));
     }
-    let mut diagnostic = codes::unbuildable_town(places.first().copied().unwrap_or(block.head), &fault.to_string());
+    let mut diagnostic =
+        diagnostics::unbuildable_town(places.first().copied().unwrap_or(block.head), &fault.to_string());
     let others = if places.len() > 2 { "this is one of them" } else { "the other is here" };
     for place in places.into_iter().skip(1) {
         diagnostic = diagnostic.label(place, others);
@@ -326,12 +327,12 @@ fn read_map(
         Ok(parts) => {
             let warnings: Vec<String> = parts.warnings.iter().map(ToString::to_string).collect();
             if !warnings.is_empty() {
-                said.push(codes::map_warning(place, shown, &warnings));
+                said.push(diagnostics::map_warning(place, shown, &warnings));
             }
             Some(parts)
         }
         Err(reason) => {
-            let unusable = codes::unusable_map(place, shown, &reason);
+            let unusable = diagnostics::unusable_map(place, shown, &reason);
             let help = || format!("paths are relative to {relative_to}");
             said.push(if missing { unusable.help(help()) } else { unusable });
             None
@@ -356,7 +357,7 @@ fn standing(block: &Block, said: &mut Vec<Diagnostic>) -> Vec<(Span, OrientedBox
             "building" => {
                 let own = OrientedBox::spanning(point("corner"), point("opposite"));
                 if own.half.min() < 0.05 {
-                    said.push(codes::unbuildable_town(child.head, "this building is thinner than 0.1 m"));
+                    said.push(diagnostics::unbuildable_town(child.head, "this building is thinner than 0.1 m"));
                     continue;
                 }
                 all.push((child.head, own));
@@ -377,7 +378,7 @@ fn standing(block: &Block, said: &mut Vec<Diagnostic>) -> Vec<(Span, OrientedBox
                 let (columns, rows) = (count(high.x - low.x), count(high.y - low.y));
                 if columns * rows > MOST_TREES {
                     let reason = format!("this grove has {} trees; at most {MOST_TREES} grow", columns * rows);
-                    said.push(codes::unbuildable_town(child.head, &reason));
+                    said.push(diagnostics::unbuildable_town(child.head, &reason));
                     continue;
                 }
                 for index in 0..(columns * rows) as u32 {

@@ -6,7 +6,7 @@ use super::Catalog;
 use super::reached::reached;
 use crate::diagnostic::{Diagnostic, Severity, Sources};
 use crate::lang::hir::{ParamId, Program};
-use crate::lang::{self, Checked, Matrix, codes};
+use crate::lang::{self, Checked, Matrix, diagnostics};
 use crate::signature::DeclarationId;
 
 /// The files checked with one combination of settings, and the campaigns that are run that way.
@@ -77,7 +77,8 @@ fn variants(
         let used = |name: &str| variants[0].program.params.iter().any(|param| param.name == name && param.used);
         let axes = axes.filter(|axis| used(&axis.text));
         idle.extend(
-            axes.filter(|axis| !needed.contains(&axis.text)).map(|axis| codes::idle_axis(axis.span, &axis.text, name)),
+            axes.filter(|axis| !needed.contains(&axis.text))
+                .map(|axis| diagnostics::idle_axis(axis.span, &axis.text, name)),
         );
     }
     diagnostics.extend(said);

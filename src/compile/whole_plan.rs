@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::plan::Plan;
 use crate::diagnostic::Diagnostic;
-use crate::lang::codes;
+use crate::lang::diagnostics;
 use crate::lang::hir::{Declaration, Program};
 use crate::signature::DeclarationId;
 
@@ -17,7 +17,7 @@ pub(super) fn forbid_equal_names(program: &Program, plan: &Plan, said: &mut Vec<
     for campaign in program.of_form("campaign") {
         if let Some(first) = seen.insert(&campaign.name, campaign) {
             let (here, there) = (campaign.block.head, first.block.head);
-            said.push(codes::duplicate_declaration(here, "campaign", &campaign.name, there));
+            said.push(diagnostics::duplicate_declaration(here, "campaign", &campaign.name, there));
         }
     }
     let (mut names, distinct) = (BTreeSet::new(), seen.len() == program.of_form("campaign").count());
@@ -25,13 +25,16 @@ pub(super) fn forbid_equal_names(program: &Program, plan: &Plan, said: &mut Vec<
         if campaign.name.len() > LONGEST_CAMPAIGN {
             let source = program.of_form("campaign").find(|each| campaign.name.starts_with(&each.name));
             let head = source.expect("a campaign is made from a declaration").block.head;
-            said.push(codes::long_combination(head, &campaign.name, LONGEST_CAMPAIGN));
+            said.push(diagnostics::long_combination(head, &campaign.name, LONGEST_CAMPAIGN));
             return;
         }
         if distinct && !names.insert(&campaign.name) {
             let source = program.of_form("campaign").find(|each| campaign.name.starts_with(&each.name));
             let head = source.expect("a campaign is made from a declaration").block.head;
-            said.push(codes::contradiction(head, format!("two combinations would both be named `{}`", campaign.name)));
+            said.push(diagnostics::contradiction(
+                head,
+                format!("two combinations would both be named `{}`", campaign.name),
+            ));
         }
     }
 }
@@ -42,12 +45,12 @@ pub(super) fn warn_of_unused(program: &Program, used: &BTreeSet<DeclarationId>, 
     let with_campaign: BTreeSet<_> = program.of_form("campaign").map(|campaign| campaign.source).collect();
     for declaration in &program.declarations {
         if with_campaign.contains(&declaration.source) && !used.contains(&declaration.id) {
-            said.push(codes::unused(declaration.block.head, declaration.form, &declaration.name));
+            said.push(diagnostics::unused(declaration.block.head, declaration.form, &declaration.name));
         }
     }
     for param in &program.params {
         if with_campaign.contains(&param.id.0) && !param.used {
-            said.push(codes::unused(param.span, "param", &param.name));
+            said.push(diagnostics::unused(param.span, "param", &param.name));
         }
     }
 }

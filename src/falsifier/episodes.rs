@@ -18,7 +18,7 @@ const MOST_FAULTS: usize = 10;
 /// Where a batch is faster for the driver ([`DrivingPolicy::clone_for_batch`](crate::av::DrivingPolicy::clone_for_batch)), several
 /// episodes run at once, tick by tick. That changes no outcome: episodes are independent, and when a driver fails in a batch, each
 /// episode of the batch is run again alone.
-pub fn try_walker(
+pub fn evaluate(
     walker: &mut dyn WalkPolicy,
     scenario: &Arc<Scenario>,
     episodes: u32,
@@ -27,14 +27,14 @@ pub fn try_walker(
     observer: &mut dyn FnMut(u32) -> ControlFlow<()>,
 ) -> Vec<Outcome> {
     let note = &mut |_: u32, outcome: &Outcome, _: &Trace| *outcome;
-    watch_walker(walker, scenario, 0..episodes, episodes_seed, walker_seed, note, observer)
+    evaluate_noting(walker, scenario, 0..episodes, episodes_seed, walker_seed, note, observer)
 }
 
-/// Evaluates a walk policy as [`try_walker`] does in the episodes with these numbers. `note` gets the number, the outcome and the
+/// Evaluates a walk policy as [`evaluate`] does in the episodes with these numbers. `note` gets the number, the outcome and the
 /// trace of each episode that is over; what it returns is collected.
 ///
 /// An episode is the same in every range that contains it.
-pub fn watch_walker<T>(
+pub fn evaluate_noting<T>(
     walker: &mut dyn WalkPolicy,
     scenario: &Arc<Scenario>,
     episodes: Range<u32>,

@@ -1,6 +1,6 @@
 //! Policies of pedestrians that aim at a collision, and methods that search for one.
 //!
-//! A [`WalkPolicy`] chooses commands decision by decision; [`try_walker`] evaluates it. A [`Falsifier`] is a method with a budget of
+//! A [`WalkPolicy`] chooses commands decision by decision; [`evaluate`] evaluates it. A [`Falsifier`] is a method with a budget of
 //! simulator ticks, from random walks to learning by PPO; a [`Simulator`] counts the ticks and stores what the method finds. All of
 //! them know an environment by the dimensions of its states and actions, not by the number of its pedestrians.
 
@@ -22,7 +22,7 @@ mod open_loop;
 mod tree_search;
 mod learning;
 
-pub use episodes::{try_walker, watch_walker};
+pub use episodes::{evaluate, evaluate_noting};
 pub use failure::{Failure, follow};
 pub use homing::Homing;
 pub use intercept::Intercept;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::codes;
+use super::diagnostics;
 use super::tokens::{TokenKind, tokens};
 use crate::diagnostic::{Diagnostic, SourceId, Span};
 
@@ -31,12 +31,12 @@ pub fn balance(source: SourceId, text: &str, first: Diagnostic) -> Balanced {
         let place = found
             .labels
             .first()
-            .filter(|label| label.text == codes::OPENED)
+            .filter(|label| label.text == diagnostics::OPENED)
             .map_or(found.primary.span, |label| label.span);
         let part = match found.code {
             "stray-bracket" => match unopened(text, place.start) {
                 Some((part, head)) => {
-                    found = codes::missing_brace(Span { start: head.start, end: head.end, ..place });
+                    found = diagnostics::missing_brace(Span { start: head.start, end: head.end, ..place });
                     part
                 }
                 // What closes nothing else does no harm but for itself.
@@ -109,20 +109,20 @@ pub fn scan(source: SourceId, text: &str) -> Result<(), Box<Diagnostic>> {
             TokenKind::LineComment | TokenKind::Doc if token.text(text).contains(['}', ')', ']']) => {
                 commented = Some(at(token.start));
             }
-            TokenKind::OpenComment => return Err(Box::new(codes::unclosed_comment(at(token.start)))),
+            TokenKind::OpenComment => return Err(Box::new(diagnostics::unclosed_comment(at(token.start)))),
             TokenKind::OpenText => unended = Some(at(token.start)),
             TokenKind::Open => {
                 open.extend(token.text(text).chars().map(|bracket| (bracket, token.start)));
                 if open.len() > MAX_DEPTH {
-                    return Err(Box::new(codes::too_deep(at(token.start), MAX_DEPTH)));
+                    return Err(Box::new(diagnostics::too_deep(at(token.start), MAX_DEPTH)));
                 }
             }
             TokenKind::Close => match open.pop() {
                 Some((opening, _)) if closes(opening, token.text(text)) => {}
                 Some((opening, place)) => {
-                    return Err(Box::new(codes::mismatched_bracket(at(token.start), at(place), opening)));
+                    return Err(Box::new(diagnostics::mismatched_bracket(at(token.start), at(place), opening)));
                 }
-                None => return Err(Box::new(codes::stray_bracket(at(token.start)))),
+                None => return Err(Box::new(diagnostics::stray_bracket(at(token.start)))),
             },
             _ => {}
         }
@@ -131,7 +131,7 @@ pub fn scan(source: SourceId, text: &str) -> Result<(), Box<Diagnostic>> {
     let unended = unended.filter(|text| text.start > place);
     let line = text[place..].find(['\n', '\r']).map_or(text.len(), |end| place + end);
     let commented = commented.filter(|comment| (place..line).contains(&comment.start));
-    Err(Box::new(codes::unclosed_bracket(at(place), opening, unended, commented)))
+    Err(Box::new(diagnostics::unclosed_bracket(at(place), opening, unended, commented)))
 }
 
 fn closes(opening: char, closing: &str) -> bool {

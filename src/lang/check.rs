@@ -5,15 +5,15 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::ast::{self, Entry, ExpressionKind, Name};
-use super::codes::KeyOf;
 use super::defaults::Defaults;
+use super::diagnostics::KeyOf;
 use super::formula::Scope;
 use super::hir::ParamId;
 use super::hir::{Block, Clause, Declaration, Program};
 use super::names::names_of_all;
 use super::params::{DIMENSIONS, Params, type_of};
 use super::value::{Context, plain_number, value};
-use super::{Loaded, codes};
+use super::{Loaded, diagnostics};
 use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
 use crate::signature::{Arguments, DeclarationId, Form, Param, Signature, Type, Value, Vocabulary};
 use crate::units::Dimension;
@@ -176,14 +176,14 @@ impl<'f> Checker<'_, '_, 'f> {
                 let has =
                     |form: &&Form| kind.is_some_and(|kind| form.kinds.iter().any(|known| known.name == kind.text));
                 self.diagnostics.push(match forms.iter().find(has) {
-                    Some(form) => codes::missing_form(*span, text, form.name),
-                    None => codes::unknown_form(*span, text, form_names),
+                    Some(form) => diagnostics::missing_form(*span, text, form.name),
+                    None => diagnostics::unknown_form(*span, text, form_names),
                 });
                 ("", empty(""))
             }
             Some(form) => {
                 if written.name.is_none() {
-                    self.diagnostics.push(codes::missing_name(written.head, form.name));
+                    self.diagnostics.push(diagnostics::missing_name(written.head, form.name));
                 }
                 match self.signature(written, form) {
                     Some(signature) => (form.name, self.block(written, signature)),
@@ -193,7 +193,7 @@ impl<'f> Checker<'_, '_, 'f> {
         };
         let name = written.name.as_ref().map_or_else(String::new, |name| name.text.clone());
         if let Some(long) = written.name.as_ref().filter(|name| name.text.len() > LONGEST_NAME) {
-            self.diagnostics.push(codes::long_name(long.span, LONGEST_NAME));
+            self.diagnostics.push(diagnostics::long_name(long.span, LONGEST_NAME));
         }
         let docs = written.docs.clone();
         Declaration { id, source, form, kind: block.word, name, docs, params: Vec::new(), block }
@@ -204,14 +204,14 @@ impl<'f> Checker<'_, '_, 'f> {
         match &written.kind {
             None => {
                 if form.plain.is_none() {
-                    self.diagnostics.push(codes::missing_kind(written.head, form.name, &kinds));
+                    self.diagnostics.push(diagnostics::missing_kind(written.head, form.name, &kinds));
                 }
                 form.plain.as_ref()
             }
             Some(kind) => {
                 let found = form.kinds.iter().find(|candidate| candidate.name == kind.text);
                 if found.is_none() {
-                    self.diagnostics.push(codes::unknown_kind(kind.span, form.name, &kind.text, &kinds));
+                    self.diagnostics.push(diagnostics::unknown_kind(kind.span, form.name, &kind.text, &kinds));
                 }
                 found
             }
@@ -248,15 +248,19 @@ impl<'f> Checker<'_, '_, 'f> {
                         let is_event =
                             signature.clauses && self.context.vocabulary.events.iter().any(|event| event.name == text);
                         let unknown = match is_event {
-                            true => codes::event_for_key(*span, signature.name, text),
-                            false => codes::unknown_key(*span, signature.name, text, &left, elsewhere),
+                            true => diagnostics::event_for_key(*span, signature.name, text),
+                            false => diagnostics::unknown_key(*span, signature.name, text, &left, elsewhere),
                         };
                         meant.extend(unknown.fixes.iter().map(|fix| fix.text.clone()));
                         self.diagnostics.push(unknown);
                     }
                     Some(param) => {
                         if let Some((first, ..)) = given.iter().find(|(_, name, ..)| *name == param.name) {
-                            self.diagnostics.push(codes::duplicate_key(property.key.span, param.name, first.span));
+                            self.diagnostics.push(diagnostics::duplicate_key(
+                                property.key.span,
+                                param.name,
+                                first.span,
+                            ));
                             continue;
                         }
                         let bare = written.entries[place + 1..].iter().map_while(|entry| match entry {
@@ -272,7 +276,7 @@ impl<'f> Checker<'_, '_, 'f> {
                         let before = self.diagnostics.len();
                         let checked = value(&property.value, &param.ty, self.context, self.diagnostics);
                         for said in &mut self.diagnostics[before..] {
-                            codes::show_key(said, property.key.span, param);
+                            diagnostics::show_key(said, property.key.span, param);
                         }
                         self.whole &= checked.is_some();
                         given.push((&property.key, param.name, property.value.span, checked));
@@ -298,7 +302,7 @@ impl<'f> Checker<'_, '_, 'f> {
                     let params =
                         signature.params.iter().filter(|param| of_kind.is_none_or(|kind| measures(&param.ty, kind)));
                     let fitting: Vec<&str> = params.map(|param| param.name).collect();
-                    self.diagnostics.push(codes::bare_argument(expression.span, text, &fitting));
+                    self.diagnostics.push(diagnostics::bare_argument(expression.span, text, &fitting));
                 }
                 Entry::Unread(words) => {
                     self.whole = false;
@@ -313,9 +317,9 @@ impl<'f> Checker<'_, '_, 'f> {
                         self.diagnostics.push(match (&child.kind, child.entries.as_slice()) {
                             (Some(kind), []) if keys.contains(&word.as_str()) && child.name.is_none() => {
                                 let meant = format!("{word}: {}", kind.text);
-                                codes::slip(span.to(kind.span), "a key is followed by `:`", Some(&meant))
+                                diagnostics::slip(span.to(kind.span), "a key is followed by `:`", Some(&meant))
                             }
-                            _ => codes::unknown_block(*span, signature.name, word, &words, &keys),
+                            _ => diagnostics::unknown_block(*span, signature.name, word, &words, &keys),
                         });
                     }
                     Some(inner) => {
@@ -323,11 +327,12 @@ impl<'f> Checker<'_, '_, 'f> {
                             let place = child.form.span.to(kind.span);
                             let meant = child.name.is_none().then(|| format!("{} {}", child.form.text, kind.text));
                             let said = "a block follows its name directly";
-                            self.diagnostics.push(codes::slip(place, said, meant.as_deref()));
+                            self.diagnostics.push(diagnostics::slip(place, said, meant.as_deref()));
                         }
                         if let Some(name) = &child.name {
                             let before = named.insert((&child.form.text, &name.text), name.span);
-                            let again = |first| codes::duplicate_declaration(name.span, inner.name, &name.text, first);
+                            let again =
+                                |first| diagnostics::duplicate_declaration(name.span, inner.name, &name.text, first);
                             self.diagnostics.extend(before.map(again));
                         }
                         children.push(self.block(child, inner));
@@ -339,7 +344,7 @@ impl<'f> Checker<'_, '_, 'f> {
                     clauses.extend(clause);
                 }
                 Entry::Clause(clause) => {
-                    self.diagnostics.push(codes::unexpected_clause(clause.event.span, signature.name));
+                    self.diagnostics.push(diagnostics::unexpected_clause(clause.event.span, signature.name));
                 }
             }
         }
@@ -352,7 +357,7 @@ impl<'f> Checker<'_, '_, 'f> {
                     Some(text) => Some(self.defaults.value(param, text, self.context.names, self.context.sources)),
                     None if meant.contains(param.name) => None,
                     None => {
-                        self.diagnostics.push(codes::missing_key(written.head, signature.name, param));
+                        self.diagnostics.push(diagnostics::missing_key(written.head, signature.name, param));
                         None
                     }
                 },
@@ -368,7 +373,7 @@ impl<'f> Checker<'_, '_, 'f> {
                 let (first, second) = (place(low), place(high));
                 let span = second.or(first).unwrap_or(written.head);
                 let other = first.filter(|_| second.is_some());
-                self.diagnostics.push(codes::not_rising(span, low, high, other));
+                self.diagnostics.push(diagnostics::not_rising(span, low, high, other));
             }
         }
         let name = written.name.as_ref().map(|name| name.text.clone());
@@ -385,11 +390,11 @@ impl<'f> Checker<'_, '_, 'f> {
         let (start, end, diagnostic) = match comma {
             Some((whole, part)) if !listed => {
                 let (start, end) = (first.start - whole, first.start + part);
-                (start, end, codes::decimal_comma(Span { start, end, ..first }, &text[start..end]))
+                (start, end, diagnostics::decimal_comma(Span { start, end, ..first }, &text[start..end]))
             }
             _ if listed => {
                 let span = value.to(bare.last().unwrap_or(first));
-                (span.start, span.end, codes::unbracketed_list(span, self.context.sources.text(span)))
+                (span.start, span.end, diagnostics::unbracketed_list(span, self.context.sources.text(span)))
             }
             _ => return None,
         };
@@ -405,7 +410,7 @@ impl<'f> Checker<'_, '_, 'f> {
         let known: Vec<&str> = events().map(|event| event.name).collect();
         let name = &written.event;
         let Some(event) = events().find(|event| event.name == name.text) else {
-            self.diagnostics.push(codes::unknown_event(name.span, &name.text, &known));
+            self.diagnostics.push(diagnostics::unknown_event(name.span, &name.text, &known));
             // What is paid is looked at all the same.
             let Context { vocabulary, names, .. } = *self.context;
             let every: Vec<&'static str> = vocabulary.variables.iter().map(|variable| variable.name).collect();
@@ -418,14 +423,14 @@ impl<'f> Checker<'_, '_, 'f> {
             Some(word) => match event.words.iter().find(|known| **known == word.text) {
                 Some(known) => Some(*known),
                 None => {
-                    let unknown = codes::unknown_event_word(word.span, event.name, &word.text, event.words);
+                    let unknown = diagnostics::unknown_event_word(word.span, event.name, &word.text, event.words);
                     self.diagnostics.push(unknown);
                     return None;
                 }
             },
         };
         if let Some(first) = earlier.iter().find(|clause| clause.event == event.name && clause.word == word) {
-            self.diagnostics.push(codes::duplicate_clause(name.span, first.span));
+            self.diagnostics.push(diagnostics::duplicate_clause(name.span, first.span));
         }
         let Context { vocabulary, names, .. } = *self.context;
         let scope = Scope { vocabulary, available: event.variables, event: event.name, names, whole: true };

@@ -1,7 +1,7 @@
 //! Checks formulas: names, arity, dimensions.
 
 use super::ast::{Expression, ExpressionKind, Known, Name};
-use super::codes;
+use super::diagnostics;
 use super::names::Names;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::signature::{BinaryOperator, Bounds, Formula, Function, VariableId, Vocabulary};
@@ -61,7 +61,7 @@ pub(super) fn formula(
     let part = checker.visit(expression)?;
     if scope.whole && !is_finite(part.bounds) {
         let place = checker.grows.unwrap_or(expression.span);
-        return checker.say(codes::maybe_nothing(place, GROWS, HOLD));
+        return checker.say(diagnostics::maybe_nothing(place, GROWS, HOLD));
     }
     Some((part.formula, part.sort))
 }
@@ -71,16 +71,16 @@ pub(super) fn unit(name: &Name, diagnostics: &mut Vec<Diagnostic>) -> Option<Uni
     let names = || -> Vec<&str> { UNIT_NAMES.iter().map(|(name, _)| *name).collect() };
     match parse_unit(&name.text) {
         Ok(_) if name.text == "m/h" => {
-            diagnostics.push(codes::unknown_unit(name.span, &name.text, Some(&name.text), &names()));
+            diagnostics.push(diagnostics::unknown_unit(name.span, &name.text, Some(&name.text), &names()));
             None
         }
         Ok(unit) => Some(unit),
         Err(UnitError::Unknown { name: part }) => {
-            diagnostics.push(codes::unknown_unit(name.span, &name.text, Some(&part), &names()));
+            diagnostics.push(diagnostics::unknown_unit(name.span, &name.text, Some(&part), &names()));
             None
         }
         Err(UnitError::BadPower) => {
-            diagnostics.push(codes::unknown_unit(name.span, &name.text, None, &names()));
+            diagnostics.push(diagnostics::unknown_unit(name.span, &name.text, None, &names()));
             None
         }
     }
@@ -153,7 +153,7 @@ impl Checker<'_> {
             ExpressionKind::Number { value, unit: None } => Some(Part::constant(*value, Dimension::RATIO)),
             ExpressionKind::Number { value, unit: Some(name) } => {
                 if parse_unit(&name.text).is_err() && self.names_quantity(&name.text) {
-                    return self.say(codes::missing_sign(name.span, &name.text));
+                    return self.say(diagnostics::missing_sign(name.span, &name.text));
                 }
                 let unit = unit(name, self.diagnostics)?;
                 Some(Part::constant(value * unit.factor, unit.dimension))
@@ -161,8 +161,10 @@ impl Checker<'_> {
             ExpressionKind::Name(word) => self.variable(word, span),
             ExpressionKind::Known(Known::Quantity(value, dimension)) => Some(Part::constant(*value, *dimension)),
             ExpressionKind::Known(Known::Wrong) => None,
-            ExpressionKind::Known(Known::Distribution(..)) => self.say(codes::not_a(span, "formula", "distribution")),
-            ExpressionKind::Known(Known::Declaration(form, _)) => self.say(codes::not_a(span, "formula", form)),
+            ExpressionKind::Known(Known::Distribution(..)) => {
+                self.say(diagnostics::not_a(span, "formula", "distribution"))
+            }
+            ExpressionKind::Known(Known::Declaration(form, _)) => self.say(diagnostics::not_a(span, "formula", form)),
             ExpressionKind::Group(members) if members.len() == 1 => self.visit(&members[0]),
             ExpressionKind::Negate(inner) => {
                 let Quantity { formula, dimension, bounds: (low, high) } = self.quantity(inner)?;
@@ -178,7 +180,12 @@ impl Checker<'_> {
                 let unit = unit(name, self.diagnostics)?;
                 let converted = converted?;
                 if converted.dimension != unit.dimension {
-                    return self.say(codes::wrong_count(name.span, unit.dimension, inner.span, converted.dimension));
+                    return self.say(diagnostics::wrong_count(
+                        name.span,
+                        unit.dimension,
+                        inner.span,
+                        converted.dimension,
+                    ));
                 }
                 let factor = Part::constant(unit.factor, unit.dimension);
                 let bounds = BinaryOperator::Divide.bounds(converted.bounds, factor.bounds);
@@ -187,10 +194,10 @@ impl Checker<'_> {
             }
             ExpressionKind::Binary { operator, left, right } => self.binary(*operator, left, right, span),
             ExpressionKind::Call { function, arguments } => self.call(function, arguments, span),
-            ExpressionKind::Text(_) => self.say(codes::not_a(span, "formula", "text")),
-            ExpressionKind::Range(..) => self.say(codes::not_a(span, "formula", "range")),
-            ExpressionKind::Group(_) => self.say(codes::not_a(span, "formula", "tuple")),
-            ExpressionKind::List(_) => self.say(codes::not_a(span, "formula", "list")),
+            ExpressionKind::Text(_) => self.say(diagnostics::not_a(span, "formula", "text")),
+            ExpressionKind::Range(..) => self.say(diagnostics::not_a(span, "formula", "range")),
+            ExpressionKind::Group(_) => self.say(diagnostics::not_a(span, "formula", "tuple")),
+            ExpressionKind::List(_) => self.say(diagnostics::not_a(span, "formula", "list")),
         }
     }
 
@@ -198,7 +205,7 @@ impl Checker<'_> {
         let Part { formula, sort, bounds } = self.visit(expression)?;
         match sort {
             Sort::Quantity(dimension) => Some(Quantity { formula, dimension, bounds }),
-            Sort::Truth => self.say(codes::not_a(expression.span, "quantity", "condition")),
+            Sort::Truth => self.say(diagnostics::not_a(expression.span, "quantity", "condition")),
         }
     }
 
@@ -206,7 +213,9 @@ impl Checker<'_> {
         let part = self.visit(expression)?;
         match part.sort {
             Sort::Truth => Some(part),
-            Sort::Quantity(dimension) => self.say(codes::not_a(expression.span, "condition", &dimension.to_string())),
+            Sort::Quantity(dimension) => {
+                self.say(diagnostics::not_a(expression.span, "condition", &dimension.to_string()))
+            }
         }
     }
 
@@ -220,10 +229,10 @@ impl Checker<'_> {
             None if scope.names.may_be_unread(word, scope.available.iter().copied()) => None,
             None => {
                 let known = scope.available.iter().copied().chain(scope.names.params());
-                self.say(codes::unknown_variable(span, word, known))
+                self.say(diagnostics::unknown_variable(span, word, known))
             }
             Some(_) if !scope.available.contains(&word) => {
-                self.say(codes::unavailable_variable(span, word, scope.event, scope.available))
+                self.say(diagnostics::unavailable_variable(span, word, scope.event, scope.available))
             }
             Some(index) => {
                 let variable = &scope.vocabulary.variables[index];
@@ -251,7 +260,7 @@ impl Checker<'_> {
             && compares(operator)
             && compares(*before)
         {
-            return self.say(codes::chained(span, middle.span));
+            return self.say(diagnostics::chained(span, middle.span));
         }
         let (a, b) = (self.quantity(left), self.quantity(right));
         let (a, b) = (a?, b?);
@@ -263,25 +272,27 @@ impl Checker<'_> {
                 };
                 match dimension {
                     Some(dimension) => Sort::Quantity(dimension),
-                    None => return self.say(codes::syntax(span, "the power of a unit grows beyond reason".into())),
+                    None => {
+                        return self.say(diagnostics::syntax(span, "the power of a unit grows beyond reason".into()));
+                    }
                 }
             }
             // A number without a unit most likely lacks it where it is compared; rewards count quantities on purpose.
             _ if a.dimension != b.dimension && (compares(operator) || !self.scope.whole) => {
                 return match (plain(left), plain(right)) {
                     (Some(number), _) if a.dimension == Dimension::RATIO => {
-                        let said = codes::bare_number(left.span, b.dimension, &number.to_string(), right.span);
+                        let said = diagnostics::bare_number(left.span, b.dimension, &number.to_string(), right.span);
                         self.say(as_other(said, right))
                     }
                     (_, Some(number)) if b.dimension == Dimension::RATIO => {
-                        let said = codes::bare_number(right.span, a.dimension, &number.to_string(), left.span);
+                        let said = diagnostics::bare_number(right.span, a.dimension, &number.to_string(), left.span);
                         self.say(as_other(said, left))
                     }
-                    _ => self.say(codes::mixed_dimensions(left.span, a.dimension, right.span, b.dimension)),
+                    _ => self.say(diagnostics::mixed_dimensions(left.span, a.dimension, right.span, b.dimension)),
                 };
             }
             _ if a.dimension != b.dimension => {
-                return self.say(codes::mixed_dimensions(left.span, a.dimension, right.span, b.dimension));
+                return self.say(diagnostics::mixed_dimensions(left.span, a.dimension, right.span, b.dimension));
             }
             Add | Subtract => Sort::Quantity(a.dimension),
             Less | LessEqual | Greater | GreaterEqual => Sort::Truth,
@@ -305,12 +316,12 @@ impl Checker<'_> {
     /// Makes sure that a divisor is not 0.
     fn away_from_zero(&mut self, span: Span, divisor: &Quantity) -> Option<()> {
         match divisor.bounds {
-            (0.0, 0.0) => self.say(codes::not_finite(span, "nothing can be divided by 0")),
+            (0.0, 0.0) => self.say(diagnostics::not_finite(span, "nothing can be divided by 0")),
             (low, high) if self.scope.whole && low <= 0.0 && high >= 0.0 => {
                 let unit = divisor.dimension.usual_units().first().map_or(String::new(), |unit| format!(" {unit}"));
                 let inner = if low == 0.0 { "…" } else { "abs(…)" };
                 let help = format!("hold it above 0: `max({inner}, 0.1{unit})`");
-                self.say(codes::maybe_nothing(span, "this may be 0", &help))
+                self.say(diagnostics::maybe_nothing(span, "this may be 0", &help))
             }
             _ => Some(()),
         }
@@ -321,14 +332,14 @@ impl Checker<'_> {
     fn counted(&mut self, part: Part, lost: bool, span: Span) -> Option<Part> {
         let (low, high) = part.bounds;
         if low == high && !low.is_finite() {
-            return self.say(codes::not_finite(span, "this is no finite number"));
+            return self.say(diagnostics::not_finite(span, "this is no finite number"));
         }
         if !is_finite(part.bounds) {
             self.grows.get_or_insert(span);
         }
         if self.scope.whole && lost {
             let place = self.grows.unwrap_or(span);
-            return self.say(codes::maybe_nothing(place, GROWS, HOLD));
+            return self.say(diagnostics::maybe_nothing(place, GROWS, HOLD));
         }
         Some(part)
     }
@@ -336,15 +347,15 @@ impl Checker<'_> {
     fn call(&mut self, name: &Name, arguments: &[Expression], span: Span) -> Option<Part> {
         let known: Vec<&str> = FUNCTIONS.iter().map(|(name, ..)| *name).collect();
         let Some((_, function, _)) = FUNCTIONS.iter().find(|(known, ..)| *known == name.text) else {
-            return self.say(codes::unknown_function(name.span, &name.text, &known));
+            return self.say(diagnostics::unknown_function(name.span, &name.text, &known));
         };
         let before = self.diagnostics.len();
         let checked: Vec<Option<Quantity>> = arguments.iter().map(|each| self.quantity(each)).collect();
         // AcrossRuns two arguments a comma is missing rather than a sign.
         if let ([_], Function::Min | Function::Max) = (arguments, function)
-            && let Some(said) = self.diagnostics[before..].iter_mut().find(|said| codes::lacks_sign(said))
+            && let Some(said) = self.diagnostics[before..].iter_mut().find(|said| diagnostics::lacks_sign(said))
         {
-            codes::or_comma(said);
+            diagnostics::or_comma(said);
             return None;
         }
         let (fits, expected) = match function {
@@ -353,13 +364,13 @@ impl Checker<'_> {
             _ => (arguments.len() == 1, "one argument"),
         };
         if !fits {
-            return self.say(codes::wrong_arity(span, &name.text, expected, arguments.len()));
+            return self.say(diagnostics::wrong_arity(span, &name.text, expected, arguments.len()));
         }
         let checked: Vec<Quantity> = checked.into_iter().collect::<Option<_>>()?;
         let dimension = checked[0].dimension;
         if let Some(other) = checked.iter().position(|each| each.dimension != dimension) {
             let (first, second) = (arguments[0].span, arguments[other].span);
-            return self.say(codes::mixed_dimensions(first, dimension, second, checked[other].dimension));
+            return self.say(diagnostics::mixed_dimensions(first, dimension, second, checked[other].dimension));
         }
         let given = match function {
             Function::Exp if dimension != Dimension::RATIO => None,
@@ -367,23 +378,23 @@ impl Checker<'_> {
             Function::LogLikelihood => Some(Dimension::RATIO),
             _ => Some(dimension),
         };
-        let Some(given) = given else { return self.say(codes::uncounted(arguments[0].span, dimension)) };
+        let Some(given) = given else { return self.say(diagnostics::uncounted(arguments[0].span, dimension)) };
         match function {
             Function::Sqrt => {
                 let (low, high) = checked[0].bounds;
                 if high < 0.0 {
-                    return self.say(codes::not_finite(span, "no number below 0 has a square root"));
+                    return self.say(diagnostics::not_finite(span, "no number below 0 has a square root"));
                 }
                 if self.scope.whole && low < 0.0 {
                     let zero = if dimension == Dimension::RATIO { "0" } else { "0 * …" };
                     let help = format!("hold it at 0: `max(…, {zero})`");
-                    return self.say(codes::maybe_nothing(arguments[0].span, "this may be below 0", &help));
+                    return self.say(diagnostics::maybe_nothing(arguments[0].span, "this may be below 0", &help));
                 }
             }
             Function::LogLikelihood => {
                 let deviation = &checked[2];
                 if deviation.bounds.1 <= 0.0 {
-                    return self.say(codes::not_finite(arguments[2].span, "a standard deviation is above 0"));
+                    return self.say(diagnostics::not_finite(arguments[2].span, "a standard deviation is above 0"));
                 }
                 self.away_from_zero(arguments[2].span, deviation)?;
             }

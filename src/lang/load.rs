@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
 use super::ast::File;
-use super::{codes, library, parse};
+use super::{diagnostics, library, parse};
 use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
 
 /// Reads files; the only way in which the front end reaches the outside. A function that gives a file's text is one.
@@ -103,12 +103,12 @@ impl Loader<'_> {
         let unread = !diagnostics.is_empty();
         self.diagnostics.append(&mut diagnostics);
         if file.edition.is_none() && !unread {
-            self.diagnostics.push(codes::missing_edition(Span { source, start: 0, end: 0 }));
+            self.diagnostics.push(diagnostics::missing_edition(Span { source, start: 0, end: 0 }));
         }
         if let Some((edition, span)) = file.edition
             && edition != 1.0
         {
-            self.diagnostics.push(codes::unknown_edition(span, edition));
+            self.diagnostics.push(diagnostics::unknown_edition(span, edition));
         }
         importers.push(source);
         for import in &mut file.imports {
@@ -129,10 +129,10 @@ impl Loader<'_> {
                     let circle = importers.iter().skip_while(|file| **file != imported);
                     let circle: Vec<String> =
                         circle.map(|file| self.sources.get(*file).path.display().to_string()).collect();
-                    self.diagnostics.push(codes::import_cycle(import.span, &import.path, &circle));
+                    self.diagnostics.push(diagnostics::import_cycle(import.span, &import.path, &circle));
                 }
                 Ok(imported) => import.source = Some(imported),
-                Err(error) => self.diagnostics.push(codes::import_not_found(import.span, &import.path, &error)),
+                Err(error) => self.diagnostics.push(diagnostics::import_not_found(import.span, &import.path, &error)),
             }
         }
         importers.pop();

@@ -23,12 +23,12 @@ mod defaults;
 mod check;
 mod formula;
 mod value;
-pub mod codes;
+pub mod diagnostics;
 pub mod hir;
 mod suggest;
-mod elsewhere;
-pub mod mistakes;
-pub mod words;
+mod foreign_names;
+pub mod error_index;
+pub mod keywords;
 mod format;
 mod outline;
 

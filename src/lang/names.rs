@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Bound;
 
 use super::ast::{File, Import, Name};
-use super::codes;
+use super::diagnostics;
 use super::hir::ParamId;
 use super::library;
 use super::suggest::nearest;
@@ -135,14 +135,14 @@ impl<'a> Names<'a> {
             // Neither what is written nor what was meant is to be told of again where it is used.
             self.unread.insert(&name.text);
             self.unread.extend(nearest(&name.text, offered.iter().copied()));
-            diagnostics.push(codes::unknown_import(name.span, &name.text, &import.path, offered.iter().copied()));
+            diagnostics.push(diagnostics::unknown_import(name.span, &name.text, &import.path, offered.iter().copied()));
         }
     }
 
     fn declare(&mut self, form: &'a str, name: &'a str, id: DeclarationId, span: Span, said: &mut Vec<Diagnostic>) {
         match self.known.insert((form, name), (id, span)) {
             Some((other, first)) if other != id => {
-                said.push(codes::duplicate_declaration(span, form, name, first));
+                said.push(diagnostics::duplicate_declaration(span, form, name, first));
             }
             _ => {}
         }
@@ -150,7 +150,9 @@ impl<'a> Names<'a> {
 
     fn declare_param(&mut self, name: &'a str, id: ParamId, span: Span, said: &mut Vec<Diagnostic>) {
         match self.params.insert(name, (id, span)) {
-            Some((other, first)) if other != id => said.push(codes::duplicate_declaration(span, "param", name, first)),
+            Some((other, first)) if other != id => {
+                said.push(diagnostics::duplicate_declaration(span, "param", name, first))
+            }
             _ => {}
         }
     }

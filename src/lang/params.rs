@@ -8,7 +8,7 @@ use super::ast::{Clause, Declaration, Entry, Expression, ExpressionKind, Known, 
 use super::hir::ParamId;
 use super::names::Names;
 use super::value::{Context, distributions, value};
-use super::{Loaded, codes, hir};
+use super::{Loaded, diagnostics, hir};
 use crate::diagnostic::{Diagnostic, Label, SourceId, Sources, Span};
 use crate::signature::{Form, Signature, Type, Value, Vocabulary};
 use crate::units::{Dimension, parse_unit};
@@ -168,7 +168,7 @@ impl<'a> Params<'a> {
                     open.push(next);
                 } else {
                     let name = &self.param(next).name;
-                    diagnostics.push(codes::param_cycle(name.span, &name.text));
+                    diagnostics.push(diagnostics::param_cycle(name.span, &name.text));
                     self.known.insert(next, None);
                 }
                 continue;
@@ -189,10 +189,10 @@ impl<'a> Params<'a> {
     fn begin(&self, id: ParamId, diagnostics: &mut Vec<Diagnostic>) -> (usize, ParamId, Vec<ParamId>) {
         let (param, place) = (self.param(id), self.read_in(id));
         if self.vocabulary.variables.iter().any(|variable| variable.name == param.name.text) {
-            diagnostics.push(codes::reserved_name(param.name.span, &param.name.text));
+            diagnostics.push(diagnostics::reserved_name(param.name.span, &param.name.text));
         }
         if matches!(param.name.text.as_str(), "true" | "false") {
-            diagnostics.push(codes::reserved_word(param.name.span, &param.name.text));
+            diagnostics.push(diagnostics::reserved_word(param.name.span, &param.name.text));
         }
         let mut needed = Vec::new();
         mentioned(&param.value, &self.names[place], &mut needed);
@@ -247,12 +247,12 @@ impl<'a> Params<'a> {
             "boolean" => check(Type::Boolean).map(|_| written.kind.clone()),
             "text" => check(Type::Text).map(|_| written.kind.clone()),
             "word" if self.is_choice(&param.name.text) => {
-                diagnostics.push(codes::reserved_word(param.name.span, &param.name.text));
+                diagnostics.push(diagnostics::reserved_word(param.name.span, &param.name.text));
                 None
             }
             "word" if matches!(written.kind, ExpressionKind::Name(_)) => Some(written.kind.clone()),
             "word" => {
-                diagnostics.push(codes::not_a(written.span, "word", "value"));
+                diagnostics.push(diagnostics::not_a(written.span, "word", "value"));
                 None
             }
             _ => match self.forms.iter().find(|form| form.name == word) {
@@ -264,7 +264,7 @@ impl<'a> Params<'a> {
                     let mut known: Vec<&str> = DIMENSIONS.iter().map(|(name, _)| *name).collect();
                     known.extend(OTHER_TYPES);
                     known.extend(self.forms.iter().map(|form| form.name));
-                    diagnostics.push(codes::unknown_type(
+                    diagnostics.push(diagnostics::unknown_type(
                         param.ty.span,
                         word,
                         type_of(self.sources.text(written.span)),

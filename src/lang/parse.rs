@@ -9,7 +9,7 @@ use pest::Parser;
 use pest::iterators::Pair;
 
 use super::ast::{Entry, Expression, File, Name};
-use super::{brackets, codes};
+use super::{brackets, diagnostics};
 use crate::diagnostic::{Diagnostic, SourceId, Span};
 
 #[allow(missing_docs, reason = "the derive writes the enum; the grammar documents the rules")]
@@ -31,7 +31,7 @@ const MAX_BYTES: usize = 4 << 20;
 pub fn parse(source: SourceId, text: &str) -> (File, Vec<Diagnostic>) {
     if text.len() > MAX_BYTES {
         let span = Span { source, start: 0, end: 0 };
-        return (File { torn: true, ..empty(source) }, vec![codes::too_large(span, text.len(), MAX_BYTES)]);
+        return (File { torn: true, ..empty(source) }, vec![diagnostics::too_large(span, text.len(), MAX_BYTES)]);
     }
     match brackets::scan(source, text) {
         Ok(()) => read(source, text),

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use super::ast::{Declaration, Entry, Expression, ExpressionKind, Name, Property};
 use super::parse::parse_value;
-use super::{Loaded, codes};
+use super::{Loaded, diagnostics};
 use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
 use crate::signature::Form;
 use crate::units::{Dimension, parse_unit};
@@ -65,7 +65,7 @@ pub fn settings(texts: &[String], sources: &mut Sources) -> (Vec<Setting>, Vec<D
 
 fn read(source: SourceId, text: &str) -> Result<Setting, Box<Diagnostic>> {
     let whole = Span { source, start: 0, end: text.len() };
-    let Some(sign) = text.find('=') else { return Err(codes::bad_setting(whole, "it has no `=`").into()) };
+    let Some(sign) = text.find('=') else { return Err(diagnostics::bad_setting(whole, "it has no `=`").into()) };
     let mut path = Vec::new();
     let mut start = 0;
     for word in text[..sign].split('.') {
@@ -73,7 +73,7 @@ fn read(source: SourceId, text: &str) -> Result<Setting, Box<Diagnostic>> {
         let begin = start + (word.len() - word.trim_start().len());
         let span = Span { source, start: begin, end: begin + trimmed.len() };
         if trimmed.is_empty() || !trimmed.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
-            return Err(codes::bad_setting(whole, "names are letters, digits and `_`").into());
+            return Err(diagnostics::bad_setting(whole, "names are letters, digits and `_`").into());
         }
         path.push(Name { text: trimmed.to_string(), span });
         start += word.len() + 1;
@@ -97,7 +97,7 @@ pub fn apply(settings: &[Setting], loaded: &mut Loaded) -> Vec<Diagnostic> {
     for setting in settings {
         let place = setting.path[0].span.to(setting.value.span);
         if let Some(first) = done.insert(setting.words(), place) {
-            said.push(codes::repeated_setting(place, &setting.words(), first));
+            said.push(diagnostics::repeated_setting(place, &setting.words(), first));
         }
         let done = match setting.path.as_slice() {
             [] => unreachable!("a path has a word"),
@@ -114,11 +114,11 @@ pub fn apply(settings: &[Setting], loaded: &mut Loaded) -> Vec<Diagnostic> {
                     let mut declared = loaded.files.iter().flat_map(|file| &file.declarations);
                     if declared.any(|each| each.name.as_ref().is_some_and(|known| known.text == name.text)) {
                         let reason = format!("`{}` is a declaration and no parameter; name one of its keys", name.text);
-                        said.push(codes::bad_setting(name.span, &reason));
+                        said.push(diagnostics::bad_setting(name.span, &reason));
                         continue;
                     }
                     let known = params.keys().map(String::as_str);
-                    Err(codes::unknown_setting(name.span, &name.text, known).into())
+                    Err(diagnostics::unknown_setting(name.span, &name.text, known).into())
                 }
             },
             [first, rest @ ..] => set(first, rest, setting, loaded),
@@ -140,11 +140,11 @@ fn set(first: &Name, path: &[Name], setting: &Setting, loaded: &mut Loaded) -> R
         }
         [] => {
             let known = all().filter_map(|each| each.name.as_ref()).map(|name| name.text.as_str());
-            return Err(codes::unknown_setting(first.span, &first.text, known).into());
+            return Err(diagnostics::unknown_setting(first.span, &first.text, known).into());
         }
         several => {
             let forms: Vec<&str> = several.iter().map(String::as_str).collect();
-            return Err(codes::ambiguous_setting(first.span, &first.text, &forms).into());
+            return Err(diagnostics::ambiguous_setting(first.span, &first.text, &forms).into());
         }
     };
     let all = loaded.files.iter_mut().flat_map(|file| &mut file.declarations);
@@ -199,7 +199,7 @@ fn enter(declaration: &mut Declaration, path: &[Name], value: &Expression) -> Re
     if blocks.is_empty() {
         words.sort_unstable();
         words.dedup();
-        return Err(codes::unknown_setting(word.span, &word.text, words.iter().map(String::as_str)).into());
+        return Err(diagnostics::unknown_setting(word.span, &word.text, words.iter().map(String::as_str)).into());
     }
     blocks.into_iter().try_for_each(|block| enter(block, rest, value))
 }
@@ -234,7 +234,7 @@ pub fn matrices(
             axes.retain(|axis| !settings.iter().any(|set| matches!(&*set.path, [name] if name.text == axis.key.text)));
             let found = axes.iter().map(|axis| members(axis).len()).fold(1_usize, usize::saturating_mul);
             if found > left {
-                diagnostics.push(codes::too_many_combinations(declaration.head, found, left));
+                diagnostics.push(diagnostics::too_many_combinations(declaration.head, found, left));
                 continue;
             }
             left -= found;
@@ -255,11 +255,13 @@ fn axes_of<'a>(
     for entry in &block.entries {
         match entry {
             Entry::Property(property) => match seen.get(property.key.text.as_str()) {
-                Some(first) => diagnostics.push(codes::duplicate_key(property.key.span, &property.key.text, *first)),
-                None if members(property).is_empty() => diagnostics.push(codes::empty_list(property.value.span)),
+                Some(first) => {
+                    diagnostics.push(diagnostics::duplicate_key(property.key.span, &property.key.text, *first))
+                }
+                None if members(property).is_empty() => diagnostics.push(diagnostics::empty_list(property.value.span)),
                 None if let ExpressionKind::Range(low, high) = &property.value.kind => {
                     let ends = [low, high].map(|end| sources.text(end.span));
-                    diagnostics.push(codes::axis_range(property.value.span, ends));
+                    diagnostics.push(diagnostics::axis_range(property.value.span, ends));
                     seen.insert(&property.key.text, property.key.span);
                 }
                 None => {
@@ -267,18 +269,24 @@ fn axes_of<'a>(
                     for member in members(property) {
                         let value = in_si(member).unwrap_or_else(|| sources.plain_text(member.span));
                         if let Some(first) = said.insert(value, member.span) {
-                            diagnostics.push(codes::repeated_member(member.span, sources.text(member.span), first));
+                            diagnostics.push(diagnostics::repeated_member(
+                                member.span,
+                                sources.text(member.span),
+                                first,
+                            ));
                         }
                     }
                     seen.insert(&property.key.text, property.key.span);
                     axes.push(property);
                 }
             },
-            Entry::Bare(value) => diagnostics.push(codes::bare_argument(value.span, sources.text(value.span), &[])),
+            Entry::Bare(value) => {
+                diagnostics.push(diagnostics::bare_argument(value.span, sources.text(value.span), &[]))
+            }
             Entry::Unread(_) => {}
-            Entry::Clause(clause) => diagnostics.push(codes::unexpected_clause(clause.event.span, MATRIX)),
+            Entry::Clause(clause) => diagnostics.push(diagnostics::unexpected_clause(clause.event.span, MATRIX)),
             Entry::Child(child) => {
-                diagnostics.push(codes::unknown_block(child.form.span, MATRIX, &child.form.text, &[], &[]));
+                diagnostics.push(diagnostics::unknown_block(child.form.span, MATRIX, &child.form.text, &[], &[]));
             }
         }
     }

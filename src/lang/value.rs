@@ -1,13 +1,13 @@
 //! Checks values against the types of their keys.
 
 mod distribution;
-mod meant;
+mod suggested;
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use super::ast::{Expression, ExpressionKind, Known};
-use super::codes;
+use super::diagnostics;
 use super::formula::{Scope, Sort, formula};
 use super::library;
 use super::names::Names;
@@ -16,7 +16,7 @@ use crate::signature::{Form, Formula, LEAST, MOST, Type, Value, VariableId, Voca
 use crate::units::Dimension;
 use distribution::distribution;
 pub use distribution::distributions;
-use meant::{as_allowed, as_beside, as_difference, as_meant, otherwise, places_with_units, round_the_back};
+use suggested::{as_allowed, as_beside, as_difference, as_meant, otherwise, places_with_units, round_the_back};
 
 /// What a value is checked against.
 pub(super) struct Context<'a> {
@@ -46,12 +46,12 @@ pub(super) fn value(
     match (ty, &expression.kind) {
         (_, ExpressionKind::Known(Known::Wrong)) => None,
         _ if let Some(meant) = places_with_units(expression, ty, context) => {
-            diagnostics.push(codes::missing_units(span, meant));
+            diagnostics.push(diagnostics::missing_units(span, meant));
             None
         }
         (Type::List(item), ExpressionKind::List(members)) => {
             if members.is_empty() {
-                diagnostics.push(codes::empty_list(span));
+                diagnostics.push(diagnostics::empty_list(span));
                 return None;
             }
             let values: Vec<Option<Value>> =
@@ -67,7 +67,7 @@ pub(super) fn value(
                     };
                     if let Some(first) = seen.insert(named, member.span) {
                         let written = context.sources.text(member.span);
-                        diagnostics.push(codes::repeated_member(member.span, written, first));
+                        diagnostics.push(diagnostics::repeated_member(member.span, written, first));
                         return None;
                     }
                 }
@@ -101,7 +101,7 @@ pub(super) fn value(
             let unbounded = low == f64::NEG_INFINITY && *min > low || high == f64::INFINITY && *max < high;
             if unbounded {
                 let allowed = bounds(*min, *max, *dimension);
-                diagnostics.push(codes::unbounded(span, context.sources.text(span), &allowed));
+                diagnostics.push(diagnostics::unbounded(span, context.sources.text(span), &allowed));
                 return None;
             }
             let before = diagnostics.len();
@@ -133,17 +133,17 @@ pub(super) fn value(
                 && written.contains('.')
                 && matches!(expression.kind, ExpressionKind::Number { .. })
             {
-                diagnostics.push(codes::pointed(span, written));
+                diagnostics.push(diagnostics::pointed(span, written));
                 return None;
             }
             if number.fract() != 0.0 || number.abs() > 9e15 {
-                diagnostics.push(codes::not_whole(span, number));
+                diagnostics.push(diagnostics::not_whole(span, number));
                 return None;
             }
             let number = number as i64;
             if number < *min || number > *max {
                 let bounds = if *max == i64::MAX { format!("{min} or more") } else { format!("{min} to {max}") };
-                diagnostics.push(codes::out_of_range(span, number.to_string(), bounds));
+                diagnostics.push(diagnostics::out_of_range(span, number.to_string(), bounds));
                 return None;
             }
             Some(Value::Integer(number))
@@ -155,7 +155,7 @@ pub(super) fn value(
             match words.iter().find(|known| *known == word) {
                 Some(known) => Some(Value::Choice(known)),
                 None => {
-                    diagnostics.push(codes::unknown_choice(span, word, words));
+                    diagnostics.push(diagnostics::unknown_choice(span, word, words));
                     None
                 }
             }
@@ -170,16 +170,18 @@ pub(super) fn value(
             }
             None if let Some(file) = library::home(form, word) => {
                 let added = context.names.another_import(word, file, context.sources);
-                diagnostics.push(codes::not_imported(span, form, word, file, added));
+                diagnostics.push(diagnostics::not_imported(span, form, word, file, added));
                 None
             }
             None => {
                 let mut kinds = context.forms.iter().filter(|each| each.name == *form).flat_map(|each| &each.kinds);
                 let other = context.names.other_form(context.forms, word);
                 diagnostics.push(match (kinds.any(|kind| kind.name == word), other) {
-                    (true, _) => codes::kind_for_name(span, form, word),
-                    (false, Some(other)) => codes::other_form(span, form, word, other, context.names.of_form(form)),
-                    (false, None) => codes::unknown_name(span, form, word, context.names.of_form(form)),
+                    (true, _) => diagnostics::kind_for_name(span, form, word),
+                    (false, Some(other)) => {
+                        diagnostics::other_form(span, form, word, other, context.names.of_form(form))
+                    }
+                    (false, None) => diagnostics::unknown_name(span, form, word, context.names.of_form(form)),
                 });
                 None
             }
@@ -206,7 +208,7 @@ pub(super) fn value(
             match formula(expression, &scope, diagnostics)? {
                 (formula, Sort::Truth) => Some(Value::Formula(formula)),
                 (_, Sort::Quantity(dimension)) => {
-                    diagnostics.push(codes::not_a(span, "condition", &dimension.to_string()));
+                    diagnostics.push(diagnostics::not_a(span, "condition", &dimension.to_string()));
                     None
                 }
             }
@@ -244,17 +246,17 @@ pub(super) fn plain_number(
                 (low.max(-most), high.min(most))
             });
             if low < -MOST_PAID || high > MOST_PAID {
-                diagnostics.push(codes::too_much(expression.span, MOST_PAID));
+                diagnostics.push(diagnostics::too_much(expression.span, MOST_PAID));
                 return None;
             }
             Some(formula)
         }
         (_, Sort::Quantity(dimension)) => {
-            diagnostics.push(codes::uncounted(expression.span, dimension));
+            diagnostics.push(diagnostics::uncounted(expression.span, dimension));
             None
         }
         (_, Sort::Truth) => {
-            diagnostics.push(codes::not_a(expression.span, "plain number", "condition"));
+            diagnostics.push(diagnostics::not_a(expression.span, "plain number", "condition"));
             None
         }
     }
@@ -273,7 +275,7 @@ fn ends(
     if bare(low) && bare(high) && dimension != Dimension::RATIO {
         let written = context.sources.text(low.span.to(high.span));
         let (a, b) = (context.sources.text(low.span), context.sources.text(high.span));
-        diagnostics.push(codes::missing_unit_of_both(low.span.to(high.span), dimension, written, (a, b)));
+        diagnostics.push(diagnostics::missing_unit_of_both(low.span.to(high.span), dimension, written, (a, b)));
         return None;
     }
     let before = diagnostics.len();
@@ -284,7 +286,7 @@ fn ends(
     if a > b {
         let swapped = format!("{} .. {}", context.sources.text(high.span), context.sources.text(low.span));
         let behind = dimension == Dimension::ANGLE && a > 0.0 && b < 0.0;
-        diagnostics.push(codes::empty_range(span, swapped, behind.then(|| round_the_back(a, b + TAU))));
+        diagnostics.push(diagnostics::empty_range(span, swapped, behind.then(|| round_the_back(a, b + TAU))));
         return None;
     }
     Some((a, b))
@@ -314,7 +316,7 @@ fn quantity(
     let (formula, sort) = formula(expression, &scope, diagnostics)?;
     match sort {
         Sort::Truth => {
-            diagnostics.push(codes::not_a(expression.span, &dimension.to_string(), "condition"));
+            diagnostics.push(diagnostics::not_a(expression.span, &dimension.to_string(), "condition"));
             None
         }
         Sort::Quantity(found) if found == dimension => {
@@ -322,23 +324,23 @@ fn quantity(
             if number.is_finite() {
                 return Some(number);
             }
-            diagnostics.push(codes::out_of_range(expression.span, number.to_string(), "a finite number".into()));
+            diagnostics.push(diagnostics::out_of_range(expression.span, number.to_string(), "a finite number".into()));
             None
         }
         Sort::Quantity(Dimension::RATIO) => {
             let written = context.sources.text(expression.span);
-            diagnostics.push(codes::missing_unit(expression.span, dimension, written));
+            diagnostics.push(diagnostics::missing_unit(expression.span, dimension, written));
             None
         }
         Sort::Quantity(found) => {
             let bare = matches!(expression.kind, ExpressionKind::Number { .. });
             let number = formula.evaluate(&|_: VariableId| unreachable!("no variable is in scope"));
             diagnostics.push(match (dimension, found) {
-                (Dimension::RATIO, _) if !bare => codes::uncounted(expression.span, found),
+                (Dimension::RATIO, _) if !bare => diagnostics::uncounted(expression.span, found),
                 (Dimension::TIME, Dimension::FREQUENCY) if bare && number > 0.0 => {
-                    codes::wrong_unit(expression.span, dimension, found).fix(format!("{} s", short(1.0 / number)))
+                    diagnostics::wrong_unit(expression.span, dimension, found).fix(format!("{} s", short(1.0 / number)))
                 }
-                _ => codes::wrong_unit(expression.span, dimension, found),
+                _ => diagnostics::wrong_unit(expression.span, dimension, found),
             });
             None
         }
@@ -364,6 +366,6 @@ fn within(
         _ if max == MOST && number > MOST => format!("{MOST:e} or less, in SI"),
         _ => bounds(min, max, dimension),
     };
-    diagnostics.push(codes::out_of_range(span, written, allowed));
+    diagnostics.push(diagnostics::out_of_range(span, written, allowed));
     None
 }

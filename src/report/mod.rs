@@ -26,7 +26,7 @@ pub use folder::{Formats, ReportFolder, WriteError, write_csv, write_file, write
 pub use infer::{CellEvidence, Change, Comparison, Evidence, Figure, Gathering, Quantiles, Test, Transfer};
 pub use manifest::{Call, FileRecord, Manifest, TrainingRecord};
 pub use read::{
-    Difference, Gate, GateError, Judged, ReadError, StoredFailure, StoredReport, differences, failure, parting,
+    Difference, Gate, GateError, Judged, ReadError, StoredFailure, StoredReport, differences, divergence, failure,
 };
 pub use render::{
     Narrative, Starts, Suite, Tally, animation, junit, narrative, results_for_terminal, searches_for_terminal, shown,

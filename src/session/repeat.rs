@@ -29,7 +29,7 @@ pub struct Repeated {
     /// The values of its row that came out differently.
     pub differences: Vec<Difference>,
     /// Where it starts to differ from the stored one, in words, when that is known.
-    pub parting: Option<String>,
+    pub divergence: Option<String>,
 }
 
 impl Source {
@@ -115,15 +115,15 @@ impl Source {
             let (column, stored, again) = ("outcome".into(), "collision".into(), "none".into());
             differences.push(Difference { column, stored, again });
         }
-        let parting = if differences.is_empty() {
+        let divergence = if differences.is_empty() {
             None
         } else {
             let ticks = self.report.ticks(name.run, name.number)?;
             let now = report::ticks(name.run, name.number, scenario, &trace);
-            report::parting(stored, &outcome, scenario, ticks.as_ref().map(|then| (then, &now)))
+            report::divergence(stored, &outcome, scenario, ticks.as_ref().map(|then| (then, &now)))
         };
         let scenario = scenario.clone();
-        Ok(Repeated { name, title, scenario, outcome, trace, verdict, differences, parting })
+        Ok(Repeated { name, title, scenario, outcome, trace, verdict, differences, divergence })
     }
 }
 

@@ -11,7 +11,7 @@ use divan::counter::ItemsCount;
 use falsify::internal::campaign::watch;
 use falsify::internal::compile::Plan;
 use falsify::internal::env::{Outcome, PedestrianEnv, PolicyMaker, Scenario, Trace};
-use falsify::internal::falsifier::{Random, train, try_walker};
+use falsify::internal::falsifier::{Random, evaluate, train};
 use falsify::internal::judge::{NearMiss, judge};
 use falsify::internal::rl::{ActorCritic, PpoConfig, RecordedRollout, Trainer, update_on_recorded};
 use falsify::internal::road::LaneFilter;
@@ -88,12 +88,13 @@ fn scenario(policy: &str) -> Arc<Scenario> {
 #[divan::bench(args = DRIVERS, sample_count = 20)]
 fn ticks(bencher: Bencher<'_, '_>, policy: &str) {
     let scenario = scenario(policy);
-    let run = || {
-        let seed = Seed::root(1);
-        try_walker(&mut Random::default(), &scenario, 20, &seed, &seed.child("walker"), &mut |_| {
-            ControlFlow::Continue(())
-        })
-    };
+    let run =
+        || {
+            let seed = Seed::root(1);
+            evaluate(&mut Random::default(), &scenario, 20, &seed, &seed.child("walker"), &mut |_| {
+                ControlFlow::Continue(())
+            })
+        };
     let ticks: u32 = run().iter().map(|outcome| outcome.ticks).sum();
     bencher.counter(ItemsCount::new(ticks)).bench_local(run);
 }
@@ -278,7 +279,7 @@ fn driven_by(policy: PolicyMaker) -> Arc<Scenario> {
 fn episodes_of(bencher: Bencher<'_, '_>, scenario: &Arc<Scenario>, episodes: u32) {
     let run = || {
         let seed = Seed::root(1);
-        try_walker(&mut Random::default(), scenario, episodes, &seed, &seed.child("walker"), &mut |_| {
+        evaluate(&mut Random::default(), scenario, episodes, &seed, &seed.child("walker"), &mut |_| {
             ControlFlow::Continue(())
         })
     };

@@ -11,7 +11,7 @@ use falsify::internal::env::{
     ActionSpec, Controller, EgoStart, Ending, ObservationSpec, Outcome, PedestrianEnv, PedestrianRole, Placed,
     Scenario, Trace, VehicleRole,
 };
-use falsify::internal::falsifier::{Failure, Intercept, Random, Simulator, WalkPolicy, try_walker};
+use falsify::internal::falsifier::{Failure, Intercept, Random, Simulator, WalkPolicy, evaluate};
 use falsify::internal::geometry::{Obstacles, Pose};
 use falsify::internal::judge::{NearMiss, judge};
 use falsify::internal::rl::Env;
@@ -295,7 +295,7 @@ fn policies_and_searches_see_an_environment_by_its_dimensions() {
 
     let go_on = &mut |_| ControlFlow::Continue(());
     let policies: [&mut dyn WalkPolicy; 2] = [&mut Random::default(), &mut Intercept];
-    let found = policies.map(|policy| try_walker(policy, &both, 3, &Seed::root(4), &Seed::root(5), go_on));
+    let found = policies.map(|policy| evaluate(policy, &both, 3, &Seed::root(4), &Seed::root(5), go_on));
     assert!(found.iter().all(|outcomes| outcomes.len() == 3) && found[0] != found[1]);
 
     let mut simulator = Simulator::new(Arc::clone(&both), Seed::root(6), 5_000, &|| false);

@@ -65,7 +65,7 @@ fn one_thread_and_four_give_the_same_bytes_and_another_seed_others() {
 #[test]
 fn a_long_chaotic_run_has_the_digest_it_always_had() {
     use falsify::internal::compile::{Catalog, compile};
-    use falsify::internal::falsifier::{Random, try_walker};
+    use falsify::internal::falsifier::{Random, evaluate};
     use falsify::internal::seed::Seed;
     use std::ops::ControlFlow;
 
@@ -78,7 +78,7 @@ fn a_long_chaotic_run_has_the_digest_it_always_had() {
         .map(|policy| {
             let evaluation = plan.campaigns[0].evaluations.iter().find(|each| *each.policy == *policy).unwrap();
             let (seed, go_on) = (Seed::root(11), &mut |_| ControlFlow::Continue(()));
-            let outcomes = try_walker(&mut Random::default(), &evaluation.scenario, 50, &seed, &seed.child("w"), go_on);
+            let outcomes = evaluate(&mut Random::default(), &evaluation.scenario, 50, &seed, &seed.child("w"), go_on);
             outcomes.iter().fold(0, |sum: u64, outcome| sum.rotate_left(7) ^ outcome.digest)
         })
         .collect();

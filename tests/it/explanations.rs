@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use falsify::internal::compile::{Catalog, compile};
 use falsify::internal::diagnostic::Sources;
 use falsify::internal::lang::Reader;
-use falsify::internal::lang::mistakes::mistakes;
-use falsify::internal::lang::words::WORDS;
+use falsify::internal::lang::error_index::mistakes;
+use falsify::internal::lang::keywords::WORDS;
 
 /// Reads an example in place of a file, and the suite's files.
 struct Example {
@@ -55,7 +55,7 @@ fn the_bad_example_raises_its_code_alone_and_the_good_one_nothing() {
 
 #[test]
 fn every_code_is_explained_once() {
-    let folder = std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lang/codes")).unwrap();
+    let folder = std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lang/diagnostics")).unwrap();
     let source: String = folder.map(|file| std::fs::read_to_string(file.unwrap().path()).unwrap()).collect();
     let mut known = BTreeSet::new();
     for call in ["Diagnostic::error(", "Diagnostic::warning(", "unknown("] {
@@ -67,7 +67,7 @@ fn every_code_is_explained_once() {
     let explained: Vec<&str> = mistakes().iter().map(|mistake| mistake.code).collect();
     let explained_set: BTreeSet<&str> = explained.iter().copied().collect();
     assert!(known.len() > 40);
-    assert_eq!(explained_set, known, "grammar/mistakes.md and src/lang/codes do not agree");
+    assert_eq!(explained_set, known, "grammar/mistakes.md and src/lang/diagnostics do not agree");
     assert_eq!(explained.len(), explained_set.len(), "a code is explained twice");
 }
 

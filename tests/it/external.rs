@@ -9,7 +9,7 @@ use falsify::internal::av::Fault;
 use falsify::internal::compile::{Catalog, Plan, compile};
 use falsify::internal::diagnostic::Sources;
 use falsify::internal::env::{Outcome, Scenario};
-use falsify::internal::falsifier::{Random, TrainError, train, try_walker};
+use falsify::internal::falsifier::{Random, TrainError, evaluate, train};
 use falsify::internal::process::ProcessOpener;
 use falsify::internal::seed::Seed;
 
@@ -61,7 +61,7 @@ fn scenario(command: &str, settings: &str) -> Arc<Scenario> {
 fn outcomes(mode: &str, settings: &str) -> Vec<Outcome> {
     let scenario = scenario(&format!("python3 driver.py {mode}"), settings);
     let seed = Seed::root(5);
-    try_walker(&mut Random::default(), &scenario, EPISODES, &seed, &seed.child("walker"), &mut |_| {
+    evaluate(&mut Random::default(), &scenario, EPISODES, &seed, &seed.child("walker"), &mut |_| {
         ControlFlow::Continue(())
     })
 }
@@ -134,7 +134,7 @@ fn a_driver_that_never_drives_is_given_up_after_ten_episodes() {
     // It is there, so it passes the check, and cannot be run.
     let nobody = scenario("./driver.py --fast", "worlds: 2");
     let seed = Seed::root(5);
-    let tried = try_walker(&mut Random::default(), &nobody, EPISODES, &seed, &seed, &mut |_| ControlFlow::Continue(()));
+    let tried = evaluate(&mut Random::default(), &nobody, EPISODES, &seed, &seed, &mut |_| ControlFlow::Continue(()));
     assert_eq!(tried.iter().map(Outcome::fault).collect::<Vec<_>>(), [Some(Fault::NotStarted); 10]);
 }
 

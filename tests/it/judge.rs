@@ -8,7 +8,7 @@ use falsify::internal::analysis::Approach;
 use falsify::internal::av::reference_drivers::{OwnMotion, ReferenceDriver, Threat};
 use falsify::internal::compile::{Catalog, compile};
 use falsify::internal::env::{Driven, Ending, Outcome, PedestrianEnv, Scenario, Trace};
-use falsify::internal::falsifier::{Intercept, watch_walker};
+use falsify::internal::falsifier::{Intercept, evaluate_noting};
 use falsify::internal::geometry::{Obstacles, OrientedBox, Pose, Vector};
 use falsify::internal::judge::{Encounter, Label, Reference, Sight, Trial, judge};
 use falsify::internal::seed::Seed;
@@ -39,7 +39,7 @@ fn scenario(policy: &str) -> Arc<Scenario> {
 fn episodes(scenario: &Arc<Scenario>, count: u32) -> Vec<(Outcome, Trace)> {
     let seed = Seed::root(5);
     let note = &mut |_: u32, outcome: &Outcome, trace: &Trace| (*outcome, trace.clone());
-    watch_walker(&mut Intercept, scenario, 0..count, &seed, &seed.child("walker"), note, &mut |_| {
+    evaluate_noting(&mut Intercept, scenario, 0..count, &seed, &seed.child("walker"), note, &mut |_| {
         ControlFlow::Continue(())
     })
 }

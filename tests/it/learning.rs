@@ -6,7 +6,7 @@ use std::path::Path;
 use falsify::internal::compile::{Catalog, ControllerKind, compile};
 use falsify::internal::diagnostic::Sources;
 use falsify::internal::env::Outcome;
-use falsify::internal::falsifier::{ActionMode, Random, TrainedWalker, WalkPolicy, train, try_walker};
+use falsify::internal::falsifier::{ActionMode, Random, TrainedWalker, WalkPolicy, evaluate, train};
 use falsify::internal::seed::Seed;
 
 const SCENARIO: &str = r#"
@@ -34,8 +34,7 @@ fn a_trained_pedestrian_hits_a_careful_car_far_more_often_than_a_random_one() {
     let trained = train(&training.scenario, 1, &training.config, &Seed::root(3), &mut { go_on }).unwrap();
     let rate = |walker: &mut dyn WalkPolicy| {
         let (episodes, own) = (Seed::root(4), Seed::root(5));
-        let outcomes =
-            try_walker(walker, &evaluation.scenario, 200, &episodes, &own, &mut |_| ControlFlow::Continue(()));
+        let outcomes = evaluate(walker, &evaluation.scenario, 200, &episodes, &own, &mut |_| ControlFlow::Continue(()));
         outcomes.iter().filter(|outcome: &&Outcome| outcome.is_collision()).count()
     };
     let obs_dim = evaluation.scenario.cast.obs_dim();

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use falsify::internal::compile::{Catalog, compile};
 use falsify::internal::diagnostic::{Colour, Sources, render};
-use falsify::internal::lang::mistakes::mistakes;
+use falsify::internal::lang::error_index::mistakes;
 
 /// The mistakes of people who write scenarios in other languages, and what they are told here.
 const TRAPS: &[(&str, &str)] = &[

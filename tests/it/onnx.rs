@@ -6,7 +6,7 @@ use std::path::Path;
 use falsify::internal::compile::{Catalog, compile};
 use falsify::internal::diagnostic::Sources;
 use falsify::internal::env::Outcome;
-use falsify::internal::falsifier::{Random, try_walker};
+use falsify::internal::falsifier::{Random, evaluate};
 use falsify::internal::lang::Reader;
 use falsify::internal::seed::Seed;
 
@@ -42,7 +42,7 @@ fn outcomes(worlds: u32) -> Vec<Outcome> {
     let compiled = compile(&["test.scn".into()], &catalog, &With(text(worlds)), &mut Sources::default()).unwrap();
     let plan = compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));
     let (scenario, seed) = (&plan.campaigns[0].evaluations[0].scenario, Seed::root(2));
-    try_walker(&mut Random::default(), scenario, 10, &seed, &seed.child("walker"), &mut |_| ControlFlow::Continue(()))
+    evaluate(&mut Random::default(), scenario, 10, &seed, &seed.child("walker"), &mut |_| ControlFlow::Continue(()))
 }
 
 #[test]

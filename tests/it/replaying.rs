@@ -105,10 +105,10 @@ fn differences_are_found(here: &Path, report: &Path, name: &str) {
     std::fs::write(report.join("manifest.toml"), manifest.replace("\nseed = 1\n", "\nseed = 2\n")).unwrap();
     let other = falsify(&["replay", name], here);
     assert_eq!(other.status.code(), Some(8), "{other:?}");
-    assert!(said(&other).contains("it parts at tick 0 (0.00 s): "), "{}", said(&other));
+    assert!(said(&other).contains("it diverges at tick 0 (0.00 s): "), "{}", said(&other));
     std::fs::remove_file(report.join("ticks.parquet")).unwrap();
     let other = falsify(&["replay", name], here);
-    assert!(said(&other).contains("it parts between tick 1 and tick 20 "), "{}", said(&other));
+    assert!(said(&other).contains("it diverges between tick 1 and tick 20 "), "{}", said(&other));
     assert_eq!(falsify(&["verify", "reports/again"], here).status.code(), Some(8));
     std::fs::write(report.join("manifest.toml"), &manifest).unwrap();
     assert_eq!(falsify(&["replay", name], here).status.code(), Some(0));

@@ -65,7 +65,7 @@ fn the_tables_of_reports_have_the_columns_that_their_page_explains() {
 
 #[test]
 fn every_code_has_a_case_in_the_suite() {
-    let folder = std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lang/codes")).unwrap();
+    let folder = std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lang/diagnostics")).unwrap();
     let source: String = folder.map(|file| std::fs::read_to_string(file.unwrap().path()).unwrap()).collect();
     let mut suite = String::new();
     for entry in std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite")).unwrap() {

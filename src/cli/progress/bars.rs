@@ -1,4 +1,4 @@
-//! Bars on a terminal: one for the campaign and one for each piece under way, at most a screenful.
+//! Bars on a terminal: one for the campaign and one for each job under way, at most a screenful.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
@@ -6,10 +6,10 @@ use std::time::Duration;
 use indicatif::{FormattedDuration, HumanCount, MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::board::Board;
-use super::piece::Piece;
+use super::job::Job;
 use crate::cli::console;
 
-/// Most pieces that have a bar at a time.
+/// Most jobs that have a bar at a time.
 const MOST: usize = 12;
 
 /// The bars of a campaign.
@@ -17,7 +17,7 @@ const MOST: usize = 12;
 pub struct Bars {
     screen: MultiProgress,
     whole: ProgressBar,
-    /// Bars of pieces under way, with the places of these on the board.
+    /// Bars of jobs under way, with the places of these on the board.
     shown: Mutex<Vec<(usize, ProgressBar)>>,
 }
 
@@ -29,7 +29,7 @@ impl Bars {
     /// Draws the bar of the campaign.
     pub fn new(board: &Board<'_>) -> Self {
         let screen = MultiProgress::with_draw_target(ProgressDrawTarget::stderr_with_hz(5));
-        let whole = screen.add(ProgressBar::new(board.pieces.len() as u64));
+        let whole = screen.add(ProgressBar::new(board.jobs.len() as u64));
         whole.set_style(style(
             "{prefix:.bold} {bar:24.green/black.bright} {pos}/{len} tasks, {elapsed_precise} gone{msg}",
         ));
@@ -42,26 +42,25 @@ impl Bars {
     pub fn draw(&self, board: &Board<'_>) {
         let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
         shown.retain(|(place, bar)| {
-            let stays = board.pieces[*place].is_under_way();
+            let stays = board.jobs[*place].is_under_way();
             if !stays {
                 self.screen.remove(bar);
             }
             stays
         });
-        let under_way: Vec<usize> =
-            (0..board.pieces.len()).filter(|place| board.pieces[*place].is_under_way()).collect();
+        let under_way: Vec<usize> = (0..board.jobs.len()).filter(|place| board.jobs[*place].is_under_way()).collect();
         for place in &under_way {
             if shown.len() < MOST && shown.iter().all(|(other, _)| other != place) {
-                let piece = &board.pieces[*place];
-                let bar = self.screen.add(ProgressBar::new(piece.total));
+                let job = &board.jobs[*place];
+                let bar = self.screen.add(ProgressBar::new(job.total));
                 bar.set_style(style("  {bar:24.cyan/black.bright} {wide_msg}"));
                 shown.push((*place, bar));
             }
         }
         for (place, bar) in shown.iter() {
-            let piece = &board.pieces[*place];
-            bar.set_position(piece.done());
-            bar.set_message(told(piece));
+            let job = &board.jobs[*place];
+            bar.set_position(job.done());
+            bar.set_message(told(job));
         }
         let hidden = under_way.len() - shown.len();
         let more = if hidden > 0 { format!(", {hidden} more under way") } else { String::new() };
@@ -82,13 +81,13 @@ impl Bars {
     }
 }
 
-/// How far a piece has come.
-fn told(piece: &Piece) -> String {
-    let kind = piece.kind;
-    let rate = piece.rate().map_or(String::new(), |rate| format!(" {}/s", HumanCount(rate.round() as u64)));
-    let left = piece.left().map_or(String::new(), |left| format!(" {} left", clock(left)));
-    let share = (piece.done() * 100).checked_div(piece.total).unwrap_or(0);
-    format!("{share:3} %{left}{rate}  {} {}", kind.doing(), piece.name)
+/// How far a job has come.
+fn told(job: &Job) -> String {
+    let kind = job.kind;
+    let rate = job.rate().map_or(String::new(), |rate| format!(" {}/s", HumanCount(rate.round() as u64)));
+    let left = job.left().map_or(String::new(), |left| format!(" {} left", clock(left)));
+    let share = (job.done() * 100).checked_div(job.total).unwrap_or(0);
+    format!("{share:3} %{left}{rate}  {} {}", kind.doing(), job.name)
 }
 
 /// A time as people read it, to the second.

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::board::Board;
-use super::piece::{Kind, Piece};
+use super::job::{Job, Kind};
 use crate::cli::console;
 
 /// What happened.
@@ -16,16 +16,16 @@ pub enum Event<'a> {
     CampaignBegun {
         /// Its name.
         campaign: &'a str,
-        /// How many pieces of each kind it has.
+        /// How many jobs of each kind it has.
         trainings: usize,
         /// How many evaluations it has.
         evaluations: usize,
         /// How many searches it has.
         searches: usize,
     },
-    /// A piece of work begins.
+    /// A job of work begins.
     TaskBegun(About<'a>),
-    /// A piece of work has come further; told about once a second.
+    /// A job of work has come further; told about once a second.
     Progress {
         /// Which, and how far.
         #[serde(flatten)]
@@ -37,7 +37,7 @@ pub enum Event<'a> {
         /// Time until the campaign ends (s).
         campaign_left_s: Option<f64>,
     },
-    /// A piece of work has ended.
+    /// A job of work has ended.
     TaskFinished {
         /// Which, and how far.
         #[serde(flatten)]
@@ -76,7 +76,7 @@ pub enum Event<'a> {
     },
 }
 
-/// A piece of work, and how far it is.
+/// A job of work, and how far it is.
 #[derive(Debug, Serialize)]
 pub struct About<'a> {
     campaign: &'a str,
@@ -92,15 +92,15 @@ pub struct About<'a> {
 }
 
 impl<'a> About<'a> {
-    fn new(board: &'a Board<'_>, piece: &'a Piece) -> Self {
+    fn new(board: &'a Board<'_>, job: &'a Job) -> Self {
         Self {
             campaign: &board.campaign.name,
-            kind: piece.kind,
-            place: piece.place,
-            name: &piece.name,
-            done: piece.done(),
-            total: piece.total,
-            unit: piece.kind.unit(),
+            kind: job.kind,
+            place: job.place,
+            name: &job.name,
+            done: job.done(),
+            total: job.total,
+            unit: job.kind.unit(),
             time_s: board.began.elapsed().as_secs_f64(),
         }
     }
@@ -109,7 +109,7 @@ impl<'a> About<'a> {
 impl<'a> Event<'a> {
     /// A campaign begins.
     pub fn campaign_begun(board: &'a Board<'_>) -> Self {
-        let count = |kind| board.pieces.iter().filter(|piece| piece.kind == kind).count();
+        let count = |kind| board.jobs.iter().filter(|job| job.kind == kind).count();
         Self::CampaignBegun {
             campaign: &board.campaign.name,
             trainings: count(Kind::Training),
@@ -118,28 +118,28 @@ impl<'a> Event<'a> {
         }
     }
 
-    /// A piece of work begins.
-    pub fn begun(board: &'a Board<'_>, piece: &'a Piece) -> Self {
-        Self::TaskBegun(About::new(board, piece))
+    /// A job of work begins.
+    pub fn begun(board: &'a Board<'_>, job: &'a Job) -> Self {
+        Self::TaskBegun(About::new(board, job))
     }
 
-    /// A piece of work has come further.
-    pub fn progress(board: &'a Board<'_>, piece: &'a Piece) -> Self {
+    /// A job of work has come further.
+    pub fn progress(board: &'a Board<'_>, job: &'a Job) -> Self {
         Self::Progress {
-            about: About::new(board, piece),
-            rate_per_s: piece.rate(),
-            left_s: piece.left().map(|left| left.as_secs_f64()),
+            about: About::new(board, job),
+            rate_per_s: job.rate(),
+            left_s: job.left().map(|left| left.as_secs_f64()),
             campaign_left_s: board.left().map(|left| left.as_secs_f64()),
         }
     }
 
-    /// A piece of work has ended.
-    pub fn finished(board: &'a Board<'_>, piece: &'a Piece, note: &'a str, error: Option<&'a str>) -> Self {
+    /// A job of work has ended.
+    pub fn finished(board: &'a Board<'_>, job: &'a Job, note: &'a str, error: Option<&'a str>) -> Self {
         Self::TaskFinished {
-            about: About::new(board, piece),
-            reused: piece.before(),
-            took_s: piece.time().as_secs_f64(),
-            rate_per_s: piece.rate(),
+            about: About::new(board, job),
+            reused: job.before(),
+            took_s: job.time().as_secs_f64(),
+            rate_per_s: job.rate(),
             note,
             error,
         }

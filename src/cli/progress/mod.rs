@@ -1,7 +1,7 @@
-//! Progress for people and programs: bars on a terminal, a line for each finished piece in a log, events as JSON.
+//! Progress for people and programs: bars on a terminal, a line for each finished job in a log, events as JSON.
 
 mod showing;
-mod piece;
+mod job;
 mod board;
 mod bars;
 mod lines;

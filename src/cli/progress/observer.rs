@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use super::bars::Bars;
 use super::board::Board;
 use super::events::Event;
+use super::job::{Job, Kind, amount};
 use super::lines::line;
-use super::piece::{Kind, Piece, amount};
 use super::showing::Showing;
 use crate::campaign::{Observer, SearchResult, Task, TaskError, TrainingResult};
 use crate::cli::console;
@@ -54,13 +54,13 @@ impl<'a> Progress<'a> {
         Self { board, bars, lines, events, stop, tasks: wanted.len(), reused, glances, next }
     }
 
-    /// The piece of a task, which is begun now if it was not before.
-    fn piece(&self, task: Task) -> &Piece {
-        let piece = self.board.piece(task);
-        if piece.begin() && self.events {
-            Event::begun(&self.board, piece).tell();
+    /// The job of a task, which is begun now if it was not before.
+    fn job(&self, task: Task) -> &Job {
+        let job = self.board.job(task);
+        if job.begin() && self.events {
+            Event::begun(&self.board, job).tell();
         }
-        piece
+        job
     }
 
     /// Shows how far everything is, if it is time for that.
@@ -74,34 +74,34 @@ impl<'a> Progress<'a> {
             bars.draw(&self.board);
         }
         if self.glances.fetch_add(1, Ordering::Relaxed) % TOLD == TOLD - 1 && self.events {
-            for piece in self.board.pieces.iter().filter(|piece| piece.is_under_way()) {
-                Event::progress(&self.board, piece).tell();
+            for job in self.board.jobs.iter().filter(|job| job.is_under_way()) {
+                Event::progress(&self.board, job).tell();
             }
         }
     }
 
-    /// Ends a task; with the last one of a piece comes what came of the piece.
+    /// Ends a task; with the last one of a job comes what came of the job.
     fn end(&self, task: Task, result: Result<String, String>) {
-        let piece = self.board.piece(task);
+        let job = self.board.job(task);
         let (note, error) = match result {
             Ok(note) => (note, None),
             Err(error) => (String::new(), Some(error)),
         };
-        if !piece.end_task(error) {
+        if !job.end_task(error) {
             return;
         }
-        let error = piece.error();
-        if self.stop.is_asked() && error.is_none() && piece.done() < piece.total {
+        let error = job.error();
+        if self.stop.is_asked() && error.is_none() && job.done() < job.total {
             return;
         }
         if self.events {
-            Event::finished(&self.board, piece, &note, error.as_deref()).tell();
+            Event::finished(&self.board, job, &note, error.as_deref()).tell();
         }
-        let quiet = piece.is_old() && error.is_none();
-        let line = || line(&self.board, piece, error.as_deref().unwrap_or(&note));
+        let quiet = job.is_old() && error.is_none();
+        let line = || line(&self.board, job, error.as_deref().unwrap_or(&note));
         match &self.bars {
             // On a terminal the many evaluations would push everything else away.
-            Some(bars) if error.is_some() || (piece.kind != Kind::Evaluation && !quiet) => bars.say(&line()),
+            Some(bars) if error.is_some() || (job.kind != Kind::Evaluation && !quiet) => bars.say(&line()),
             None if error.is_some() || (self.lines && !quiet) => console::note(&line()),
             _ => {}
         }
@@ -124,11 +124,11 @@ impl Drop for Progress<'_> {
 
 impl Observer for Progress<'_> {
     fn training_begun(&self, training: usize) {
-        self.piece(Task::Training(training));
+        self.job(Task::Training(training));
     }
 
     fn trained(&self, training: usize, _: &Training, log: &UpdateLog) {
-        self.board.piece(Task::Training(training)).reach(log.steps);
+        self.board.job(Task::Training(training)).reach(log.steps);
         self.glance();
     }
 
@@ -144,7 +144,7 @@ impl Observer for Progress<'_> {
     }
 
     fn tried(&self, evaluation: usize, _: &Evaluation) {
-        self.piece(Task::Chunk { evaluation, chunk: 0 }).advance(1);
+        self.job(Task::Chunk { evaluation, chunk: 0 }).advance(1);
         self.glance();
     }
 
@@ -154,17 +154,17 @@ impl Observer for Progress<'_> {
 
     fn reused(&self, task: Task) {
         self.reused.fetch_add(1, Ordering::Relaxed);
-        self.board.piece(task).found(amount(self.board.campaign, task));
+        self.board.job(task).found(amount(self.board.campaign, task));
         self.end(task, Ok(String::new()));
     }
 
     fn continued(&self, task: Task, episodes: u32) {
-        self.piece(task).found(episodes.into());
+        self.job(task).found(episodes.into());
     }
 
     fn searched(&self, search: usize, result: &SearchResult) {
         let spent = &result.spent;
-        self.piece(Task::Search(search)).reach(spent.ticks);
+        self.job(Task::Search(search)).reach(spent.ticks);
         let told = match &result.error {
             Some(error) => Err(error.to_string()),
             None => Ok(format!("{} failures in {} episodes", spent.failures.len(), spent.episodes)),

@@ -7,7 +7,7 @@ pub enum Showing {
     Auto,
     /// Bars for what is under way, with rates and the time left.
     Bars,
-    /// A line for each piece that is finished.
+    /// A line for each job that is finished.
     Lines,
     /// Not at all.
     None,

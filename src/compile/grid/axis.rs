@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::compile::lowering::{BuiltTown, Lowering};
 use crate::compile::{adversary, episode, reward, training, vehicle};
 use crate::env::{EpisodeRule, PedestrianRole, PolicyMaker, RewardRule, SpawnRule};
-use crate::lang::codes;
+use crate::lang::diagnostics;
 use crate::lang::hir::Block;
 use crate::rl::PpoConfig;
 use crate::signature::DeclarationId;
@@ -51,7 +51,7 @@ impl Lowering<'_> {
         let Block { arguments, places, .. } = &declaration.block;
         let given = |key: &str| places.iter().find(|(name, _)| *name == key).map(|(_, span)| *span);
         if let Some(hold) = given("hold").filter(|_| arguments.integer("hold") > arguments.integer("ticks")) {
-            self.said.push(codes::not_rising(hold, "hold", "ticks", None));
+            self.said.push(diagnostics::not_rising(hold, "hold", "ticks", None));
         }
         Axis { id, name: declaration.name.as_str().into(), value: episode::lower(&declaration.block.arguments) }
     }
@@ -62,19 +62,19 @@ impl Lowering<'_> {
         let (config, environments) = training::lower(&block.arguments);
         if config.rollout_steps.saturating_mul(environments) > MOST_DECISIONS {
             let message = format!("an update of more than {MOST_DECISIONS} decisions does not fit in memory");
-            self.said.push(codes::contradiction(block.place("steps_per_update"), message));
+            self.said.push(diagnostics::contradiction(block.place("steps_per_update"), message));
         }
         let seen = config.rollout_steps.saturating_mul(environments).saturating_mul(4 * config.frame_stack);
         if seen > MOST_SEEN && config.rollout_steps.saturating_mul(environments) <= MOST_DECISIONS {
             let message =
                 format!("an update of {seen} numbers of states does not fit in memory; at most {MOST_SEEN} do");
-            self.said.push(codes::contradiction(block.place("frame_stack"), message));
+            self.said.push(diagnostics::contradiction(block.place("frame_stack"), message));
         }
         let widths = [&[4 * config.frame_stack], config.hidden.as_slice(), &[2]].concat();
         let weights: usize = widths.windows(2).map(|pair| pair[0] * pair[1]).sum();
         if weights > MOST_WEIGHTS {
             let message = format!("networks of {weights} weights do not fit in memory; at most {MOST_WEIGHTS} do");
-            self.said.push(codes::contradiction(block.place("hidden"), message));
+            self.said.push(diagnostics::contradiction(block.place("hidden"), message));
         }
         Axis { id, name: declaration.name.as_str().into(), value: (config, environments) }
     }

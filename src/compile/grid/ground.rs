@@ -9,7 +9,7 @@ use crate::compile::policy;
 use crate::env::{
     Cast, EpisodeRule, FirstHeading, PedestrianRole, PolicyMaker, RewardRule, Scenario, SpawnRule, VehicleRole,
 };
-use crate::lang::codes;
+use crate::lang::diagnostics;
 use crate::lang::hir::Block;
 use crate::seed::Seed;
 use crate::signature::{DeclarationId, short};
@@ -94,7 +94,7 @@ impl Lowering<'_> {
             if let Some(made_for) = made_for.filter(|made_for| *made_for != tick) {
                 let span = block.members("policies").get(place).copied().unwrap_or(block.head);
                 let given = episode.block.place("tick");
-                self.said.push(codes::other_tick(span, &policy.name, made_for, tick, given));
+                self.said.push(diagnostics::other_tick(span, &policy.name, made_for, tick, given));
             }
         }
     }
@@ -118,7 +118,7 @@ impl Lowering<'_> {
                     "a pedestrian {} m from the middle of `{name}` may stand inside it: its corners reach {reach:.2} m",
                     short(nearest)
                 );
-                self.said.push(codes::contradiction(place, message));
+                self.said.push(diagnostics::contradiction(place, message));
                 return;
             }
         }
@@ -133,10 +133,10 @@ impl Lowering<'_> {
                 match found {
                     Ok(None) => {}
                     Ok(Some(rarity)) => {
-                        self.said.push(codes::rare_beginnings(place, &town.name, &rarity.to_string()));
+                        self.said.push(diagnostics::rare_beginnings(place, &town.name, &rarity.to_string()));
                     }
                     Err(error) => {
-                        self.said.push(codes::unplaceable(place, &town.name, &error.to_string()));
+                        self.said.push(diagnostics::unplaceable(place, &town.name, &error.to_string()));
                         break;
                     }
                 }

@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::lowering::Lowering;
 use super::plan::{Campaign, Driver, Published};
 use super::{policy, published};
-use crate::lang::codes;
+use crate::lang::diagnostics;
 use crate::lang::hir::{Block, Declaration};
 use axis::Usual;
 
@@ -47,12 +47,12 @@ impl Lowering<'_> {
         }
         self.forbid_repeated_trainings(block, &campaign);
         if !campaign.published.is_empty() && block.nested("train").next().is_none() {
-            self.said.push(codes::beside_nobody(block.place("beside")));
+            self.said.push(diagnostics::beside_nobody(block.place("beside")));
         }
         if ["train", "evaluate", "search"].iter().all(|word| block.nested(word).next().is_none()) {
             let message = "this campaign trains nobody, tries nobody and searches for nothing".to_string();
             let help = "give it a block: `train { … }`, `evaluate { … }` or `search { … }`";
-            self.said.push(codes::contradiction(block.head, message).help(help));
+            self.said.push(diagnostics::contradiction(block.head, message).help(help));
         }
         for (number, evaluate) in (0..).zip(block.nested("evaluate")) {
             self.evaluate(block, evaluate, number, &usual, &mut campaign, &rewards);
@@ -67,7 +67,7 @@ impl Lowering<'_> {
     fn fits(&mut self, block: &Block, axes: [usize; 4]) -> bool {
         let cells = axes.into_iter().fold(1, usize::saturating_mul);
         if cells > MOST_CELLS {
-            self.said.push(codes::too_many_combinations(block.head, cells, MOST_CELLS));
+            self.said.push(diagnostics::too_many_combinations(block.head, cells, MOST_CELLS));
         }
         cells <= MOST_CELLS
     }

@@ -7,7 +7,7 @@ use crate::compile::plan::{Campaign, Search, SearchKey};
 use crate::compile::{RunId, falsifier};
 use crate::env::RewardRule;
 use crate::falsifier::Falsifier;
-use crate::lang::codes;
+use crate::lang::diagnostics;
 use crate::lang::hir::Block;
 use crate::rl::PpoConfig;
 use crate::signature::DeclarationId;
@@ -73,7 +73,7 @@ impl Lowering<'_> {
                 None => usual.cloned(),
             };
             if training.is_none() && falsifier::learns(&self.catalog.falsifiers, declaration) {
-                self.said.push(codes::no_training(campaign.head, declaration.block.head));
+                self.said.push(diagnostics::no_training(campaign.head, declaration.block.head));
                 continue;
             }
             let reward = falsifier::named(arguments, "reward").map(|id| self.reward(id));

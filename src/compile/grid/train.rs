@@ -5,7 +5,7 @@ use super::ground::note_towns;
 use crate::compile::lowering::Lowering;
 use crate::compile::plan::{Campaign, Training, TrainingKey};
 use crate::env::RewardRule;
-use crate::lang::codes;
+use crate::lang::diagnostics;
 use crate::lang::hir::Block;
 
 impl Lowering<'_> {
@@ -20,7 +20,7 @@ impl Lowering<'_> {
     ) {
         let (car, walker) = (&usual.car.value, &usual.walker.value);
         let Some(training) = &usual.training else {
-            return self.said.push(codes::no_training(campaign_block.head, block.head));
+            return self.said.push(diagnostics::no_training(campaign_block.head, block.head));
         };
         let Some(ground) = self.ground(campaign_block, block, &[(&usual.car, &usual.walker)]) else { return };
         let (paid, runs) = (self.rewards(block), block.arguments.integer("runs") as u32);
@@ -57,7 +57,7 @@ impl Lowering<'_> {
             if !seen.insert(&training.key) {
                 let TrainingKey { town, policy, reward, run } = &training.key;
                 let message = format!("{town} × {policy} × {reward}, run {run}, is trained twice");
-                self.said.push(codes::contradiction(block.head, message));
+                self.said.push(diagnostics::contradiction(block.head, message));
                 return;
             }
         }

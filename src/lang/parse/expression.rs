@@ -8,7 +8,7 @@ use super::rules::Rule;
 use super::{Reader, inner_text, read_number};
 use crate::diagnostic::Span;
 use crate::lang::ast::{Entry, Expression, ExpressionKind, Operator};
-use crate::lang::codes;
+use crate::lang::diagnostics;
 use crate::signature::short;
 
 /// Most terms and operators of one expression; later phases walk it recursively.
@@ -23,7 +23,7 @@ impl Reader {
             !matches!(pair.as_rule(), Rule::prefix | Rule::unit | Rule::arguments | Rule::conversion)
         };
         if pairs.len() > MAX_TERMS && pairs.clone().filter(counts).count() > MAX_TERMS {
-            self.diagnostics.push(codes::too_long(span, MAX_TERMS));
+            self.diagnostics.push(diagnostics::too_long(span, MAX_TERMS));
             return Expression { kind: ExpressionKind::Number { value: 0.0, unit: None }, span };
         }
         let mut pairs = pairs.peekable();
@@ -67,7 +67,7 @@ impl Reader {
                     .is_some_and(|next| next.as_str() == "-" && next.as_span().start() == sign.as_span().end());
             let right = self.term(pairs);
             if joined {
-                self.diagnostics.push(codes::tolerance(left.span.to(right.span), around(&left, &right)));
+                self.diagnostics.push(diagnostics::tolerance(left.span.to(right.span), around(&left, &right)));
             }
             let right = self.operations(right, pairs, tightness + 1);
             let span = left.span.to(right.span);
@@ -96,7 +96,7 @@ impl Reader {
             self.stray_unit(&expression, &unit);
         }
         if prefixes.len() > MAX_TERMS {
-            self.diagnostics.push(codes::too_long(prefixes[0].1, MAX_TERMS));
+            self.diagnostics.push(diagnostics::too_long(prefixes[0].1, MAX_TERMS));
             return expression;
         }
         for (negative, span) in prefixes.into_iter().rev() {
@@ -160,7 +160,7 @@ impl Reader {
                     let written = |value: &Expression| &text[value.span.start..value.span.end];
                     let values: Vec<&str> = arguments.iter().map(written).collect();
                     let call = format!("{}({})", function.text, values.join(", "));
-                    self.diagnostics.push(codes::named_argument(&keys, span, &call));
+                    self.diagnostics.push(diagnostics::named_argument(&keys, span, &call));
                 }
                 return Expression { kind: ExpressionKind::Call { function, arguments }, span };
             }
@@ -226,7 +226,7 @@ impl Reader {
             let digits = text[comma + 1..].bytes().take_while(u8::is_ascii_digit).count();
             let end = comma + 1 + digits;
             if whole && digits > 0 && !text[end..].starts_with('.') {
-                self.diagnostics.push(codes::comma_in_number(self.place(from, end), &text[from..end]));
+                self.diagnostics.push(diagnostics::comma_in_number(self.place(from, end), &text[from..end]));
             }
         }
     }

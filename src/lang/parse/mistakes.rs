@@ -6,7 +6,7 @@ use super::Reader;
 use super::rules::Rule;
 use crate::diagnostic::Span;
 use crate::lang::ast::{Expression, ExpressionKind, Known};
-use crate::lang::codes;
+use crate::lang::diagnostics;
 use crate::lang::tokens::{TokenKind, tokens};
 
 const COLON: &str = "a key is followed by `:`";
@@ -129,7 +129,7 @@ impl Reader {
         self.mistakes += 1;
         let again = said == NO_IF && self.diagnostics.last().is_some_and(|last| last.primary.text == NO_IF);
         if !again {
-            self.diagnostics.push(codes::slip(place, said, instead));
+            self.diagnostics.push(diagnostics::slip(place, said, instead));
         }
     }
 
@@ -154,16 +154,16 @@ impl Reader {
         let said = match rest {
             // `1,5`, `1,000,000`
             _ if text[..digits].contains(',') && rest.iter().all(|value| plain_digits(source, value)) => {
-                codes::decimal_comma(
+                diagnostics::decimal_comma(
                     self.place(place.start, place.start + digits),
                     text[..digits].trim_end_matches(','),
                 )
             }
             [high] if quantity(first) && quantity(high) && !in_matrix => {
                 let part = |value: &Expression| &source[value.span.start..value.span.end];
-                codes::unbracketed_pair(place, (part(first), part(high)))
+                diagnostics::unbracketed_pair(place, (part(first), part(high)))
             }
-            _ => codes::unbracketed_list(place, text),
+            _ => diagnostics::unbracketed_list(place, text),
         };
         self.diagnostics.push(said);
     }
@@ -244,7 +244,7 @@ impl Reader {
             self.report(self.place(at, at + 1), "a number starts with a digit", Some("0."));
         } else if source[end..].trim_start().starts_with(':') && written.split('.').all(starts_with_letter) {
             self.mistakes += 1;
-            self.diagnostics.push(codes::dotted_key(self.place(start, end), written));
+            self.diagnostics.push(diagnostics::dotted_key(self.place(start, end), written));
         } else if written.split('.').all(starts_with_letter) {
             let last = written.rsplit('.').next().unwrap_or_default();
             let call = source[end..].starts_with('(');

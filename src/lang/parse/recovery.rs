@@ -12,7 +12,7 @@ use super::{Reader, names_of, unread_arguments};
 use crate::diagnostic::{Diagnostic, Span};
 use crate::lang::ast::{Expression, ExpressionKind, File, Known};
 use crate::lang::brackets::unbraced;
-use crate::lang::codes;
+use crate::lang::diagnostics;
 use crate::lang::tokens::{Token, TokenKind, words};
 
 /// Most error nodes of a file that are parsed again for the place of the error; a file with more of them is no scenario.
@@ -41,7 +41,7 @@ impl Reader {
         match headless(pair.as_str(), after).filter(|_| !indented) {
             Some(colon) => {
                 self.headless = true;
-                self.diagnostics.push(codes::missing_braces(self.place(start + colon.start, start + colon.end)));
+                self.diagnostics.push(diagnostics::missing_braces(self.place(start + colon.start, start + colon.end)));
             }
             None => self.junk(pair, Rule::whole_item),
         }
@@ -50,7 +50,7 @@ impl Reader {
     /// Reports an error node: characters that the language does not have, a value that is cut off, or where the parser fails.
     pub(super) fn junk(&mut self, pair: &Pair<Rule>, rule: Rule) {
         if self.diagnostics.len() >= MOST_REREAD {
-            return self.diagnostics.push(codes::syntax(self.span(pair), String::new()));
+            return self.diagnostics.push(diagnostics::syntax(self.span(pair), String::new()));
         }
         let start = pair.as_span().start();
         let text = pair.as_str().trim_end();
@@ -59,12 +59,12 @@ impl Reader {
             return;
         }
         if let Some(sign) = open_end(source, start, text) {
-            return self.diagnostics.push(codes::open_end(self.place(sign.start, sign.end)));
+            return self.diagnostics.push(diagnostics::open_end(self.place(sign.start, sign.end)));
         }
         let line = source[..start].rfind(['\n', '\r']).map_or(0, |end| end + 1);
         if let Some(clause) = source[line..start].trim_end().strip_suffix("return") {
             let place = self.place(line + clause.len(), line + clause.len() + "return".len());
-            return self.diagnostics.push(codes::slip(place, "a formula needs no `return`", Some("")));
+            return self.diagnostics.push(diagnostics::slip(place, "a formula needs no `return`", Some("")));
         }
         let before = source[line..start].trim();
         let whole = self.place(start, start + text.len());
@@ -77,7 +77,7 @@ impl Reader {
             Rule::whole_entry if is_word && !before.is_empty() => "this does not belong to the value before it",
             _ => return self.unreadable(text, start, rule),
         };
-        self.diagnostics.push(codes::slip(whole, said, None));
+        self.diagnostics.push(diagnostics::slip(whole, said, None));
     }
 
     /// Reports where the parser fails.
@@ -86,7 +86,7 @@ impl Reader {
         let head = if text.starts_with('(') { "form name = kind" } else { "" };
         let said = match ScenarioParser::parse(rule, &format!("{head}{text}")) {
             Err(error) => self.syntax_error(&error, head.len(), start),
-            Ok(_) => codes::syntax(self.place(start, start + text.len()), "this cannot stand here".into()),
+            Ok(_) => diagnostics::syntax(self.place(start, start + text.len()), "this cannot stand here".into()),
         };
         self.diagnostics.push(match imports(text) {
             true => said.help("write `import \"path\"`, or `import a, b from \"path\"`"),
@@ -112,7 +112,7 @@ impl Reader {
             ErrorVariant::CustomError { message } => message.clone(),
         };
         let text = if expected.is_empty() { "not understood from here".into() } else { format!("expected {expected}") };
-        codes::syntax(span, text)
+        diagnostics::syntax(span, text)
     }
 
     /// Reports that a comma is missing after a value, or that another sign stands in its place.
@@ -120,8 +120,8 @@ impl Reader {
         self.mistakes += 1;
         let start = gap.as_span().start();
         self.diagnostics.push(match gap.as_str() {
-            ";" => codes::slip(self.place(start, start + 1), "commas separate values", Some(",")),
-            _ => codes::missing_comma(self.place(end, end)),
+            ";" => diagnostics::slip(self.place(start, start + 1), "commas separate values", Some(",")),
+            _ => diagnostics::missing_comma(self.place(end, end)),
         });
     }
 }

@@ -8,7 +8,7 @@ use crate::diagnostic::Span;
 use crate::lang::ast::{
     Clause, Declaration, Entry, Expression, ExpressionKind, File, Import, Known, Name, Param, Property,
 };
-use crate::lang::codes;
+use crate::lang::diagnostics;
 use crate::lang::params::{is_type, type_of};
 
 /// The form whose values are lists of alternatives.
@@ -60,7 +60,7 @@ impl Reader {
         }
         let before = file.edition.map(|(_, span)| span);
         if before.is_some() || !(file.imports.is_empty() && file.params.is_empty() && file.declarations.is_empty()) {
-            self.diagnostics.push(codes::misplaced_edition(span, before));
+            self.diagnostics.push(diagnostics::misplaced_edition(span, before));
             if before.is_some() {
                 return;
             }
@@ -128,18 +128,18 @@ impl Reader {
             // `param name: type: value`
             (true, [_, _], 1) if sign.starts_with(':') && text.starts_with("param ") => {
                 let colon = from + text.len() + pair.get_input()[from + text.len()..].find(':').unwrap_or(0);
-                codes::slip(self.place(colon, colon + 1), "the value of a parameter follows `=`", Some(" ="))
+                diagnostics::slip(self.place(colon, colon + 1), "the value of a parameter follows `=`", Some(" ="))
             }
             (_, [name, ty], 1 | 2) if is_type(ty) => {
-                codes::slip(place, "write `param name: type = value`", Some(&format!("param {name}: {ty}")))
+                diagnostics::slip(place, "write `param name: type = value`", Some(&format!("param {name}: {ty}")))
             }
             // `param type name = value`, `type name = value`
-            (_, [ty, name], 0) if is_type(ty) => codes::untyped_param(place, &format!("param {name}"), Some(ty)),
-            (true, [name], 0) => codes::untyped_param(place, &format!("param {name}"), type_of_value),
+            (_, [ty, name], 0) if is_type(ty) => diagnostics::untyped_param(place, &format!("param {name}"), Some(ty)),
+            (true, [name], 0) => diagnostics::untyped_param(place, &format!("param {name}"), type_of_value),
             (false, [name], 0) if type_of_value.is_some() => {
-                codes::untyped_param(place, &format!("param {name}"), type_of_value)
+                diagnostics::untyped_param(place, &format!("param {name}"), type_of_value)
             }
-            _ => codes::syntax(place, "write `param name: type = value`".into()),
+            _ => diagnostics::syntax(place, "write `param name: type = value`".into()),
         };
         self.diagnostics.push(said);
     }

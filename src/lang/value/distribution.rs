@@ -1,10 +1,10 @@
 //! Distributions: constants, ranges, and calls of the functions that make them.
 
-use super::meant::{as_beside, as_dashed_range, describe};
+use super::suggested::{as_beside, as_dashed_range, describe};
 use super::{Context, ends, is_formula, quantity, within};
 use crate::diagnostic::{Diagnostic, Span};
 use crate::lang::ast::{Expression, ExpressionKind, Known};
-use crate::lang::codes;
+use crate::lang::diagnostics;
 use crate::lang::formula::is_function;
 use crate::signature::{Distribution, LEAST, MOST, Type};
 use crate::units::Dimension;
@@ -38,7 +38,7 @@ pub(super) fn distribution(
         }
         ExpressionKind::Known(Known::Distribution(known, found)) => {
             if *found != dimension {
-                said.push(codes::wrong_unit(span, dimension, *found));
+                said.push(diagnostics::wrong_unit(span, dimension, *found));
                 return None;
             }
             Some(known.clone())
@@ -46,7 +46,7 @@ pub(super) fn distribution(
         ExpressionKind::Call { function, arguments } if !is_function(&function.text) => {
             let Some((name, takes)) = DISTRIBUTIONS.iter().find(|(name, _)| *name == function.text) else {
                 let known: Vec<&str> = DISTRIBUTIONS.iter().map(|(name, _)| *name).collect();
-                said.push(codes::unknown_distribution(function.span, &function.text, &known));
+                said.push(diagnostics::unknown_distribution(function.span, &function.text, &known));
                 return None;
             };
             let parts = |said: &mut Vec<Diagnostic>| {
@@ -72,13 +72,13 @@ pub(super) fn distribution(
                 ("truncated", [inner, range]) => {
                     let whole = distribution(inner, dimension, context, said);
                     let ExpressionKind::Range(low, high) = &range.kind else {
-                        said.push(codes::not_a(range.span, "range", &describe(range)));
+                        said.push(diagnostics::not_a(range.span, "range", &describe(range)));
                         return None;
                     };
                     let (a, b) = ends(range.span, low, high, dimension, context, said)?;
                     let kept = whole?.truncated(a, b);
                     if kept.is_none() {
-                        said.push(codes::nothing_left(span, inner.span, range.span));
+                        said.push(diagnostics::nothing_left(span, inner.span, range.span));
                     }
                     kept
                 }
@@ -92,7 +92,7 @@ pub(super) fn distribution(
                     Some(Distribution::mixture(parts))
                 }
                 _ => {
-                    said.push(codes::wrong_arity(span, name, takes, arguments.len()));
+                    said.push(diagnostics::wrong_arity(span, name, takes, arguments.len()));
                     None
                 }
             }
@@ -105,7 +105,11 @@ pub(super) fn distribution(
         }
         _ => {
             let (min, max) = (f64::NEG_INFINITY, f64::INFINITY);
-            said.push(codes::wrong_type(span, &Type::Distribution { dimension, min, max }, &describe(expression)));
+            said.push(diagnostics::wrong_type(
+                span,
+                &Type::Distribution { dimension, min, max },
+                &describe(expression),
+            ));
             None
         }
     }
@@ -119,11 +123,11 @@ fn weighted(
     said: &mut Vec<Diagnostic>,
 ) -> Option<(f64, Distribution)> {
     let ExpressionKind::Group(members) = &pair.kind else {
-        said.push(codes::not_a(pair.span, "pair `(weight, distribution)`", &describe(pair)));
+        said.push(diagnostics::not_a(pair.span, "pair `(weight, distribution)`", &describe(pair)));
         return None;
     };
     let [weight, part] = members.as_slice() else {
-        said.push(codes::not_a(pair.span, "pair `(weight, distribution)`", &describe(pair)));
+        said.push(diagnostics::not_a(pair.span, "pair `(weight, distribution)`", &describe(pair)));
         return None;
     };
     if let (
@@ -133,7 +137,7 @@ fn weighted(
         && dimension != Dimension::RATIO
     {
         let text = |span: Span| context.sources.text(span);
-        let found = codes::not_a(pair.span, "pair `(weight, distribution)`", "pair the other way round");
+        let found = diagnostics::not_a(pair.span, "pair `(weight, distribution)`", "pair the other way round");
         said.push(found.fix(format!("({}, {})", text(part.span), text(weight.span))));
         return None;
     }

@@ -1,9 +1,9 @@
 //! Reports read back: what is needed to repeat an episode, to compare it, and to judge cells.
 
 mod stored;
-mod parting;
+mod divergence;
 mod gate;
 
+pub use divergence::divergence;
 pub use gate::{Gate, GateError, Judged};
-pub use parting::parting;
 pub use stored::{Difference, ReadError, StoredFailure, StoredReport, differences, failure};

@@ -5,8 +5,8 @@ use std::f64::consts::{PI, TAU};
 use super::Context;
 use crate::diagnostic::{Diagnostic, Fix, Span};
 use crate::lang::ast::{Expression, ExpressionKind, Known, Operator};
-use crate::lang::codes;
-use crate::lang::elsewhere::own_word;
+use crate::lang::diagnostics;
+use crate::lang::foreign_names::own_word;
 use crate::lang::suggest::nearest;
 use crate::signature::{Distribution, Type, short};
 use crate::units::{Dimension, parse_unit};
@@ -160,7 +160,7 @@ pub(super) fn as_difference(expression: &Expression, drawn: &Distribution, conte
     };
     let range = format!("{} .. {}", context.sources.text(left.span), context.sources.text(right.span));
     let value = format!("{} {}", short(low - high), unit.text);
-    (unit.text == other.text && low < high).then(|| codes::difference(expression.span, &value, &range))
+    (unit.text == other.text && low < high).then(|| diagnostics::difference(expression.span, &value, &range))
 }
 
 /// Leaves of the units that a number may lack only that of another number beside it, if there is one.
@@ -183,7 +183,7 @@ pub(super) fn as_beside(
 pub(super) fn otherwise(expression: &Expression, ty: &Type, context: &Context) -> Diagnostic {
     let text = |span: Span| context.sources.text(span);
     let said = |fix: Option<String>, help: &str| {
-        codes::written_otherwise(ty, &describe(expression), expression.span, fix, help)
+        diagnostics::written_otherwise(ty, &describe(expression), expression.span, fix, help)
     };
     let ranged = matches!(ty, Type::Range { .. } | Type::Distribution { .. });
     match (ty, &expression.kind) {
@@ -230,8 +230,8 @@ pub(super) fn describe(expression: &Expression) -> String {
     match &expression.kind {
         ExpressionKind::Number { unit: None, .. } => "a plain number".into(),
         ExpressionKind::Number { .. } => "a quantity".into(),
-        ExpressionKind::Known(Known::Quantity(_, dimension)) => codes::one(dimension),
-        ExpressionKind::Known(Known::Declaration(form, _)) => format!("the name of {}", codes::one(form)),
+        ExpressionKind::Known(Known::Quantity(_, dimension)) => diagnostics::one(dimension),
+        ExpressionKind::Known(Known::Declaration(form, _)) => format!("the name of {}", diagnostics::one(form)),
         ExpressionKind::Known(Known::Distribution(_, dimension)) => format!("a distribution of {dimension}"),
         ExpressionKind::Known(Known::Wrong) => "a parameter".into(),
         ExpressionKind::Text(_) => "a text".into(),

@@ -5,7 +5,7 @@ use crate::env::{Outcome, Scenario};
 
 /// Where a repeated episode parts from the stored one, in words: the tick, where the report holds the ticks (given here then and
 /// now), else the decisions between which it does; none where neither tells.
-pub fn parting(
+pub fn divergence(
     stored: &DataFrame,
     outcome: &Outcome,
     scenario: &Scenario,

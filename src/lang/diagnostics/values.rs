@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::super::elsewhere::own_unit;
+use super::super::foreign_names::own_unit;
 use super::super::suggest::nearest;
 use super::{cut, one, quoted, unknown};
 use crate::diagnostic::{Diagnostic, Fix, Label, Span};

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use crate::campaign::Task;
 use crate::compile::{Campaign, ControllerKind, Evaluation};
 
-/// What a piece of work is.
+/// What a job of work is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
@@ -46,9 +46,9 @@ impl Kind {
     }
 }
 
-/// A piece of a campaign's work: a training, an evaluation or a search.
+/// A job of a campaign's work: a training, an evaluation or a search.
 #[derive(Debug)]
-pub struct Piece {
+pub struct Job {
     /// What it is.
     pub kind: Kind,
     /// Its place among those of its kind.
@@ -71,23 +71,23 @@ struct State {
     error: Option<String>,
 }
 
-impl Piece {
-    /// Makes the pieces of a campaign, in the plan's order, of which only some tasks are done here; those without any are left out.
+impl Job {
+    /// Makes the jobs of a campaign, in the plan's order, of which only some tasks are done here; those without any are left out.
     pub fn all(campaign: &Campaign, wanted: &[Task]) -> Vec<Self> {
-        let mut pieces: Vec<Self> = Vec::new();
+        let mut jobs: Vec<Self> = Vec::new();
         for task in wanted {
             let (kind, place) = Self::of(*task);
-            if pieces.last().is_none_or(|last| (last.kind, last.place) != (kind, place)) {
-                pieces.push(Self::new(campaign, kind, place));
+            if jobs.last().is_none_or(|last| (last.kind, last.place) != (kind, place)) {
+                jobs.push(Self::new(campaign, kind, place));
             }
-            let piece = pieces.last_mut().expect("one was put there");
-            piece.total += amount(campaign, *task);
-            piece.state.get_mut().unwrap_or_else(PoisonError::into_inner).open += 1;
+            let job = jobs.last_mut().expect("one was put there");
+            job.total += amount(campaign, *task);
+            job.state.get_mut().unwrap_or_else(PoisonError::into_inner).open += 1;
         }
-        pieces
+        jobs
     }
 
-    /// The piece that a task belongs to.
+    /// The job that a task belongs to.
     pub fn of(task: Task) -> (Kind, usize) {
         match task {
             Task::Training(place) => (Kind::Training, place),

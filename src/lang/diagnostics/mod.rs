@@ -10,7 +10,7 @@ pub use text::*;
 pub use values::*;
 pub use worlds::*;
 
-use super::elsewhere::own_word;
+use super::foreign_names::own_word;
 use super::suggest::nearest;
 use crate::diagnostic::{Diagnostic, Span};
 

@@ -1,6 +1,6 @@
 //! What is named wrongly: forms, kinds, keys, declarations, parameters, settings.
 
-use super::super::elsewhere::own_word;
+use super::super::foreign_names::own_word;
 use super::super::suggest::nearest;
 use super::{cut, one, quoted, unknown};
 use crate::diagnostic::{Diagnostic, Span};
