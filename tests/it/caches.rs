@@ -55,7 +55,7 @@ fn folders_for_reports_share_a_cache_and_none_takes_away_what_another_wants() {
         assert_eq!(names(&here.join(out)), [".falsify", "shared"]);
         assert_eq!(names(&here.join(out).join(".falsify")), ["README.txt", "lock"], "no tasks, and no drafts any more");
     }
-    assert_eq!(names(&here.join("cache")), ["README.txt", "campaigns", "tasks", "claims", "lock"]);
+    assert_eq!(names(&here.join("cache")), ["README.txt", "campaigns", "claims", "lock", "tasks"]);
 
     // Each folder has its own campaigns.
     let status = |arguments: &[&str]| falsify(&[&["status"], arguments].concat(), here);

@@ -104,7 +104,7 @@ fn kinds_add_up_and_their_examples_can_be_repeated() {
     let modes = table(&files["failure_modes.csv"]);
     for pedestrian in ["random", "intercept"] {
         let number = |row: &BTreeMap<String, String>, name: &str| row[name].parse::<f64>().unwrap();
-        let here: Vec<_> = modes.iter().filter(|row| row["pedestrian"] == pedestrian).collect();
+        let here: Vec<_> = modes.iter().filter(|row| row["controller"] == pedestrian).collect();
         let collisions: Vec<&EpisodeRow> = rows
             .iter()
             .flatten()
@@ -136,7 +136,7 @@ fn kinds_add_up_and_their_examples_can_be_repeated() {
         assert_eq!(counts["collisions"], counts["repeated_collisions"]);
         let points: Vec<_> = table(&files["mode_accumulation.csv"])
             .into_iter()
-            .filter(|row| row["pedestrian"] == counts["pedestrian"])
+            .filter(|row| row["controller"] == counts["controller"])
             .map(|row| row["expected_kinds"].parse::<f64>().unwrap())
             .collect();
         assert!(points.is_sorted() && points[0] == 0.0);

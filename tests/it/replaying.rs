@@ -54,7 +54,8 @@ fn a_report_can_be_replayed_drawn_and_verified() {
     assert_eq!(run.status.code(), Some(0), "{run:?}");
     let report = here.join("reports/again");
 
-    let all = rows(&report, "episodes", &["run_id", "episode", "outcome", "digest", "trail", "ticks", "pedestrian"]);
+    let all =
+        rows(&report, "episodes", &["run_id", "episode", "outcome", "digest", "state_hashes", "ticks", "controller"]);
     assert_eq!(all.len(), 36);
     let hit = all.iter().find(|row| row[2] == "collision" && row[6] == "intercept").expect("it hits somebody");
     let name = format!("{}:{}", hit[0], hit[1]);
@@ -171,7 +172,7 @@ fn a_broken_gate_is_said_in_the_exit_code_and_in_junit() {
     assert_eq!(typo.status.code(), Some(2));
     assert!(said(&typo).contains("did you mean `collision_rate") && !here.join("reports").exists(), "{typo:?}");
 
-    let gates = ["--fail-if", "collision_rate >= 0.5 and pedestrian == intercept", "--fail-if", "front_rate < 0"];
+    let gates = ["--fail-if", "collision_rate >= 0.5 and controller == intercept", "--fail-if", "front_rate < 0"];
     let run = [&["run", "--junit", "out/results.xml"], &gates[..], &["again.scn"]].concat();
     let run = falsify(&run, here);
     assert_eq!(run.status.code(), Some(7), "{run:?}");
@@ -180,7 +181,7 @@ fn a_broken_gate_is_said_in_the_exit_code_and_in_junit() {
     let suites = page.root_element();
     let suite = suites.first_element_child().unwrap();
     assert_eq!((suites.tag_name().name(), suite.tag_name().name()), ("testsuites", "testsuite"));
-    let cells = rows(&here.join("reports/again"), "cells", &["collision_rate_mean", "pedestrian", "collisions"]);
+    let cells = rows(&here.join("reports/again"), "cells", &["collision_rate_mean", "controller", "collisions"]);
     let wanted: Vec<&str> = cells
         .iter()
         .map(|cell| match cell[0].parse::<f64>().unwrap() {

@@ -133,7 +133,7 @@ impl Lowering<'_> {
                 match found {
                     Ok(None) => {}
                     Ok(Some(rarity)) => {
-                        self.said.push(diagnostics::rare_beginnings(place, &town.name, &rarity.to_string()));
+                        self.said.push(diagnostics::rare_starts(place, &town.name, &rarity.to_string()));
                     }
                     Err(error) => {
                         self.said.push(diagnostics::unplaceable(place, &town.name, &error.to_string()));

@@ -63,8 +63,8 @@ pub fn unplaceable(span: Span, town: &str, reason: &str) -> Diagnostic {
 }
 
 /// Few starts satisfy all constraints.
-pub fn rare_beginnings(span: Span, town: &str, found: &str) -> Diagnostic {
-    Diagnostic::warning("rare-beginnings", span, format!("few starts in `{town}` satisfy all constraints: {found}"))
+pub fn rare_starts(span: Span, town: &str, found: &str) -> Diagnostic {
+    Diagnostic::warning("rare-starts", span, format!("few starts in `{town}` satisfy all constraints: {found}"))
         .help("a condition that bounds `bearing`, `distance` or `ego_speed` alone, such as `distance > 10 m`, costs nothing")
         .help("drawing a start takes long; `falsify check --sample 1000` shows what each constraint leaves")
 }
