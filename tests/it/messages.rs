@@ -1,8 +1,8 @@
-//! What mistakes look like on the screen: short scenarios with all messages about them, drawn into `tests/suite/messages.txt`.
+//! What mistakes look like on the screen: short scenarios with all messages about them, compared with `tests/suite/messages.snap`.
 //!
-//! `UPDATE_REFERENCE=1` writes the drawings anew; then read the difference.
+//! `INSTA_UPDATE=always` writes the file again; then read the difference.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use falsify::internal::compile::{Catalog, compile};
 use falsify::internal::diagnostic::{Colour, Sources, render};
@@ -97,13 +97,9 @@ fn messages_look_as_they_did() {
         shown += 1;
     }
     assert!(shown > 55, "{shown}");
-    let kept: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite/messages.txt");
-    if std::env::var_os("UPDATE_REFERENCE").is_some() {
-        std::fs::write(&kept, &page).unwrap();
-    }
-    let kept = std::fs::read_to_string(kept).unwrap_or_default();
-    for (found, wanted) in page.split("\n\n\n").zip(kept.split("\n\n\n")) {
-        assert_eq!(found, wanted, "if it reads better now, run again with UPDATE_REFERENCE=1");
-    }
-    assert_eq!(page.len(), kept.len());
+    let mut settings = insta::Settings::clone_current();
+    settings.set_snapshot_path("../suite");
+    settings.set_prepend_module_to_snapshot(false);
+    settings.set_omit_expression(true);
+    settings.bind(|| insta::assert_snapshot!("messages", page));
 }
