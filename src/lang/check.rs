@@ -317,7 +317,7 @@ impl<'f> Checker<'_, '_, 'f> {
                         self.diagnostics.push(match (&child.kind, child.entries.as_slice()) {
                             (Some(kind), []) if keys.contains(&word.as_str()) && child.name.is_none() => {
                                 let meant = format!("{word}: {}", kind.text);
-                                diagnostics::slip(span.to(kind.span), "a key is followed by `:`", Some(&meant))
+                                diagnostics::mistake(span.to(kind.span), "a key is followed by `:`", Some(&meant))
                             }
                             _ => diagnostics::unknown_block(*span, signature.name, word, &words, &keys),
                         });
@@ -327,7 +327,7 @@ impl<'f> Checker<'_, '_, 'f> {
                             let place = child.form.span.to(kind.span);
                             let meant = child.name.is_none().then(|| format!("{} {}", child.form.text, kind.text));
                             let said = "a block follows its name directly";
-                            self.diagnostics.push(diagnostics::slip(place, said, meant.as_deref()));
+                            self.diagnostics.push(diagnostics::mistake(place, said, meant.as_deref()));
                         }
                         if let Some(name) = &child.name {
                             let before = named.insert((&child.form.text, &name.text), name.span);

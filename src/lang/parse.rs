@@ -71,8 +71,8 @@ fn empty(source: SourceId) -> File {
 }
 
 /// The words of what may be left over from a declaration: parentheses that could not be read.
-fn unread_arguments(junk: &Pair<Rule>) -> Option<Entry> {
-    junk.as_str().starts_with('(').then(|| Entry::Unread(words_of(junk.as_str())))
+fn unread_arguments(node: &Pair<Rule>) -> Option<Entry> {
+    node.as_str().starts_with('(').then(|| Entry::Unread(words_of(node.as_str())))
 }
 
 /// The words of a text, some of them if there are many.

@@ -17,7 +17,7 @@ pub fn open_end(span: Span) -> Diagnostic {
 }
 
 /// A known mistake of syntax: what to report, and what to write instead.
-pub fn slip(span: Span, said: &str, meant: Option<&str>) -> Diagnostic {
+pub fn mistake(span: Span, said: &str, meant: Option<&str>) -> Diagnostic {
     let diagnostic = Diagnostic::error("syntax", span, "this statement cannot be read").here(said);
     match meant {
         Some(meant) => diagnostic.fix(meant),

@@ -129,7 +129,7 @@ impl Reader {
         self.mistakes += 1;
         let again = said == NO_IF && self.diagnostics.last().is_some_and(|last| last.primary.text == NO_IF);
         if !again {
-            self.diagnostics.push(diagnostics::slip(place, said, instead));
+            self.diagnostics.push(diagnostics::mistake(place, said, instead));
         }
     }
 

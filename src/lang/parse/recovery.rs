@@ -20,8 +20,8 @@ const MOST_REREAD: usize = 1000;
 
 impl Reader {
     /// Whether an error node follows a value on its line.
-    pub(super) fn goes_on(&self, value: &Expression, junk: &Pair<Rule>) -> bool {
-        let between = junk.get_input().get(value.span.end..junk.as_span().start());
+    pub(super) fn goes_on(&self, value: &Expression, node: &Pair<Rule>) -> bool {
+        let between = node.get_input().get(value.span.end..node.as_span().start());
         between.is_some_and(|text| text.trim_matches([' ', '\t', ',']).is_empty())
     }
 
@@ -43,12 +43,12 @@ impl Reader {
                 self.headless = true;
                 self.diagnostics.push(diagnostics::missing_braces(self.place(start + colon.start, start + colon.end)));
             }
-            None => self.junk(pair, Rule::whole_item),
+            None => self.error_node(pair, Rule::whole_item),
         }
     }
 
     /// Reports an error node: characters that the language does not have, a value that is cut off, or where the parser fails.
-    pub(super) fn junk(&mut self, pair: &Pair<Rule>, rule: Rule) {
+    pub(super) fn error_node(&mut self, pair: &Pair<Rule>, rule: Rule) {
         if self.diagnostics.len() >= MOST_REREAD {
             return self.diagnostics.push(diagnostics::syntax(self.span(pair), String::new()));
         }
@@ -64,7 +64,7 @@ impl Reader {
         let line = source[..start].rfind(['\n', '\r']).map_or(0, |end| end + 1);
         if let Some(clause) = source[line..start].trim_end().strip_suffix("return") {
             let place = self.place(line + clause.len(), line + clause.len() + "return".len());
-            return self.diagnostics.push(diagnostics::slip(place, "a formula needs no `return`", Some("")));
+            return self.diagnostics.push(diagnostics::mistake(place, "a formula needs no `return`", Some("")));
         }
         let before = source[line..start].trim();
         let whole = self.place(start, start + text.len());
@@ -77,7 +77,7 @@ impl Reader {
             Rule::whole_entry if is_word && !before.is_empty() => "this does not belong to the value before it",
             _ => return self.unreadable(text, start, rule),
         };
-        self.diagnostics.push(diagnostics::slip(whole, said, None));
+        self.diagnostics.push(diagnostics::mistake(whole, said, None));
     }
 
     /// Reports where the parser fails.
@@ -120,7 +120,7 @@ impl Reader {
         self.mistakes += 1;
         let start = gap.as_span().start();
         self.diagnostics.push(match gap.as_str() {
-            ";" => diagnostics::slip(self.place(start, start + 1), "commas separate values", Some(",")),
+            ";" => diagnostics::mistake(self.place(start, start + 1), "commas separate values", Some(",")),
             _ => diagnostics::missing_comma(self.place(end, end)),
         });
     }

@@ -128,10 +128,10 @@ impl Reader {
             // `param name: type: value`
             (true, [_, _], 1) if sign.starts_with(':') && text.starts_with("param ") => {
                 let colon = from + text.len() + pair.get_input()[from + text.len()..].find(':').unwrap_or(0);
-                diagnostics::slip(self.place(colon, colon + 1), "the value of a parameter follows `=`", Some(" ="))
+                diagnostics::mistake(self.place(colon, colon + 1), "the value of a parameter follows `=`", Some(" ="))
             }
             (_, [name, ty], 1 | 2) if is_type(ty) => {
-                diagnostics::slip(place, "write `param name: type = value`", Some(&format!("param {name}: {ty}")))
+                diagnostics::mistake(place, "write `param name: type = value`", Some(&format!("param {name}: {ty}")))
             }
             // `param type name = value`, `type name = value`
             (_, [ty, name], 0) if is_type(ty) => diagnostics::untyped_param(place, &format!("param {name}"), Some(ty)),
@@ -260,7 +260,7 @@ impl Reader {
                         child.entries.extend(super::unread_arguments(&part));
                     }
                     entries.push(Entry::Unread(words_of(part.as_str())));
-                    self.junk(&part, Rule::whole_entry);
+                    self.error_node(&part, Rule::whole_entry);
                 }
                 Rule::hash => self.mistake(&part),
                 Rule::doc => {}
