@@ -12,12 +12,12 @@ pub fn list(listing: &Listing) {
     for (number, training) in campaign.trainings.iter().enumerate() {
         let decisions = training.config.total_steps;
         let state = told(&known(Task::Training(number)), "updates");
-        console::say(&format!("  train  {}: {decisions} decisions [{state}]", training.key));
+        console::say(&format!("  train    {}: {decisions} decisions [{state}]", training.key));
     }
     for (number, evaluation) in campaign.evaluations.iter().enumerate() {
         let chunks = (0..evaluation.chunks()).map(|chunk| known(Task::Chunk { evaluation: number, chunk }));
         console::say(&format!(
-            "  try    {}: {} episodes [{}]",
+            "  evaluate {}: {} episodes [{}]",
             RunKey::of(evaluation),
             evaluation.episodes,
             together(&chunks.collect::<Vec<_>>())
@@ -25,7 +25,7 @@ pub fn list(listing: &Listing) {
     }
     for (number, search) in campaign.searches.iter().enumerate() {
         let state = told(&known(Task::Search(number)), "episodes");
-        console::say(&format!("  search {}: {} ticks [{state}]", search.key, search.budget));
+        console::say(&format!("  search   {}: {} ticks [{state}]", search.key, search.budget));
     }
     let all = tasks.len();
     let there = tasks.values().filter(|known| **known == Known::Finished).count();

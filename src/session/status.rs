@@ -6,7 +6,7 @@ use super::{Error, Session};
 use crate::store::{CampaignStatus, Store, TaskStatus};
 
 /// Kinds of tasks: the first word of what they are, and what to call several of them.
-const KINDS: [(&str, &str); 3] = [("train", "trainings"), ("try", "evaluations"), ("search", "searches")];
+const KINDS: [(&str, &str); 3] = [("train", "trainings"), ("evaluate", "evaluations"), ("search", "searches")];
 
 /// Options of [`Session::status`].
 #[derive(Debug, Clone, Default)]

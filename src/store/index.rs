@@ -135,7 +135,7 @@ pub fn task_name(campaign: &Campaign, task: Task) -> String {
         Task::Chunk { evaluation, chunk } => {
             let key = RunKey::of(&campaign.evaluations[evaluation]);
             let first = u64::from(chunk) * u64::from(CHUNK);
-            format!("try {}, run {}, from episode {first}", key.cell.in_full(), key.run)
+            format!("evaluate {}, run {}, from episode {first}", key.cell.in_full(), key.run)
         }
         Task::Search(index) => {
             let key = &campaign.searches[index].key;

@@ -20,7 +20,7 @@ pub struct CampaignStatus {
 /// How far a task is.
 #[derive(Debug)]
 pub struct TaskStatus {
-    /// What it is, for people; the first word is `train`, `try` or `search`.
+    /// What it is, for people; the first word is `train`, `evaluate` or `search`.
     pub what: String,
     /// How much it is: updates, episodes, ticks.
     pub amount: u64,

@@ -257,7 +257,7 @@ fn settings_change_values_and_reach_the_manifest() {
     std::fs::write(folder.path().join("tiny.scn"), text).unwrap();
     let listed = falsify(&["run", "--list", "--set", "tiny.train.runs=1", "tiny.scn"], folder.path());
     let text = String::from_utf8(listed.stdout).unwrap();
-    assert_eq!(text.matches("  train  r1").count(), 1, "{text}");
+    assert_eq!(text.matches("  train    r1").count(), 1, "{text}");
     let output = falsify(&["run", "--smoke", "--set", "ahead.distance = 8 m .. 9 m", "tiny.scn"], folder.path());
     assert!(output.status.success(), "{output:?}");
     let manifest = std::fs::read_to_string(folder.path().join("reports/tiny-smoke/manifest.toml")).unwrap();

@@ -237,7 +237,7 @@ fn an_edit_reruns_what_it_changes_and_nothing_else() {
     // Trainings of the reward, its trained and its random pedestrians.
     assert_eq!((lines(&list, "[reuse]"), lines(&list, "changed]")), (7, 6), "{list}");
     assert!(list.lines().filter(|line| line.contains("changed]")).all(|line| line.contains("shy")), "{list}");
-    assert!(list.contains("train  shy in harbour against behavior, run 0: 120 decisions [run: scenario changed]"));
+    assert!(list.contains("train    shy in harbour against behavior, run 0: 120 decisions [run: scenario changed]"));
     place.write(&format!(
         "// A comment.\n{}",
         SCENARIO.replace("on hit => 1", "on hit   => 1.0").replace("reward shy", "/// Hits.\nreward shy")
