@@ -1,4 +1,4 @@
-//! `cargo bench`: what a campaign spends its time on. Compare ratios within one run; machines are noisy.
+//! `cargo bench`: the time of the parts of a campaign. Compare ratios within one run; machines are noisy.
 
 use std::io::{BufRead, Read, Write};
 use std::ops::ControlFlow;
@@ -20,7 +20,7 @@ use falsify::session::{Input, Session};
 use rand::RngExt;
 
 fn main() {
-    // The bench of drivers from outside starts this binary again as one.
+    // The benchmark of external drivers starts this binary again as a driver.
     match std::env::args().nth(1).as_deref() {
         Some("drive-json") => driver(false),
         Some("drive-binary") => driver(true),
@@ -99,7 +99,7 @@ fn ticks(bencher: Bencher<'_, '_>, policy: &str) {
     bencher.counter(ItemsCount::new(ticks)).bench_local(run);
 }
 
-/// An evaluation against CARLA's agent, with nothing noted of its episodes, with their verdicts, and with near misses as in a
+/// An evaluation against CARLA's agent: without analysis of its episodes, with their verdicts, and with near misses as in a
 /// campaign; counted in simulator ticks.
 #[divan::bench(args = ["nothing", "verdicts", "near_misses", "both"], sample_count = 20)]
 fn judging(bencher: Bencher<'_, '_>, noted: &str) {
@@ -132,7 +132,7 @@ fn training(bencher: Bencher<'_, '_>) {
     });
 }
 
-/// The first half of an update: 150 decisions of a sampling pedestrian, simulator, values and advantages included.
+/// The first half of an update: 150 decisions of a stochastic controller, with simulator, values and advantages.
 #[divan::bench(sample_count = 50)]
 fn rollout(bencher: Bencher<'_, '_>) {
     let plan = plan();
@@ -173,9 +173,9 @@ fn compilation() -> Plan {
     plan()
 }
 
-/// `falsify check` of two hundred lines as a process of its own: loading the program, reading, checking, two towns, four spawns.
+/// `falsify check` of two hundred lines as a process of its own: it loads the program, reads, checks, and builds two towns and four spawns.
 ///
-/// The program is copied first, as installing does: of a file that a linker has just written the kernel keeps small pieces, which
+/// The program is copied first, as an installation does. The kernel keeps a file that a linker has just written in small pieces, which
 /// take longer to map.
 #[divan::bench(sample_count = 200)]
 fn startup(bencher: Bencher<'_, '_>) {
@@ -184,13 +184,13 @@ fn startup(bencher: Bencher<'_, '_>) {
     let program = folder.path().join("falsify");
     std::fs::copy(env!("CARGO_BIN_EXE_falsify"), &program).expect("there is room for a copy");
     bencher.bench_local(|| {
-        // Without pipes, which are the work of whoever reads them.
+        // Without pipes: their work belongs to the reader.
         let status = std::process::Command::new(&program).arg("check").arg(&file).stdout(Stdio::null()).status();
         assert!(status.expect("the program starts").success());
     });
 }
 
-/// The beginning of an episode: spawn, driver's first route.
+/// The start of an episode: spawn, driver's first route.
 #[divan::bench]
 fn spawn(bencher: Bencher<'_, '_>) {
     let mut env = PedestrianEnv::new(scenario("behavior"), Seed::root(1));
@@ -201,7 +201,7 @@ fn spawn(bencher: Bencher<'_, '_>) {
     });
 }
 
-/// The paper's spawn rule, spelt directly and as constraints, in the outline of CARLA's Town01; counted in scenes.
+/// The paper's spawn rule, written directly and as constraints, in the outline of CARLA's Town01; counted in scenes.
 const SPAWNS: &str = r#"
 edition 1
 import "lib/paper.scn"
@@ -234,7 +234,7 @@ fn scenes(bencher: Bencher<'_, '_>, spelling: &str) {
     });
 }
 
-/// The look-up on which CARLA's driver's decisions hang.
+/// The look-up that CARLA's driver needs for its decisions.
 #[divan::bench]
 fn nearest_lane(bencher: Bencher<'_, '_>) {
     let scenario = scenario("behavior");
@@ -242,8 +242,8 @@ fn nearest_lane(bencher: Bencher<'_, '_>) {
     bencher.bench_local(|| scenario.town.nearest_lane(divan::black_box(place), LaneFilter::Any));
 }
 
-/// One world a message and many, in lines of JSON and in floats; the driver is the binary itself, which answers without
-/// thinking (`driver` below), so that this is the price of the way there and back. Counted in ticks of a world.
+/// One world a message and many worlds, as lines of JSON and as floats. The driver is this binary itself, which answers without
+/// computation (`driver` below), so this is the cost of the messages. Counted in ticks of a world.
 #[divan::bench(args = ["json", "binary"], consts = [1, 8, 32, 128], sample_count = 5)]
 fn external<const WORLDS: usize>(bencher: Bencher<'_, '_>, encoding: &str) {
     use falsify::internal::av::external::{External, Program, Settings};
@@ -287,7 +287,7 @@ fn episodes_of(bencher: Bencher<'_, '_>, scenario: &Arc<Scenario>, episodes: u32
     bencher.counter(ItemsCount::new(ticks)).bench_local(run);
 }
 
-/// Drives straight on in every world that it is asked about.
+/// Drives straight on in every world of a message.
 fn driver(binary: bool) {
     let (mut input, mut output) = (std::io::stdin().lock(), std::io::stdout().lock());
     let mut line = String::new();

@@ -1,6 +1,6 @@
-//! `cargo bench --bench reference_world`: the paper's training on the reference world, rollouts and updates apart.
+//! `cargo bench --bench reference_world`: the paper's training on the reference world, rollouts and updates timed separately.
 //!
-//! Prints one JSON object for each training. `tests/reference/sb3_speed` puts it beside stable-baselines3.
+//! Prints one JSON object for each training. `tests/reference/sb3_speed` compares it with stable-baselines3.
 
 #![expect(clippy::print_stdout, reason = "its output is its result")]
 
@@ -17,7 +17,7 @@ mod ped_world;
 
 const TRAININGS: u64 = 3;
 
-/// The seconds that this thread has worked, and without such a count those that have passed: a training of one environment
+/// The CPU seconds of this thread, or wall seconds where the system has no such count. A training of one environment
 /// stays on its thread.
 struct Clock(Instant);
 

@@ -1,4 +1,4 @@
-//! A tick allocates nothing: the memory of an episode is there before it begins.
+//! A tick allocates nothing: an episode's memory exists before the episode starts.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;

@@ -1,4 +1,4 @@
-//! The agent against recordings of CARLA's own one, open loop.
+//! The agent compared with recordings of CARLA's own agent, open loop.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -19,12 +19,12 @@ const CAR: [f64; 2] = [2.395_889_759_063_720_7, 1.081_725_001_335_144];
 const WALKER: f64 = 0.187_678_888_440_132_14;
 const WALKER_HEIGHT: f64 = 0.93;
 const TOLERANCE: f64 = 1e-5;
-/// Distances are recorded with so many metres between the floats of a town's size.
+/// Tolerance of recorded distances (m): the spacing of the recorded floats at the size of a town.
 const DISTANCE_TOLERANCE: f64 = 1e-4;
-/// Within so much of dead ahead CARLA's agent may or may not see (degrees).
+/// An angle to the direction dead ahead (degrees); within it CARLA's agent may or may not see an obstacle.
 const DEAD_AHEAD: f64 = 0.01;
 
-/// A table with a header, asked by column name.
+/// A table with a header; its values are read by column name.
 struct Table {
     columns: BTreeMap<String, usize>,
     rows: Vec<Vec<String>>,
@@ -124,7 +124,7 @@ impl Agreement {
     }
 }
 
-/// None where the map is not at hand.
+/// None where the map is not available.
 fn read_town(name: &str) -> Option<Town> {
     let path = reference::folder().join("maps").join(format!("{name}.xodr"));
     let text = reference::read_text(&path)?;
@@ -227,8 +227,8 @@ fn replay(
     }
 }
 
-/// The least of the bearings at which the agents measure an obstacle (degrees): its centre and its rear point, from the
-/// ego's centre and its bumper.
+/// The smallest bearing at which the agents measure an obstacle (degrees): of its centre and its rear point, from the
+/// ego's centre and from its bumper.
 fn least_bearing(ego: &Actor, obstacle: &Actor) -> f64 {
     let tips = [0.0, ego.half.x].map(|ahead| ego.pose.to_world(Vector::new(ahead, 0.0)));
     let ends = [0.0, -obstacle.half.x].map(|ahead| obstacle.pose.to_world(Vector::new(ahead, 0.0)));

@@ -1,4 +1,4 @@
-//! Cells that lie in a cache: several folders for reports share it, on whatever file system it is, and none takes another's away.
+//! Tasks in a cache. Several folders for reports share it, on any file system, and none removes what another needs.
 
 use std::path::Path;
 use std::process::Output;
@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use crate::program::{command, error, falsify, falsify_with, report, said};
 
-/// Writes a campaign of two trainings, whose pedestrians and random ones are tried in one town: six tasks.
+/// Writes a campaign of two trainings. Trained and random controllers are evaluated in one town: six tasks.
 fn write_campaign(folder: &Path) {
     let lib = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/lib");
     let text = format!(
@@ -20,7 +20,7 @@ fn write_campaign(folder: &Path) {
     std::fs::write(folder.join("shared.scn"), text).unwrap();
 }
 
-/// Runs the campaign, which must end well.
+/// Runs the campaign, which must succeed.
 fn run(folder: &Path, more: &[&str]) -> Output {
     let output = falsify(&[&["run", "shared.scn"], more].concat(), folder);
     assert!(output.status.success(), "{more:?}: {output:?}");
@@ -35,7 +35,7 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// How many tasks a cache holds.
+/// The number of tasks in a cache.
 fn tasks(cache: &Path) -> usize {
     report(&cache.join("tasks")).len()
 }
@@ -66,7 +66,7 @@ fn folders_for_reports_share_a_cache_and_none_takes_away_what_another_wants() {
     let list = said(&falsify(&["run", "--list", "shared.scn", "--out", "three", "--cache", "cache"], here));
     assert!(list.contains("0 of 6 tasks to run, 6 to reuse"), "{list}");
 
-    // What one does not want any more the other does.
+    // The other folder still needs the tasks that one folder no longer needs.
     let other = ["--out", "two", "--cache", "cache", "--seed", "7"];
     run(here, &other);
     assert_eq!(tasks(&here.join("cache")), 12);
@@ -102,7 +102,7 @@ fn a_cache_may_be_the_cells_of_another_folder_and_is_left_whole() {
     let pruned = said(&falsify(&["cache", "new", "--cache", "old/.falsify", "--prune"], here));
     assert!(pruned.contains("removed 0 tasks"), "{pruned}");
     run(here, &["--out", "old", "--seed", "3"]);
-    // Named in whatever way, tasks beside the reports are those that are there without a cache.
+    // A cache that is the reports' own folder of tasks holds the same tasks under any spelling of its path.
     let named = run(here, &["--out", "old", "--seed", "3", "--cache", "new/../old/.falsify"]);
     assert!(error(&named).contains("6 of 6 tasks were there already"), "{}", error(&named));
     let pruned = said(&falsify(&["cache", "old", "--prune"], here));
@@ -155,7 +155,7 @@ fn a_folder_that_is_no_cache_is_refused_and_left_as_it_is() {
     assert_eq!(std::fs::read_to_string(here.join("thesis/lock")).unwrap(), "mine");
     let nowhere = falsify(&["cache", "out", "--cache", "nowhere"], here);
     assert!(nowhere.status.code() == Some(2) && error(&nowhere).contains("does not exist"), "{nowhere:?}");
-    // What was begun and not finished is nobody else's.
+    // A folder whose creation as a cache was interrupted is accepted.
     std::fs::create_dir_all(here.join("begun/tasks")).unwrap();
     run(here, &["--out", "out", "--cache", "begun"]);
 }
@@ -177,7 +177,7 @@ fn a_setting_or_a_variable_names_the_cache() {
     assert!(config.contains("cache = \"of the variable\"") && config.contains("# FALSIFY_CACHE"), "{config}");
 }
 
-/// A folder on another file system than this one, if there is one.
+/// A folder on another file system than this one, if one exists.
 #[cfg(unix)]
 fn elsewhere(here: &Path) -> Option<tempfile::TempDir> {
     use std::os::unix::fs::MetadataExt;
@@ -210,7 +210,7 @@ fn cells_and_reports_may_be_on_two_file_systems_and_a_kill_leaves_whole_reports(
             command.args(["run", "shared.scn", "--checkpoint", "0.001", "--progress", "none", "--out", out, "--cache"]);
             let mut child = command.arg(&cache).current_dir(here).spawn().unwrap();
             if kills < KILLS {
-                // The moment is what is tried here: anything that was waited for would be a moment of the program's own.
+                // The time of the kill is what this test varies. To wait for an event would let the program choose the time.
                 std::thread::sleep(time.mul_f64((kills + 1) as f64 / (KILLS + 1) as f64));
                 let _ = child.kill();
                 kills += 1;

@@ -1,4 +1,4 @@
-//! Two cars and two pedestrians in one world: who touches whom, what each driver knows, and what is recorded.
+//! Two cars and two pedestrians in one world: which pairs touch, what each driver knows, and what is recorded.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -58,8 +58,8 @@ fn vehicle(policy: &str) -> VehicleRole {
     scenario("long", policy).cast.ego
 }
 
-/// The ego starts at x = 60 m in its lane at 8 m/s, the first pedestrian 30 m to its right and looks east; a second car and a second
-/// pedestrian are where they are told.
+/// The ego starts at x = 60 m in its lane at 8 m/s. The first pedestrian is 30 m to its right and faces east. The arguments place the
+/// second car and the second pedestrian.
 pub fn two_and_two(ego: &str, traffic: (&str, ActorStart), second: (ActorStart, Controller)) -> Scenario {
     let mut scenario = scenario("long", ego);
     scenario.obstacles = Arc::new(Obstacles::new(&[]));
@@ -75,17 +75,17 @@ pub fn two_and_two(ego: &str, traffic: (&str, ActorStart), second: (ActorStart, 
     scenario
 }
 
-/// A car so far (m) ahead of the ego, at 8 m/s.
+/// A car at this distance (m) ahead of the ego, at 8 m/s.
 pub fn ahead(distance: f64) -> ActorStart {
     ActorStart { pose: Pose::new(60.0 + distance, LANE, 0.0), speed: 8.0 }
 }
 
-/// Far beside the street.
+/// A place far to the side of the street.
 pub fn away() -> ActorStart {
     ActorStart::standing(Pose::new(100.0, 60.0, 0.0))
 }
 
-/// Runs episode 0 with the same decision again and again.
+/// Runs episode 0 with the same decision each time.
 fn run(scenario: &Arc<Scenario>, commands: [WalkCommand; 2]) -> (Outcome, Trace) {
     let mut env = PedestrianEnv::new(Arc::clone(scenario), Seed::root(1));
     let mut trace = Trace::new(scenario);
@@ -212,7 +212,7 @@ fn cars_touch_cars_and_the_touch_names_them() {
     assert_eq!(contact.pedestrian_at_ego(), None);
     let pair = trace.main_pair(&scenario);
     assert!(pair.contact().is_none() && judge(&pair).is_none() && Approach::new(&pair).is_none());
-    // The touch is where both boxes have no gap, and the tick before they have one.
+    // At the touch the boxes have no gap; one tick earlier they have one.
     let (ego, other) = (trace.vehicle(0), trace.vehicle(1));
     let last = ego.len() - 1;
     let outline = |frame: &falsify::internal::env::VehicleFrame| frame.state.outline(&scenario.cast.ego.blueprint);
@@ -226,7 +226,7 @@ fn the_struck_pedestrian_is_the_one_that_is_judged() {
     let in_lane = ActorStart::standing(Pose::new(85.0, LANE, 0.0));
     let behind = ActorStart { pose: Pose::new(20.0, LANE, 0.0), speed: 0.0 };
     let scenario = Arc::new(two_and_two("blind", ("slow", behind), (in_lane, Controller::Fixed(STANDING))));
-    // What is chosen for a pedestrian with a controller of its own has no effect.
+    // A choice for a pedestrian with its own controller has no effect.
     let running = WalkCommand { heading: 1.0, speed: 3.0 };
     let (outcome, trace) = run(&scenario, [STANDING, running]);
     let contact = *trace.contact().unwrap();
@@ -241,7 +241,7 @@ fn the_struck_pedestrian_is_the_one_that_is_judged() {
     let first = trace.pair(&scenario, 0, 0);
     assert!(first.contact().is_none() && judge(&first).is_none() && NearMiss::new(&first).min_ttc != Some(0.0));
     assert_eq!((first.len(), first.decisions()), (pair.len(), &vec![STANDING; first.decisions().len()][..]));
-    // The second car drives behind and has a pair of its own.
+    // The second car drives behind and forms a pair of its own.
     let other = trace.pair(&scenario, 1, 1);
     assert!(other.contact().is_none() && other.frame(0).ego.pose == behind.pose);
 }

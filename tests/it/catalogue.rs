@@ -1,4 +1,4 @@
-//! A caller adds a kind of driving policy of its own to the catalogue, and scenarios name it like the built-in ones.
+//! A caller adds its own kind of driving policy to the catalogue. Scenarios name it as they name the built-in kinds.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -12,7 +12,7 @@ use falsify::internal::seed::{Seed, Stream};
 use falsify::internal::signature::{Param, Signature, Type};
 use falsify::internal::sim::Control;
 
-/// Brakes with the same force all the time.
+/// Always brakes with the same force.
 struct Braking {
     force: f64,
 }
@@ -29,7 +29,7 @@ impl DrivingPolicy for Braking {
     }
 }
 
-/// The kind, which notes the force of each driver that it makes, in per cent.
+/// The kind. It records the force of each driver that it makes, in percent.
 fn kind(made: &Arc<Mutex<BTreeSet<i64>>>) -> PolicyKind {
     let made = made.clone();
     let force = Param::with_default("force", Type::share(), "1", "Brake, 0 to 1.");

@@ -1,4 +1,4 @@
-//! The digest of the code that makes numbers (`build.rs`): wording leaves it as it is, a number changes it.
+//! The digest of the code that makes numbers (`build.rs`): a change of wording keeps it, a change of a number changes it.
 
 use std::path::Path;
 
@@ -37,7 +37,7 @@ fn a_number_of_the_simulator_changes_the_digest_and_a_comment_does_not() {
         assert!(all.iter().any(|(name, _)| name.starts_with(&format!("src/{folder}/"))), "{folder} makes numbers");
     }
     assert!(!all.iter().any(|(name, _)| name.starts_with("src/lang/") || name.starts_with("src/report/")));
-    // The rest would only cost time.
+    // The other files would only cost time.
     let simulator: Vec<_> = all.into_iter().filter(|(name, _)| name.starts_with("src/sim/")).collect();
     let same = digest(&simulator);
     let with = |place: usize, text: String| {
@@ -49,7 +49,7 @@ fn a_number_of_the_simulator_changes_the_digest_and_a_comment_does_not() {
         assert_eq!(with(place, format!("// Another comment.\n{text}")), same, "{name}");
         let message = |words: &str| with(place, format!("const TEXT: &str = \"{words}\";\n{text}"));
         assert_eq!(message("the car is fast"), message("the vehicle has a high speed"), "{name}");
-        // The last digit of the code becomes another one.
+        // Change the last digit in the code.
         let code = without_wording(text);
         assert_eq!(with(place, code.clone()), same, "{name}");
         if let Some(at) = code.rfind(|c: char| c.is_ascii_digit()) {

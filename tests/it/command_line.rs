@@ -1,10 +1,10 @@
-//! Exit codes and messages: bad input gets one clear answer and loses nothing.
+//! Exit codes and messages: bad input gets one clear message and loses no data.
 
 use std::path::Path;
 
 use crate::program::{command, error, falsify};
 
-/// A campaign that runs in a moment.
+/// A campaign that runs in a fraction of a second.
 fn campaign() -> String {
     let lib = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/lib");
     format!(
@@ -49,7 +49,7 @@ fn a_missing_file_is_named() {
         assert_eq!(output.status.code(), Some(2), "{output:?}");
         assert_eq!(error(&output), "error: cannot read `nowhere.scn`: there is no such file\n");
     }
-    // All that are missing are named, and what is wrong with the others is told.
+    // All missing files are named, and the errors in the other files are reported.
     std::fs::write(folder.path().join("bad.scn"), "edition 1\nrewrd r {}\n").unwrap();
     let output = falsify(&["check", "nowhere.scn", "bad.scn", "gone.scn"], folder.path());
     assert_eq!(output.status.code(), Some(2), "{output:?}");

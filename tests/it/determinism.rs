@@ -61,7 +61,7 @@ fn one_thread_and_four_give_the_same_bytes_and_another_seed_others() {
     assert_ne!(episodes(&one), episodes(&other));
 }
 
-/// The digests of many episodes: whoever changes behaviour changes this number, and should have meant to.
+/// The digest of many episodes. It changes when the behaviour changes; a change must be intended.
 #[test]
 fn a_long_chaotic_run_has_the_digest_it_always_had() {
     use falsify::internal::compile::{Catalog, compile};

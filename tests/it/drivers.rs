@@ -1,4 +1,4 @@
-//! Drivers of our own on an open street: they stop for whoever is in their way and for nobody else.
+//! The built-in drivers on an open street: they stop for a pedestrian in their way and for no other.
 
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
@@ -35,7 +35,7 @@ fn scenario(policy: &str) -> Arc<Scenario> {
     PLAN.campaigns[0].evaluations.iter().find(|each| *each.policy == *policy).unwrap().scenario.clone()
 }
 
-/// How a drive from (x, −1.75 m) to the east went.
+/// The result of a drive from (x, −1.75 m) to the east.
 struct Drive {
     contact: Option<Contact>,
     world: World,
@@ -81,7 +81,7 @@ fn they_stop_for_somebody_who_stands_in_the_lane() {
 
 #[test]
 fn they_brake_for_somebody_who_crosses() {
-    // From the near pavement at 1.4 m/s, into the middle of the car if it goes on.
+    // From the near pavement at 1.4 m/s, into the middle of the car if the car keeps going.
     let (walker, start) = (Pose::new(60.0, -6.0, std::f64::consts::FRAC_PI_2), 60.0 - 7.5 * 4.25 / 1.4);
     assert!(drive("blind", start, walker, 1.4, 8.0).contact.is_some());
     for policy in GUARDED {
@@ -101,7 +101,7 @@ fn they_drive_past_somebody_on_the_far_pavement() {
     }
 }
 
-/// Whatever the pedestrian does, the oracle does not drive into it: it has stopped before.
+/// The oracle never hits a pedestrian while it moves, whatever the pedestrian does: it stops in time.
 #[test]
 fn nobody_gets_hit_by_the_oracle_while_it_moves() {
     let scenario = scenario("oracle");

@@ -1,4 +1,4 @@
-//! The colours of editors know the words of the language.
+//! The syntax colouring of editors knows the words of the language.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ fn grammar() -> Value {
     serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
 }
 
-/// The words between the parentheses of a rule that is `\\b(a|b|c)\\b`.
+/// The words between the parentheses of a rule of the form `\\b(a|b|c)\\b`.
 fn words(rule: &str) -> Vec<String> {
     let grammar = grammar();
     let pattern = grammar["repository"][rule]["match"].as_str().unwrap_or_else(|| panic!("no rule {rule}")).to_string();
@@ -50,7 +50,7 @@ fn the_words_are_the_languages() {
     assert_eq!(words("keyword"), sorted(KEYWORDS.into_iter()));
 }
 
-/// The pattern of a rule, or one of its groups, for a whole token: what it asks of the text after the token is left out.
+/// The pattern of a rule, or of one of its groups, for a whole token. Look-aheads at the text after the token are removed.
 fn pattern(rule: &str, group: usize) -> Regex {
     let grammar = grammar();
     let mut pattern =
@@ -105,7 +105,7 @@ fn colours_and_tokens_agree_on_every_file() {
                     kind => rules.iter().filter(|(of, _)| *of == kind).all(|(_, rule)| rule.is_match(written)),
                 };
                 assert!(coloured, "{}: {:?} `{written}`", path.display(), token.kind);
-                // No token has the colour of another kind.
+                // No token has the colour of another kind of token.
                 let others = [TokenKind::Keyword, TokenKind::Text].into_iter().filter(|kind| *kind != token.kind);
                 for (kind, rule) in others.flat_map(|other| rules.iter().filter(move |(kind, _)| *kind == other)) {
                     let open = token.kind == TokenKind::OpenText && *kind == TokenKind::Text;

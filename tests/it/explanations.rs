@@ -1,4 +1,4 @@
-//! Every code, form, kind and key can be explained, and the examples are what they say.
+//! Every code, form, kind and key can be explained, and each example shows what it claims.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use falsify::internal::lang::Reader;
 use falsify::internal::lang::error_index::mistakes;
 use falsify::internal::lang::keywords::WORDS;
 
-/// Reads an example in place of a file, and the suite's files.
+/// Reads an example instead of a file, and also the files of the suite.
 struct Example {
     text: String,
 }
@@ -43,7 +43,7 @@ fn raised(text: &str) -> BTreeSet<&'static str> {
 #[test]
 fn the_bad_example_raises_its_code_alone_and_the_good_one_nothing() {
     let mut wrong = Vec::new();
-    // Settings stand on the command line; their examples are commands.
+    // Settings are given on the command line, so their examples are commands.
     for mistake in mistakes().into_iter().filter(|mistake| !mistake.bad.starts_with("falsify ")) {
         let (bad, good) = (raised(mistake.bad), raised(mistake.good));
         if bad != BTreeSet::from([mistake.code]) || !good.is_empty() {

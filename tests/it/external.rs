@@ -1,4 +1,4 @@
-//! Drivers that are programs of their own: what they may do wrong, and what must not come of it.
+//! External drivers: which errors they may make, and which results such an error must not have.
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ use crate::program::falsify;
 
 const EPISODES: u32 = 12;
 
-/// The Python that runs the drivers of these tests, if there is one.
+/// The Python that runs the drivers of these tests, if one exists.
 fn python() -> Option<&'static str> {
     let found = Command::new("python3").arg("--version").output().is_ok_and(|output| output.status.success());
     if !found {
@@ -30,7 +30,7 @@ fn folder(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
 }
 
-/// A campaign against a driver from outside.
+/// A campaign against an external driver.
 fn text(command: &str, settings: &str) -> String {
     format!(
         "edition 1\nimport \"{0}/paper.scn\"\nimport \"{0}/drivers.scn\"\nimport \"{0}/towns.scn\"\n\
@@ -57,7 +57,7 @@ fn scenario(command: &str, settings: &str) -> Arc<Scenario> {
     plan(command, settings).campaigns[0].evaluations[0].scenario.clone()
 }
 
-/// What becomes of the episodes against a driver of `tests/external/driver.py`.
+/// The outcomes of the episodes against a driver of `tests/external/driver.py`.
 fn outcomes(mode: &str, settings: &str) -> Vec<Outcome> {
     let scenario = scenario(&format!("python3 driver.py {mode}"), settings);
     let seed = Seed::root(5);
@@ -131,7 +131,7 @@ fn a_driver_that_never_drives_is_given_up_after_ten_episodes() {
     }
     let silent = outcomes("silent", "start_timeout: 200 ms");
     assert_eq!(silent[0].fault(), Some(Fault::Late { limit_ms: 200 }));
-    // It is there, so it passes the check, and cannot be run.
+    // The file exists, so it passes the check, but it cannot be run.
     let nobody = scenario("./driver.py --fast", "worlds: 2");
     let seed = Seed::root(5);
     let tried = evaluate(&mut Random::default(), &nobody, EPISODES, &seed, &seed, &mut |_| ControlFlow::Continue(()));

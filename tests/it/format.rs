@@ -1,4 +1,4 @@
-//! The layout of files: the same meaning, the same comments, and the same again when it is laid out once more.
+//! The layout of files: it keeps the meaning and the comments, and a second pass changes nothing.
 
 use std::path::Path;
 
@@ -8,13 +8,13 @@ use proptest::prelude::*;
 
 use crate::shipped::shipped;
 
-/// What a text means, places apart; none when it cannot be read.
+/// The meaning of a text without its positions; none when the text cannot be parsed.
 fn meaning(text: &str) -> Option<String> {
     let (file, said) = parse(Sources::default().add("", text), text);
     said.iter().all(|each| each.severity == Severity::Warning).then(|| outline(&file))
 }
 
-/// Lays a text out and makes sure of everything that is promised; false when it cannot be read.
+/// Lays a text out and checks every property that the layout promises; false when the text cannot be parsed.
 fn holds(text: &str) -> bool {
     let source = Sources::default().add("", text);
     let Some(before) = meaning(text) else {
@@ -25,7 +25,7 @@ fn holds(text: &str) -> bool {
     assert_eq!(meaning(&once).as_ref(), Some(&before), "{text}\n---\n{once}");
     assert_eq!(format(source, &once).unwrap(), once, "{text}");
     assert!(once.is_empty() || once.ends_with('\n') && !once.ends_with("\n\n"), "{once:?}");
-    // Comments are the author's, trailing blanks and all but their last.
+    // Comments belong to the author, including their trailing blanks, so lines of block comments are left out of this check.
     let ours = once.lines().filter(|line| !line.contains("/*") && !line.contains("*/"));
     assert!(!ours.clone().any(|line| line.ends_with(' ')), "{once:?}");
     true
@@ -48,7 +48,7 @@ fn every_file_and_every_readable_section_of_the_suite_keeps_its_meaning() {
     for file in shipped("scenarios").into_iter().chain(shipped("tests/suite")) {
         let text = std::fs::read_to_string(&file).unwrap();
         for section in text.split("//# ") {
-            // The rest of a section's first line is its name.
+            // The first line of a section is its name.
             let body = if section.starts_with("edition") || section.starts_with('/') {
                 section
             } else {
@@ -81,7 +81,7 @@ fn a_comment_counts_alike_before_and_after_a_comma_that_goes() {
     }
 }
 
-/// Expressions, statements and blocks as an author without any sense of order might write them.
+/// Expressions, statements and blocks with arbitrary spacing and line breaks.
 fn untidy() -> impl Strategy<Value = String> {
     let gap = || {
         prop_oneof![

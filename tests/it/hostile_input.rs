@@ -1,4 +1,4 @@
-//! No text makes the front end panic or hang: whatever the bytes, there is an answer in bounded time.
+//! No text makes the front end panic or hang: any bytes get an answer in bounded time.
 
 use std::path::Path;
 use std::sync::mpsc;
@@ -9,7 +9,7 @@ use falsify::internal::diagnostic::{Colour, Sources, records, render};
 use falsify::internal::lang;
 use proptest::prelude::*;
 
-/// Checks a text, draws what is wrong with it, lays it out, and gives the first code.
+/// Checks a text, renders its diagnostics, lays it out, and returns the first code.
 fn survive(text: &str) -> Option<&'static str> {
     let root = Path::new("hostile.scn");
     let none = || std::io::Error::from(std::io::ErrorKind::NotFound);
@@ -24,7 +24,7 @@ fn survive(text: &str) -> Option<&'static str> {
     compiled.diagnostics.first().map(|each| each.code)
 }
 
-/// Does as [`survive`], and fails when there is no answer for long. The bound is generous: it tells bounded from hanging.
+/// Calls [`survive`] and fails after a long time without an answer. The bound is generous: it separates bounded time from a hang.
 fn survive_in_time(name: &str, text: String) -> Option<&'static str> {
     let (sender, receiver) = mpsc::channel();
     std::thread::spawn(move || sender.send(survive(&text)));
@@ -79,7 +79,7 @@ fn huge_and_deep_files_get_an_answer() {
     }
 }
 
-/// As many lines as asked for, each with its number in place of `#`.
+/// The requested number of lines, each with its number instead of `#`.
 #[test]
 fn a_chain_of_imports_ends_in_an_error() {
     let read = |path: &Path| {

@@ -1,4 +1,4 @@
-//! InterFuser's planner on roads of our own, in closed loop.
+//! InterFuser's planner on the built-in roads, in closed loop.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -33,7 +33,7 @@ fn scenarios() -> Vec<Arc<Scenario>> {
     plan.campaigns[0].evaluations.iter().map(|evaluation| Arc::clone(&evaluation.scenario)).collect()
 }
 
-/// A world in which the ego stands at the beginning of a lane and the pedestrian so far ahead of it and to its right (m).
+/// A world with the ego at the start of a lane. The pedestrian is at these distances ahead of it and to its right (m).
 fn world(scenario: &Scenario, lane: usize, pedestrian: Vector) -> World {
     let mut world = World::new(
         Arc::clone(&scenario.town),
@@ -68,7 +68,7 @@ fn drive(world: &mut World, ticks: u32, mut each: impl FnMut(&World, DrivingMode
     None
 }
 
-/// Far from every road.
+/// A place far from every road.
 const NOWHERE: Vector = Vector::new(-900.0, 0.0);
 
 #[test]
@@ -81,7 +81,7 @@ fn it_keeps_its_lane_through_every_bend_and_stays_below_its_speed() {
             let hit = drive(&mut world, 1200, |world, mode| {
                 let here = world.ego().state.pose.position();
                 let nearest = world.town.nearest_lane(here, LaneFilter::Driving).expect("a town has lanes");
-                // The nearest lane of several in a junction; outside it must be a lane of this direction.
+                // In a junction, the nearest of several lanes. Outside a junction it must be a lane of this direction.
                 aside = aside.max((world.town.pose(nearest).position() - here).norm());
                 fastest = fastest.max(world.ego().state.speed);
                 driven += (here - last).norm();

@@ -1,4 +1,4 @@
-//! InterFuser's planner against runs of the published code: every example of every file that is there.
+//! InterFuser's planner compared with runs of the published code: all examples of all files that are present.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,10 +11,10 @@ use falsify::internal::av::interfuser::{
 use falsify::internal::geometry::Point;
 use serde_json::Value;
 
-/// The files say it too.
+/// The files state this value too.
 const TOLERANCE: f64 = 1e-6;
 
-/// What disagrees, by example.
+/// The disagreements, by example.
 #[derive(Default)]
 struct Disagreements {
     id: String,
@@ -250,7 +250,7 @@ fn label(example: &Value, out: &mut Disagreements) {
     out.equal("peaks", place_list(&expected["peaks"]), places(&found));
 }
 
-/// The example files in a folder and its folders.
+/// The example files in a folder and in its subfolders.
 fn example_files(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let path = entry.path();

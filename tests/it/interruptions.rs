@@ -1,4 +1,4 @@
-//! Whatever stops a campaign, running it again ends in the same bytes, and what was finished is not done again.
+//! A campaign that was stopped in any way ends in the same bytes when it is run again, and repeats no finished work.
 
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader};
@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use crate::program::{self, error};
 
-/// A campaign of all kinds of tasks that takes a moment.
+/// A campaign with all kinds of tasks that takes a short time.
 const SCENARIO: &str = r#"
 edition 1
 import "lib/paper.scn"
@@ -25,7 +25,7 @@ campaign cut {
 }
 "#;
 
-/// A folder with the campaign, which is changed as wanted.
+/// A folder with the campaign, changed as requested.
 struct Place {
     folder: tempfile::TempDir,
 }
@@ -66,7 +66,7 @@ impl Place {
         self.folder.path().join("out")
     }
 
-    /// All files of the report; the manifest without times, number of threads and working folder.
+    /// All files of the report; the manifest is without times, number of threads and working folder.
     fn report(&self) -> BTreeMap<String, Vec<u8>> {
         let report = self.out().join("cut");
         let read = |path: PathBuf| {
@@ -100,7 +100,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// Holds that two reports are the same, byte for byte.
+/// Asserts that two reports are equal, byte for byte.
 fn same(found: &BTreeMap<String, Vec<u8>>, wanted: &BTreeMap<String, Vec<u8>>, what: &str) {
     assert_eq!(found.keys().collect::<Vec<_>>(), wanted.keys().collect::<Vec<_>>(), "{what}");
     for (name, bytes) in wanted {
@@ -108,7 +108,7 @@ fn same(found: &BTreeMap<String, Vec<u8>>, wanted: &BTreeMap<String, Vec<u8>>, w
     }
 }
 
-/// An undisturbed run, and how long it took.
+/// An undisturbed run, and its duration.
 fn undisturbed() -> (BTreeMap<String, Vec<u8>>, Duration) {
     let place = Place::new();
     let begun = Instant::now();
@@ -132,11 +132,11 @@ fn a_campaign_that_is_killed_at_any_moment_ends_in_the_same_bytes() {
         let place = Place::new();
         loop {
             let mut child = place.begin(&["--checkpoint", "0.001"]);
-            // The moment is what is tried here: anything that was waited for would be a moment of the program's own.
+            // The time of the kill is what this test varies. To wait for an event would let the program choose the time.
             std::thread::sleep(time.mul_f64(0.9 * share()));
             let done = child.try_wait().unwrap().is_some();
             let _ = child.kill();
-            // It may have come to its end just before the kill.
+            // The program may have ended just before the kill.
             let ended = child.wait().unwrap().success();
             assert!(ended || !done);
             if ended {
@@ -207,7 +207,7 @@ fn damaged_and_foreign_files_are_told_apart_from_cells() {
     assert!(error(&output).contains("9 of 13 tasks were there already"), "{}", error(&output));
     same(&place.report(), &wanted, "after damage");
     assert!(foreign.iter().all(|path| std::fs::read_to_string(path).unwrap() == "mine"));
-    // A folder that goes while the program runs is made again, or told of; the next run ends well in any case.
+    // A folder that disappears during a run is created again or reported. The next run succeeds in both cases.
     let child = place.begin(&["--fresh"]);
     let _ = std::fs::remove_dir_all(place.out());
     let ended = child.wait_with_output().unwrap();
@@ -234,7 +234,7 @@ fn an_edit_reruns_what_it_changes_and_nothing_else() {
     let lines = |list: &str, state: &str| list.lines().filter(|line| line.contains(state)).count();
     place.write(&SCENARIO.replace("on hit => 1", "on hit => 2"));
     let list = place.list();
-    // Trainings of the reward, its trained and its random pedestrians.
+    // The trainings of the reward, and its trained and random controllers.
     assert_eq!((lines(&list, "[reuse]"), lines(&list, "changed]")), (7, 6), "{list}");
     assert!(list.lines().filter(|line| line.contains("changed]")).all(|line| line.contains("shy")), "{list}");
     assert!(list.contains("train    shy in harbour against behavior, run 0: 120 decisions [run: scenario changed]"));
@@ -302,7 +302,7 @@ fn a_cell_that_gets_an_instant_at_a_time_gets_on_and_says_why_it_is_not_there() 
     same(&place.report(), &wanted, "after three instants");
 }
 
-/// Runs on a file system that is too small, then on the same one when it has grown.
+/// Runs on a file system that is too small, then on the same one after it has grown.
 const FULL: &str = r#"
 set -u
 mount -t tmpfs -o size=96k none small || exit 99
@@ -314,7 +314,7 @@ echo $? >second.code
 cp -r small/out out
 "#;
 
-/// The same where nothing can be mounted: no file may be longer than a few blocks.
+/// The same on a machine where no file system can be mounted: no file may be longer than a few blocks.
 const SHORT: &str = r#"
 trap '' XFSZ
 mkdir -p small

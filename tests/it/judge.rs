@@ -1,4 +1,4 @@
-//! Failures run again with reference drivers.
+//! Failures repeated with reference drivers.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -35,7 +35,7 @@ fn scenario(policy: &str) -> Arc<Scenario> {
     evaluation.scenario.clone()
 }
 
-/// The episodes of an intercepting pedestrian.
+/// The episodes of an intercepting controller.
 fn episodes(scenario: &Arc<Scenario>, count: u32) -> Vec<(Outcome, Trace)> {
     let seed = Seed::root(5);
     let note = &mut |_: u32, outcome: &Outcome, trace: &Trace| (*outcome, trace.clone());
@@ -44,7 +44,7 @@ fn episodes(scenario: &Arc<Scenario>, count: u32) -> Vec<(Outcome, Trace)> {
     })
 }
 
-/// Does not touch the brake.
+/// A driver that never brakes.
 struct Never;
 
 impl ReferenceDriver for Never {
@@ -79,7 +79,7 @@ fn a_driver_that_does_nothing_hits_when_the_recorded_one_did() {
         let Some(encounter) = Encounter::new(&pair) else { continue };
         let begun = pair.len() - encounter.pace.len();
         let speeds = pair.frames().skip(begun).map(|frame| frame.ego.speed);
-        // Where the recorded car slowed down for a bend, one that never brakes is faster.
+        // The recorded car slowed down for a bend, so a driver that never brakes is faster.
         if speeds.zip(&encounter.pace).any(|(speed, pace)| (speed - pace).abs() > 1e-3) {
             continue;
         }
@@ -158,11 +158,11 @@ fn the_danger_begins_when_the_pedestrian_can_be_seen() {
     let (scenario, open) = run_out(&[], |_| 1.39);
     let verdict = judge(&open.main_pair(&scenario)).unwrap();
     assert!((verdict.warning - 3.0).abs() < 1e-9 && verdict.label == Label::Preventable, "{verdict:?}");
-    // A wall along the lane, 1.9 m from the middle, that ends a metre before the pedestrian's way.
+    // A wall along the lane, 1.9 m from the middle, that ends a metre before the pedestrian's path.
     let wall = OrientedBox::new(Pose::new(4.0, 2.4, 0.0), 25.0, 0.5);
     let (scenario, hidden) = run_out(&[wall], |_| 1.39);
     let hidden = judge(&hidden.main_pair(&scenario)).unwrap();
-    // Seen when its front edge comes out: about 1.9 m aside, 1.4 s before.
+    // It is seen when its front edge appears: about 1.9 m to the side, 1.4 s before the touch.
     assert!((1.3..1.7).contains(&hidden.warning), "{hidden:?}");
     assert!(!hidden.trial(Reference::CarefulHuman).is_avoided() && hidden.trial(Reference::IdealBrake).is_avoided());
     assert_eq!(hidden.label, Label::Contested, "who began to count at 2 s saw no more: {hidden:?}");
@@ -177,14 +177,14 @@ fn who_comes_out_from_behind_a_wall_is_hidden_until_then() {
     };
     let open = sight(&[]);
     assert_eq!((open.hidden, open.seen, open.is_occluded()), (0.0, Sight::WINDOW, false));
-    // It walks 1.39 m/s: the front edge of a wall's end at 1.9 m is passed about 1.4 s before, at 1.2 m about 0.9 s.
+    // It walks at 1.39 m/s. Its front edge passes the end of a wall at 1.9 m about 1.4 s before the touch, and at 1.2 m about 0.9 s before.
     for (edge, seconds, occluded) in [(1.9, 1.4, false), (1.2, 0.9, true)] {
         let found = sight(&[OrientedBox::new(Pose::new(4.0, edge + 0.5, 0.0), 25.0, 0.5)]);
         assert!((found.seen - seconds).abs() < 0.3, "{edge}: {found:?}");
         assert!((found.hidden - (1.0 - found.seen / Sight::WINDOW)).abs() < 1e-9, "never seen before: {found:?}");
         assert_eq!(found.is_occluded(), occluded, "{found:?}");
     }
-    // A post between them for a moment: it was in sight before, too.
+    // A post hides it for a short time: it was in sight before the post, too.
     let post = sight(&[OrientedBox::new(Pose::new(24.0, 1.0, 0.0), 0.3, 0.3)]);
     assert!(post.seen < 2.0 && post.hidden < 0.5 && post.hidden > 0.0, "{post:?}");
 }
@@ -215,7 +215,7 @@ fn an_approach_is_the_pedestrian_as_the_car_sees_it() {
 
 #[test]
 fn an_earlier_approach_is_not_this_danger() {
-    // It walks towards the path, stands for more than a second, and comes again.
+    // It walks towards the path, stands for more than a second, and walks towards the path again.
     let (scenario, paused) = run_out(&[], |time| if (0.5..=2.0).contains(&time) { 0.0 } else { 1.39 });
     assert!((judge(&paused.main_pair(&scenario)).unwrap().warning - 1.0).abs() < 0.11);
     let (scenario, short) = run_out(&[], |time| if !(0.5..1.0).contains(&time) { 1.39 } else { 0.0 });

@@ -56,7 +56,7 @@ fn rows(evaluation: &Evaluation, seed: &Seed) -> Vec<EpisodeRow> {
     (0..).zip(noted).map(row).collect()
 }
 
-/// All files of a report on some runs, with the summary's words.
+/// All files of a report on these runs, and the text of the summary.
 fn report(campaign: &Campaign, seed: &Seed, runs: &[DataFrame]) -> BTreeMap<String, String> {
     let out = tempfile::tempdir().unwrap();
     let drafts = tempfile::tempdir_in(out.path()).unwrap();
@@ -142,7 +142,7 @@ fn kinds_add_up_and_their_examples_can_be_repeated() {
         assert!(points.is_sorted() && points[0] == 0.0);
         assert!((points.last().unwrap() - counts["kinds"].parse::<f64>().unwrap()).abs() < 1e-6);
     }
-    // A table's rules part the beginnings, and pictures are XML.
+    // The rules of a table divide the starts, and pictures are XML.
     assert!(files.keys().any(|name| name == "modes/intercept-r1-harbour-behavior.svg"), "{:?}", files.keys());
     for (name, text) in files.iter().filter(|(name, _)| name.ends_with(".svg")) {
         assert!(roxmltree::Document::parse(text).is_ok(), "{name}");

@@ -1,4 +1,4 @@
-//! Whole sessions of the language server, message by message.
+//! Complete sessions of the language server, message by message.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -9,12 +9,12 @@ use serde_json::{Value, json};
 
 use crate::program::command;
 
-/// Where the library is written that somebody reads in.
+/// The folder for the copy of the standard library that an editor opens.
 fn shelf() -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join("shelf")
 }
 
-/// A session that is written down first and held then.
+/// A session whose messages are all collected first and sent afterwards.
 struct Session {
     input: Vec<u8>,
     next: u64,
@@ -32,7 +32,7 @@ impl Session {
         self.input.extend(format!("Content-Length: {}\r\n\r\n{body}", body.len()).bytes());
     }
 
-    /// Adds a request and gives its number.
+    /// Adds a request and returns its number.
     fn ask(&mut self, method: &str, params: Value) -> u64 {
         self.next += 1;
         self.raw(&json!({ "jsonrpc": "2.0", "id": self.next, "method": method, "params": params }).to_string());
@@ -48,7 +48,7 @@ impl Session {
         self.tell("textDocument/didOpen", json!({ "textDocument": document }));
     }
 
-    /// Asks about the place of a mark in a text.
+    /// Sends a request about the position of a mark in a text.
     fn ask_at(&mut self, method: &str, uri: &str, text: &str, mark: &str) -> u64 {
         let at = text.find(mark).unwrap_or_else(|| panic!("{mark}"));
         let (line, column) = falsify::internal::diagnostic::Lines::new(text).utf16(at);
@@ -56,7 +56,7 @@ impl Session {
         self.ask(method, json!({ "textDocument": { "uri": uri }, "position": position }))
     }
 
-    /// Says goodbye and gives all that was answered.
+    /// Ends the session and returns all answers.
     fn hold(mut self) -> Vec<Value> {
         self.ask("shutdown", Value::Null);
         self.tell("exit", Value::Null);
@@ -88,7 +88,7 @@ fn labels(messages: &[Value], id: u64) -> Vec<String> {
     items.iter().map(|item| item["label"].as_str().unwrap().to_string()).collect()
 }
 
-/// The last that was said about a file.
+/// The last diagnostics that were published for a file.
 fn diagnostics<'a>(messages: &'a [Value], uri: &str) -> &'a Vec<Value> {
     let about =
         |message: &&Value| message["method"] == "textDocument/publishDiagnostics" && message["params"]["uri"] == uri;
@@ -290,7 +290,7 @@ fn what_the_library_declares_can_be_read() {
         let start = &result(&answers, id)["range"]["start"];
         let line = text.lines().nth(start["line"].as_u64().unwrap() as usize).unwrap();
         assert!(id == import || line.starts_with("town harbour"), "{line}");
-        // What stands there can be opened and asked about in turn.
+        // The text there can be opened, and its positions accept requests in turn.
         let mut inside = Session::new();
         inside.open(uri, &text);
         assert_eq!(diagnostics(&inside.hold(), uri), &Vec::<Value>::new());
@@ -465,7 +465,7 @@ campaign c {
 }
 ";
 
-/// A folder with `part.scn`, and the name of a file beside it.
+/// A folder with `part.scn`, and the name of another file in that folder.
 fn with_part() -> (tempfile::TempDir, String) {
     let folder = tempfile::tempdir().unwrap();
     let part = "edition 1\n/// Near.\nparam near_you: length = 7 m\n/// Someone.\nadversary suicidal {}\n";
@@ -537,7 +537,7 @@ fn parameters_types_and_imported_names_are_offered() {
         ("campaign d {\n  matrix { who: [", "suicidal", "far"),
         ("campaign d {\n  matrix { far: 3 m  ", "lit", "adversary"),
     ] {
-        // What is being written stands in the middle of a file.
+        // The text that is being typed is in the middle of a file.
         let head = NAMED.split_once("spawn s").unwrap().0;
         let rest = if after.contains("import") { " from \"part.scn\"\n" } else { "" };
         let text = format!("{head}{after}{rest}");

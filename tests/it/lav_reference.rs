@@ -1,4 +1,4 @@
-//! LAV's planner and controller against numbers computed with its own code.
+//! LAV's planner and controller compared with numbers computed by its own code.
 
 use std::path::{Path, PathBuf};
 
@@ -41,7 +41,7 @@ fn documents() -> Vec<(PathBuf, Value)> {
     files(&reference::folder()).into_iter().map(read).collect()
 }
 
-/// Runs a check on every case of a category, and fails with all that is wrong. A category without a case is no agreement.
+/// Runs a check on every case of a category and fails with a list of all errors. A category without a case fails, too.
 fn every_case(category: &str, check: impl Fn(&Value, &mut Differences)) {
     let documents = documents();
     if documents.is_empty() {
@@ -63,7 +63,7 @@ fn every_case(category: &str, check: impl Fn(&Value, &mut Differences)) {
     assert!(wrong.list.is_empty(), "{:#?}", wrong.list);
 }
 
-/// What is wrong in the cases so far.
+/// The errors of the cases that have been checked.
 #[derive(Default)]
 struct Differences {
     case: String,
@@ -158,7 +158,7 @@ fn the_controller_agrees_with_the_reference() {
     });
 }
 
-/// The plan that the words of a sequence describe: straight on, so many points, at a speed.
+/// The plan that the words of a sequence describe: straight on, a number of points, a speed.
 fn straight_plan(words: &str) -> Vec<EgoPoint> {
     let before = |unit: &str| -> f64 {
         let text = words.split(unit).next().expect("a text has a beginning").trim_end();
@@ -201,7 +201,7 @@ fn sequences_agree_with_the_reference() {
             pedals(wrong, &format!("at {tick}"), verdict.pedals, expected);
             let counted = (u64::from(verdict.ticks_at_rest), u64::from(verdict.creeping));
             let count = |name: &str| expected[name].as_u64().expect("a count is a number");
-            // v1 does not count; what is written for it is 0.
+            // v1 does not count; its recorded value is 0.
             wrong.same("counters", counted, (count("stop_counter"), count("force_move")));
         }
     });
@@ -229,7 +229,7 @@ fn detections_agree_with_the_reference() {
         let mut found = detector.detect(&blobs).to_vec();
         let mut expected = case["expected"].as_array().expect("detections are a list").clone();
         wrong.same("number of detections", found.len(), expected.len());
-        // The order among equals is not told.
+        // The order among equal values is unspecified.
         found.sort_by(|a, b| {
             (a.blob.kind, a.blob.column, a.blob.row).partial_cmp(&(b.blob.kind, b.blob.column, b.blob.row)).unwrap()
         });

@@ -1,9 +1,9 @@
-//! The layers of `src/ARCHITECTURE.md`: a module imports from lower rows only, and some crates have one door.
+//! The layers of `src/ARCHITECTURE.md`: a module imports from lower rows only, and some crates are used in one module only.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Each module with the modules it may import, beside itself.
+/// Each module with the other modules that it may import.
 const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("diagnostic", &[]),
     ("units", &[]),
@@ -102,7 +102,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ),
 ];
 
-/// Crates that only one module may name, or two that have nothing else in common.
+/// Crates that only one module may name, or only two unrelated modules.
 const DOORS: &[(&str, &str)] = &[
     ("pest", "lang"),
     ("lsp_server", "lsp"),
@@ -142,7 +142,7 @@ fn sources() -> Vec<(String, PathBuf, String)> {
                 let first = relative.components().next().unwrap().as_os_str().to_string_lossy();
                 let module = first.trim_end_matches(".rs").to_string();
                 let text = std::fs::read_to_string(&path).unwrap();
-                // Tests may look further, to build what they need.
+                // Tests may import from more modules, to build what they need.
                 let text = text.split("#[cfg(test)]").next().unwrap().to_string();
                 if path.file_name().is_some_and(|name| name != "tests.rs") {
                     all.push((module, relative.to_path_buf(), text));
@@ -191,8 +191,8 @@ fn some_crates_have_one_door() {
     assert!(broken.is_empty(), "{broken:#?}");
 }
 
-/// nalgebra 0.35.0 writes out of bounds from safe code when it multiplies small views with a row stride. The learner, which has
-/// such shapes, multiplies with loops of its own; nalgebra only initialises there, in matrices that own their numbers.
+/// nalgebra 0.35.0 writes out of bounds from safe code when it multiplies small views with a row stride. The learner has such shapes,
+/// so it multiplies with its own loops. It uses nalgebra for initialisation only, in matrices that own their numbers.
 #[test]
 fn the_learner_does_not_multiply_with_nalgebra() {
     let unsound = [

@@ -1,4 +1,4 @@
-//! The whole chain learns: text → scenario → training → trial.
+//! The whole chain learns: text → scenario → training → evaluation.
 
 use std::ops::ControlFlow;
 use std::path::Path;

@@ -1,10 +1,10 @@
 //! The integration tests, in one binary: one module for each boundary.
 //!
-//! Tests whose names contain `reference` compare with recordings of independent programs. They look for them in the folder
-//! that `FALSIFY_REFERENCE_DIR` names (default `../shared`) and pass, saying so, where there are none.
+//! Tests whose names contain `reference` compare with recordings of independent programs. The environment variable
+//! `FALSIFY_REFERENCE_DIR` names their folder (default `../shared`). Without recordings a test passes and reports that it was skipped.
 #![expect(clippy::print_stderr, reason = "a comparison prints how close it came")]
 
-/// Writes past the capture of test output: what was skipped must be seen.
+/// Writes past the capture of test output, so that a skipped test is visible.
 macro_rules! loud {
     ($($text:tt)*) => {{
         use std::io::Write;

@@ -8,7 +8,7 @@ use falsify::internal::compile::{Catalog, compile};
 use falsify::internal::diagnostic::{Colour, Sources, render};
 use falsify::internal::lang::error_index::mistakes;
 
-/// The mistakes of people who write scenarios in other languages, and what they are told here.
+/// Mistakes of authors who know other languages, and the messages for them.
 const TRAPS: &[(&str, &str)] = &[
     ("a misspelt form", "edition 1\nspwan s { clearance: 2 m }\n"),
     ("a misspelt kind", "edition 1\npolicy p = behaviour_agent()\n"),
@@ -39,7 +39,7 @@ const TRAPS: &[(&str, &str)] = &[
 ];
 
 fn drawn(text: &str) -> String {
-    // Under this name an example of the page of mistakes imports itself.
+    // An example on the page of mistakes imports itself under this name.
     let root = Path::new(if text.contains("import \"mistake.scn\"") { "mistake.scn" } else { "my.scn" });
     let maps = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite/files");
     let read = |path: &Path| if path == root { Ok(text.to_string()) } else { std::fs::read_to_string(maps.join(path)) };
@@ -49,7 +49,7 @@ fn drawn(text: &str) -> String {
     if said.is_empty() { "no mistake".into() } else { said.join("\n\n") }
 }
 
-/// How much is said about a file, and what the file is when it imports what is offered first.
+/// The number of diagnostics of a file, and the file after the first offered import is added.
 fn mended(text: &str) -> (usize, String) {
     let root = Path::new("my.scn");
     let read = |path: &Path| if path == root { Ok(text.to_string()) } else { std::fs::read_to_string(path) };

@@ -1,4 +1,4 @@
-//! Learnt drivers from ONNX files.
+//! Learned drivers from ONNX files.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -12,7 +12,7 @@ use falsify::internal::seed::Seed;
 
 use crate::program::command;
 
-/// Reads one text in place of a file, and files.
+/// Reads one text instead of a file, and also files.
 struct With(String);
 
 impl Reader for With {

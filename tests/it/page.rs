@@ -1,7 +1,7 @@
 //! The page of a report, read as a file and opened in a browser.
 //!
-//! The browser is the one that `FALSIFY_BROWSER` names, or a Chromium or Chrome of a known name; without any the test says
-//! so and passes. It is driven through its pipe, so that no port is opened.
+//! `FALSIFY_BROWSER` names the browser; the default is an installed Chromium or Chrome with a known name. Without a browser the test
+//! passes and reports that it was skipped. The test controls the browser through a pipe and opens no port.
 
 use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, Write};
@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use crate::program::command;
 
-/// A campaign in which nobody is trained and somebody is hit, and whose names and words want to break out of the page.
+/// A campaign without training in which a pedestrian is hit. Its names and texts contain markup that must be escaped.
 const SCENARIO: &str = r#"edition 1
 import "std/paper.scn"
 import "std/drivers.scn"
@@ -44,7 +44,7 @@ campaign page {
 training short = ppo(steps: 1_500, portable_bits: true)
 "#;
 
-/// Runs the campaign and gives the folder of its report.
+/// Runs the campaign and returns the folder of its report.
 fn report(out: &Path) -> PathBuf {
     let file = out.join("page.scn");
     std::fs::write(&file, SCENARIO).unwrap();
@@ -66,7 +66,7 @@ fn a_report_has_a_page_that_needs_nothing_else_and_moves() {
     }
 }
 
-/// What can be said without a browser.
+/// Checks that need no browser.
 fn stands_alone(html: &str, folder: &Path) {
     let mut ids = BTreeSet::new();
     for part in html.split(" id=\"").skip(1) {
@@ -103,7 +103,7 @@ fn stands_alone(html: &str, folder: &Path) {
     }
 }
 
-/// Whether every element is closed, in order.
+/// Whether all elements are closed, in order.
 fn balanced(html: &str) {
     const VOID: [&str; 4] = ["meta", "br", "input", "!doctype"];
     let mut open: Vec<String> = Vec::new();
@@ -117,7 +117,7 @@ fn balanced(html: &str) {
         if tag.starts_with('/') {
             assert_eq!(open.pop().as_deref(), Some(name.as_str()), "</{name}> closes something else");
         } else if !tag.ends_with('/') && !VOID.contains(&name.as_str()) {
-            // What is within these is no markup.
+            // The content of these elements is not markup.
             if ["script", "style"].contains(&name.as_str()) {
                 rest = &rest[rest.find(&format!("</{name}>")).unwrap()..];
             }
@@ -135,7 +135,7 @@ fn browser() -> Option<PathBuf> {
     named.into_iter().chain(known).find(|place| place.is_file())
 }
 
-/// What the page does in a browser: it says nothing, asks for nothing, and its players move.
+/// The page in a browser: it logs nothing, requests nothing, and its players move.
 fn opens(browser: &Path, page: &Path) {
     let profile = tempfile::tempdir().unwrap();
     let mut tab = Tab::open(browser, profile.path());
@@ -190,7 +190,7 @@ fn opens(browser: &Path, page: &Path) {
     assert!(talked.is_empty(), "{talked:#?}");
 }
 
-/// A tab of a browser that is driven through its pipe; it ends with the value.
+/// A tab of a browser that is controlled through its pipe; the browser ends when the value is dropped.
 struct Tab {
     child: Child,
     to: ChildStdin,
@@ -202,7 +202,7 @@ struct Tab {
 
 impl Tab {
     fn open(browser: &Path, profile: &Path) -> Self {
-        // The browser reads from its third and writes to its fourth file; the shell puts our pipes there.
+        // The browser reads from file descriptor 3 and writes to file descriptor 4; the shell connects our pipes to them.
         let mut child = Command::new("sh")
             .args(["-c", "exec \"$0\" \"$@\" 3<&0 4>&1 </dev/null >/dev/null 2>&1"])
             .arg(browser)
@@ -254,7 +254,7 @@ impl Tab {
         }
     }
 
-    /// The value of an expression of the page.
+    /// The value of an expression that the page evaluates.
     fn value(&mut self, expression: &str) -> Value {
         let params = json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
         let answer = self.ask("Runtime.evaluate", params);

@@ -1,6 +1,6 @@
-//! A small pedestrian world whose every equation is written down.
+//! A small pedestrian world with every equation written out.
 //!
-//! It is no part of the program. It is what the learner and stable-baselines3 are compared on.
+//! It is not part of the program. It is the world for the comparison of the learner with stable-baselines3.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI};
 
@@ -11,9 +11,9 @@ use rand::Rng;
 
 /// The length of a tick (s).
 const TICK: f64 = 0.05;
-/// The ticks of an episode that is cut off.
+/// The number of ticks after which an episode is cut off.
 pub const TICKS: u32 = 600;
-/// The ticks for which a decision holds.
+/// The number of ticks of a decision.
 const HOLD: u32 = 20;
 /// Half the length and width of the car (m).
 const CAR: [f64; 2] = [2.35, 0.925];
@@ -22,23 +22,23 @@ const PEDESTRIAN: f64 = 0.3;
 /// The car's speed on a straight line and in a turn (m/s).
 const CRUISE: f64 = 8.0;
 const IN_TURN: f64 = 4.0;
-/// How fast the car gains and loses speed (m/s²).
+/// The acceleration and the deceleration of the car (m/s²).
 const GAIN: f64 = 2.0;
 const BRAKE: f64 = 6.0;
-/// Half the width of the strip the car watches, and the distance it keeps (m).
+/// Half the width of the strip that the car watches, and the distance that it keeps (m).
 const CORRIDOR: f64 = 1.75;
 const MARGIN: f64 = 2.0;
-/// The pedestrian's highest speed (m/s).
+/// The pedestrian's top speed (m/s).
 pub const WALK: f64 = 3.5;
-/// A hit within so much of dead ahead is a frontal one (rad).
+/// A hit within this angle of dead ahead is frontal (rad).
 const FRONT: f64 = FRAC_PI_3;
 
-/// Where the car drives.
+/// The road of the car.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Road {
-    /// A straight line for ever.
+    /// An endless straight line.
     Straight,
-    /// A line, a quarter arc to the left or right, a line for ever.
+    /// A line, then a quarter arc to the left or right, then an endless line.
     Tee,
 }
 
@@ -51,7 +51,7 @@ pub enum Units {
     Scaled,
 }
 
-/// What a hit is worth.
+/// The value of a hit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reward {
     /// One.
@@ -60,12 +60,12 @@ pub enum Reward {
     R2,
 }
 
-/// When an episode is over.
+/// The end of an episode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
     /// At a hit or after thirty seconds.
     Paper,
-    /// Also when the car has got away, which is a terminal state.
+    /// Also when the car has passed out of reach, which is a terminal state.
     Lost,
 }
 
@@ -79,10 +79,10 @@ pub struct Rules {
     pub end: End,
 }
 
-/// The beginning of an episode.
+/// The start of an episode.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Start {
-    /// How far along its route the car stands (m).
+    /// The car's distance along its route at the start (m).
     pub s: f64,
     /// Whether the arc turns left.
     pub left: bool,
@@ -101,7 +101,7 @@ pub struct Hit {
     pub moving: bool,
 }
 
-/// The world in mid-episode.
+/// The world during an episode.
 #[derive(Debug, Clone)]
 pub struct PedWorld {
     rules: Rules,
@@ -117,13 +117,13 @@ pub struct PedWorld {
 }
 
 impl PedWorld {
-    /// Makes a world whose episodes begin at random.
+    /// Makes a world whose episodes start at random.
     pub fn new(rules: Rules, starts: Stream) -> Self {
         let (car, pedestrian) = ([0.0; 3], [0.0; 3]);
         Self { rules, starts, left: true, tick: 0, s: 0.0, speed: 0.0, car, pedestrian, hit: None }
     }
 
-    /// Begins an episode here.
+    /// Starts an episode here.
     pub fn begin(&mut self, start: &Start, obs: &mut [f64]) {
         (self.s, self.left, self.speed, self.tick, self.hit) = (start.s, start.left, 0.0, 0, None);
         self.car = self.pose(start.s);

@@ -1,4 +1,4 @@
-//! The world against recordings of the same world in Python.
+//! The world compared with recordings of the same world in Python.
 
 use std::f64::consts::PI;
 use std::path::PathBuf;
@@ -57,7 +57,7 @@ fn ped_world_reference() {
             world.begin(&start, &mut obs);
             twin.begin(&start, &mut scaled);
             let mut twin_ended = false;
-            // Python hands out observations in single precision.
+            // Python returns observations in single precision.
             let close = |what: &str, step: usize, ours: &[f64], theirs: &[f64], worst: &mut f64| {
                 assert_eq!(ours.len(), theirs.len());
                 for (ours, theirs) in ours.iter().zip(theirs) {
@@ -86,7 +86,7 @@ fn ped_world_reference() {
                 assert_eq!(step.terminated, hit.is_some());
                 assert_eq!(step.truncated, i + 1 == steps.len() && hit.is_none());
 
-                // The other half of the choices, which the recordings do not show, follows from the first half.
+                // The other half of the variants is not in the recordings; it follows from the first half.
                 if !twin_ended {
                     let step = twin.step(&[action[0] / PI, 2.0 * action[1] / WALK - 1.0], &mut scaled);
                     let wanted = [obs[0] / PI, obs[1] / 30.0, obs[2] / PI, obs[3] / 8.0];

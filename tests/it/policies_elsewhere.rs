@@ -1,7 +1,7 @@
 //! Trained policies act alike in PyTorch, stable-baselines3 and onnxruntime.
 //!
-//! Needs a Python with these, which `FALSIFY_PYTHON` names (default `python3`):
-//! `pip install stable-baselines3 safetensors onnx onnxruntime`. What is missing is skipped, saying so.
+//! Needs a Python with these packages; `FALSIFY_PYTHON` names it (default `python3`):
+//! `pip install stable-baselines3 safetensors onnx onnxruntime`. The test reports a missing package and skips its part.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -14,10 +14,10 @@ use serde_json::{Value, json};
 
 use super::ped_world::{End, PedWorld, Reward, Road, Rules, Units};
 
-/// The largest difference of an action (rad, m/s): single precision, and hyperbolic tangents of our own.
+/// The largest difference of an action (rad, m/s): theirs are in single precision, and our hyperbolic tangent is our own.
 const TOLERANCE: f64 = 1e-6;
 
-/// Trains a policy a little and writes it down with what it does in 500 states that it comes to.
+/// Trains a policy briefly and writes it, with its actions in 500 states that it reaches.
 fn write_case(folder: &Path, name: &str, config: &PpoConfig) {
     let rules = Rules { road: Road::Tee, obs: Units::Raw, act: Units::Raw, reward: Reward::R2, end: End::Lost };
     let mut worlds = [PedWorld::new(rules, Seed::root(1).stream())];

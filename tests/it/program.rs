@@ -23,17 +23,17 @@ pub fn falsify_with(arguments: &[&str], folder: &Path, variables: &[(&str, &str)
     command().args(arguments).current_dir(folder).envs(variables.iter().copied()).output().unwrap()
 }
 
-/// What it said on the error stream.
+/// The text on the error stream.
 pub fn error(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).unwrap()
 }
 
-/// What it printed.
+/// The text on the standard output.
 pub fn said(output: &Output) -> String {
     String::from_utf8(output.stdout.clone()).unwrap()
 }
 
-/// The files below a folder; of a manifest only what does not vary from run to run.
+/// The files below a folder. A manifest is reduced to what does not vary from run to run.
 pub fn report(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let (mut open, mut files) = (vec![folder.to_path_buf()], BTreeMap::new());
     while let Some(next) = open.pop() {

@@ -1,4 +1,4 @@
-//! One update of the learner against the same update by stable-baselines3.
+//! One update of the learner compared with the same update by stable-baselines3.
 //!
 //! `tests/reference/sb3_update` holds the recording and the script that made it.
 
@@ -10,7 +10,7 @@ use serde_json::Value;
 
 /// The recording computes values and advantages in single precision.
 const SINGLE: f64 = 2e-5;
-/// How far a weight may be from the recorded one: five times what rounding to single precision costs.
+/// The tolerance of a weight: five times the rounding error of single precision.
 ///
 /// The update moves weights by up to 8·10⁻³.
 const WEIGHT: f64 = 1e-6;
@@ -23,7 +23,7 @@ fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().expect("a list").iter().map(|x| x.as_f64().expect("a number")).collect()
 }
 
-/// The numbers as they were recorded, in single precision.
+/// The numbers as recorded, in single precision.
 fn singles(value: &Value) -> Vec<f64> {
     numbers(value).iter().map(|x| f64::from(*x as f32)).collect()
 }
@@ -69,7 +69,7 @@ fn an_update_agrees_with_stable_baselines3() {
         .map(|epoch| numbers(epoch).into_iter().map(index).collect())
         .collect();
 
-    // The recording was made with the settings that are ours.
+    // The recording was made with our settings.
     let config = PpoConfig::paper();
     let setting = |name: &str| recording["settings"][name].as_f64().unwrap();
     assert_eq!(
@@ -117,7 +117,7 @@ fn an_update_agrees_with_stable_baselines3() {
     eprintln!("all weights: {worst_weight:.2e}; rounding to single precision alone is worth {noise:.1e}");
     assert!(worst_weight < WEIGHT, "a weight is off by {worst_weight}");
 
-    // Every setting shows in the weights: a wrong one would be noticed.
+    // Every setting affects the weights: a wrong setting would be noticed.
     for (name, other) in [
         ("learning rate", PpoConfig { learning_rate: 3.01e-4, ..config.clone() }),
         ("discount", PpoConfig { gamma: 0.981, ..config.clone() }),

@@ -1,4 +1,4 @@
-//! Where recordings of independent programs lie, and how they are read.
+//! The folder of the recordings of independent programs, and how they are read.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ pub fn folder() -> PathBuf {
         .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared"), PathBuf::from)
 }
 
-/// The text of a file, or of its compressed twin.
+/// The text of a file, or of its compressed version.
 pub fn read_text(path: &Path) -> Option<String> {
     if let Ok(text) = std::fs::read_to_string(path) {
         return Some(text);

@@ -1,4 +1,4 @@
-//! What a report holds can be repeated to the bit, and a run can pass or fail.
+//! The episodes of a report can be repeated to the bit, and a run can pass or fail.
 
 use std::path::Path;
 use std::process::Output;
@@ -61,7 +61,7 @@ fn a_report_can_be_replayed_drawn_and_verified() {
     let name = format!("{}:{}", hit[0], hit[1]);
     assert!(!hit[4].is_empty() && all.iter().all(|row| row[4].is_empty() != (row[2] == "collision")));
 
-    // From elsewhere, the files are found where they were.
+    // From another working folder, the files are found in their original folder.
     let elsewhere = tempfile::tempdir().unwrap();
     let replay = falsify(&["replay", &name, "--report", &report.display().to_string()], elsewhere.path());
     assert_eq!(replay.status.code(), Some(0), "{replay:?}");
@@ -100,7 +100,7 @@ fn a_report_can_be_replayed_drawn_and_verified() {
     differences_are_found(here, &report, &name);
 }
 
-/// Another scenario file, another pedestrian, another row: each is noticed.
+/// A changed scenario file, a changed pedestrian and a changed row are each noticed.
 fn differences_are_found(here: &Path, report: &Path, name: &str) {
     let manifest = std::fs::read_to_string(report.join("manifest.toml")).unwrap();
     std::fs::write(report.join("manifest.toml"), manifest.replace("\nseed = 1\n", "\nseed = 2\n")).unwrap();
@@ -138,7 +138,7 @@ fn differences_are_found(here: &Path, report: &Path, name: &str) {
     }
 }
 
-/// The elements of `junit-10.xsd` of Jenkins' xUnit plug-in that are written: element, parent, attributes that it must have, others.
+/// The elements of `junit-10.xsd` of Jenkins' xUnit plug-in that are written: element, parent, required attributes, other attributes.
 const SCHEMA: [(&str, &str, &[&str], &[&str]); 7] = [
     ("testsuites", "", &[], &["name", "time", "tests", "failures", "errors"]),
     ("testsuite", "testsuites", &["name", "tests", "failures", "errors"], &["time", "skipped"]),

@@ -1,4 +1,4 @@
-//! A training of the real thing: interrupted, on other threads, and carried over into evaluation.
+//! A real training: interrupted, continued on other threads, and used in an evaluation.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -13,7 +13,7 @@ use falsify::internal::rl::{ActorCritic, CheckpointError, Env, FrameStack, Train
 use falsify::internal::seed::Seed;
 use falsify::internal::sim::WalkCommand;
 
-/// Short episodes with drivers that remember and that draw; settings of both kinds.
+/// Short episodes with drivers that have memory and drivers that draw random numbers; settings of both kinds.
 const SCENARIO: &str = r#"
 edition 1
 import "lib/paper.scn"
@@ -48,7 +48,7 @@ fn a_real_training_continues_bit_for_bit_after_any_update() {
     let (seed, none) = (Seed::root(3), BTreeMap::new());
     for training in plan().campaigns.iter().flat_map(|campaign| &campaign.trainings) {
         let (scenario, envs, config) = (&training.scenario, training.environments, &training.config);
-        // The state before the first update and after every one.
+        // The state before the first update and after each update.
         let run = TrainingRun::begin(scenario, envs, config, &seed).unwrap();
         let mut states = vec![run.state(&none)];
         let whole = run.carry_on(&mut |run| {
@@ -153,7 +153,7 @@ fn a_trained_walker_sees_stacked_and_normalised_states() {
     let trained = train(&training.scenario, 3, &training.config, &Seed::root(2), &mut go_on).unwrap();
     assert_eq!(trained.actor_critic.obs_dim(), 3 * ObservationSpec::DIM);
     assert!(trained.actor_critic.observation_moments().is_some());
-    // As it comes back from a file.
+    // The value after it is read back from a file.
     let bytes = trained.actor_critic.to_safetensors(&BTreeMap::new());
     let (policy, _) = ActorCritic::from_safetensors(&bytes).unwrap();
     let mut walker = TrainedWalker::new(policy, ObservationSpec::DIM, ActionMode::Deterministic);

@@ -1,4 +1,4 @@
-//! Maps against what CARLA's own map library makes of the same files.
+//! Maps compared with the results of CARLA's own map library for the same files.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -8,7 +8,7 @@ use crate::reference;
 use falsify::internal::geometry::{Point, Pose, wrap_angle};
 use falsify::internal::road::{LaneFilter, LaneId, LaneKind, RoadIndex, Town, Waypoint, opendrive};
 
-/// Agreement asked for, in metres and in radians.
+/// The required agreement, in metres and in radians.
 const TOLERANCE: f64 = 1e-3;
 
 fn maps_folder() -> PathBuf {
@@ -56,7 +56,7 @@ impl Case {
     fn waypoint(&self, row: &[String], prefix: &str) -> Waypoint {
         let number = |name: &str| self.table.number(row, &format!("{prefix}{name}"));
         Waypoint {
-            // Places on roads that we do not have are found wrong by what is compared there.
+            // The comparisons of these places report roads that are missing here.
             road: self.roads.get(&(number("road_id") as u32)).copied().unwrap_or(RoadIndex(u32::MAX)),
             section: number("section_id") as u32,
             lane: number("lane_id") as i32,
@@ -90,7 +90,7 @@ impl Case {
     }
 }
 
-/// What a comparison found.
+/// The result of a comparison.
 #[derive(Default)]
 struct Findings {
     compared: usize,
@@ -101,13 +101,13 @@ struct Findings {
 }
 
 impl Findings {
-    /// Compares poses and notes how far apart they are.
+    /// Compares poses and records their distance.
     fn pose(&mut self, ours: Pose, theirs: Pose, what: impl Fn() -> String) {
         let apart = (ours.position() - theirs.position()).norm();
         let turned = wrap_angle(ours.yaw - theirs.yaw).abs();
         self.worst_place = self.worst_place.max(apart);
         self.worst_yaw = self.worst_yaw.max(turned);
-        // CARLA counts in 32 bits, which resolve no millimetre beyond some kilometres from the origin.
+        // CARLA computes in 32 bits, which resolve no millimetre beyond some kilometres from the origin.
         let reach = TOLERANCE.max(4.0 * f64::from(f32::EPSILON) * theirs.x.abs().max(theirs.y.abs()));
         self.check(apart <= reach && turned <= TOLERANCE, || format!("{}: {ours:?} is not {theirs:?}", what()));
     }
@@ -119,7 +119,7 @@ impl Findings {
     }
 }
 
-/// Runs a comparison on every map that has such a table, prints what it finds, and fails on any mismatch.
+/// Runs a comparison on every map that has such a table, prints the result, and fails on any mismatch.
 fn with_tables(kind: &str, compare: impl Fn(&Case, &mut Findings)) {
     let folder = maps_folder();
     let Ok(entries) = fs::read_dir(folder.join("oracle")) else {
@@ -208,7 +208,7 @@ fn lanes_agree_with_the_reference() {
 fn generated_waypoints_agree_with_the_reference() {
     with_tables("waypoints", |case, found| {
         compare_lanes(case, found);
-        // A tenth of a micrometre separates a multiple of the step from where a section begins.
+        // A tenth of a micrometre separates a multiple of the step from the start of a section.
         let key = |w: &Waypoint| (w.road.0, w.section, w.lane, (w.s * 1e3).round() as i64);
         let mut ours: BTreeMap<_, i64> = BTreeMap::new();
         case.town.generate_waypoints(2.0).iter().for_each(|waypoint| *ours.entry(key(waypoint)).or_default() += 1);
@@ -296,7 +296,7 @@ fn next_and_previous_agree_with_the_reference() {
                 format!("{from:?} ahead {ahead}: {} ways, not {}", ours.len(), rows.len())
             });
             for row in rows {
-                // At the seam of two lanes the same place may be on either.
+                // At the seam of two lanes the same position may be on either lane.
                 let theirs = case.pose(row, "to_");
                 let apart = |w: &Waypoint| (case.town.pose(*w).position() - theirs.position()).norm();
                 let Some(same) = ours.iter().min_by(|a, b| apart(a).total_cmp(&apart(b))) else { continue };
@@ -306,9 +306,9 @@ fn next_and_previous_agree_with_the_reference() {
     });
 }
 
-/// Whether two answers are equally good: lanes equally far, or two chords of one lane that meet at the corner nearest to the
-/// point. (In the latter case the end of one chord and the beginning of the other differ, since chords are shorter than their
-/// part of the road, and CARLA answers with whichever its tree finds first.)
+/// Whether two answers are equally good: the lanes are equally far, or two chords of one lane meet at the corner nearest to the
+/// point. In the second case the end of one chord differs from the start of the other, since chords are shorter than their
+/// part of the road. CARLA answers with the chord that its tree finds first.
 fn is_tie(point: Point, [ours, theirs]: [Pose; 2], [above, below]: [f64; 2], same_lane: bool) -> bool {
     let apart = (ours.position() - theirs.position()).norm();
     let distance = |pose: Pose, up: f64| ((pose.position() - point).norm_squared() + up * up).sqrt();
@@ -351,7 +351,7 @@ fn nearest_lanes_agree_with_the_reference() {
 }
 
 impl Case {
-    /// The driving lanes of ours that a sign or signal holds for, by its range of lanes.
+    /// Our driving lanes to which a sign or signal applies, by its range of lanes.
     fn lanes_of_landmark(&self, row: &[String]) -> Vec<Waypoint> {
         let at = |lane| Waypoint { lane, section: 0, ..self.landmark(row) };
         let Some(road) = self.town.roads.get(at(0).road.0 as usize) else { return Vec::new() };
@@ -374,7 +374,7 @@ impl Case {
         Waypoint { road, section: 0, lane: 0, s: number("s") }
     }
 
-    /// The lanes before the junction from which one comes to a lane; the lane itself outside junctions.
+    /// The lanes before the junction that lead to a lane; outside junctions, the lane itself.
     fn approaches(&self, lane: Waypoint) -> Vec<(RoadIndex, u32, LaneId)> {
         let key = |w: &Waypoint| (w.road, w.section, w.lane);
         let (mut open, mut seen, mut outside) = (vec![lane], BTreeSet::new(), Vec::new());
@@ -401,7 +401,7 @@ fn speed_signs_agree_with_the_reference() {
             let Some(limit) = limit else { continue };
             let lanes = case.lanes_of_landmark(row).len();
             *wanted.entry(limit.round() as i64).or_default() += lanes as i64;
-            // The sign stands beside the road, abeam of a box on each lane that it holds for.
+            // The sign is beside the road, abeam of a box on each lane to which it applies.
             let sign = case.point(row, "");
             let near = case.town.speed_signs.iter().filter(|ours| (ours.limit - limit / 3.6).abs() < 1e-9);
             let distance = near.map(|ours| ours.trigger.distance_to(sign)).fold(f64::INFINITY, f64::min);

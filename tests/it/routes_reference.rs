@@ -1,4 +1,4 @@
-//! Routes against those of CARLA's own planner.
+//! Routes compared with those of CARLA's own planner.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -12,10 +12,10 @@ use falsify::internal::road::{RoadOption, RoutePlanner, RoutePoint, Town, opendr
 const SAMPLING: f64 = 2.0;
 /// Agreement of points (m).
 const TOLERANCE: f64 = 1e-3;
-/// Where lanes part at a junction their centres begin at the same place, to the last bit, and CARLA's R-tree decides by its
-/// inner order which of them is the nearest. Moved by so much (m), a goal lies on the one or the other for sure.
+/// Where lanes divide at a junction, their centres start at the same position to the last bit. The inner order of CARLA's R-tree
+/// decides which lane is the nearest. A goal that is moved by this distance (m) is on one lane without doubt.
 const NUDGE: f64 = 0.02;
-/// One route in so many may hang on that, or on a route before it that the table does not have.
+/// At most one route in this number may depend on that order, or on a previous route that the table does not have.
 const ROUTES_PER_EXCEPTION: usize = 10;
 
 /// A route as recorded, in CARLA's left-handed axes.
@@ -59,7 +59,7 @@ fn name(option: RoadOption) -> &'static str {
     }
 }
 
-/// How a route differs from the recorded one; empty if it does not.
+/// The difference of a route from the recorded one; empty if there is none.
 fn difference(town: &Town, recorded: &Recorded, ours: &[RoutePoint]) -> String {
     for (index, (theirs, ours)) in recorded.points.iter().zip(ours).enumerate() {
         let (at, road, lane, option) = theirs;
@@ -83,8 +83,8 @@ fn difference(town: &Town, recorded: &Recorded, ours: &[RoutePoint]) -> String {
     }
 }
 
-/// What CARLA's planner does to a route where the one before it ended in a junction elsewhere, since it still believes to be
-/// there.
+/// What CARLA's planner does to a route when the previous route ended in another junction: it still assumes to be in that
+/// junction.
 fn forget_first_junction(route: &mut [RoutePoint]) {
     let named = route.iter_mut().skip_while(|point| point.option == RoadOption::LaneFollow);
     for point in named.take_while(|point| point.option != RoadOption::LaneFollow) {
@@ -156,7 +156,7 @@ fn routes_agree_with_the_reference() {
     assert_eq!(agreeing, all, "routes that agree with CARLA's");
 }
 
-/// What is first at a fork decides where CARLA's driver without a destination goes.
+/// The first branch of a fork decides the way of CARLA's driver without a destination.
 #[test]
 fn topology_and_branches_are_in_the_order_of_the_reference() {
     let folder = reference::folder().join("maps");

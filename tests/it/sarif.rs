@@ -1,5 +1,5 @@
-//! `check --format sarif` keeps to the schema of SARIF 2.1.0: the objects, their required properties and bounds, as far as the log
-//! has them. A property that is not listed here, and so not in the schema either, fails to be read.
+//! `check --format sarif` follows the schema of SARIF 2.1.0: the objects, their required properties and bounds, as far as the log
+//! has them. A property that is not listed here is not in the schema either, and reading it fails.
 
 use serde::Deserialize;
 
@@ -140,7 +140,7 @@ impl Region {
 }
 
 impl ArtifactLocation {
-    /// Whether it is a reference in the sense of RFC 3986: everything else is written as `%` and two digits.
+    /// Whether it is a reference in the sense of RFC 3986: all other characters are written as `%` and two digits.
     fn is_reference(&self) -> bool {
         let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-._~/".contains(&byte);
         let path = self.uri.strip_prefix("file://").unwrap_or(&self.uri);

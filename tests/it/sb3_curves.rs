@@ -1,15 +1,15 @@
-//! The learner against stable-baselines3's on the same world: does it learn as fast and as well?
+//! The learner compared with stable-baselines3's learner on the same world: does it learn as fast and as well?
 //!
-//! `tests/reference/sb3_curves` holds the other learner's curves and the script that recorded them.
+//! `tests/reference/sb3_curves` holds the learning curves of stable-baselines3 and the script that recorded them.
 //!
-//! For every recording and each of two measures, the collision rate after training and the area under the learning curve, the
-//! exact two-sided test of Mann and Whitney (1947) gives the probability p that samples of one distribution differ as much; the
-//! test prints both samples and p, and fails below 0.01. There is one recording, of raw units and episodes that end when the car
-//! has got away; of scaled units and the paper's end, where 70,000 steps learn next to nothing, there is none.
+//! There are two measures: the collision rate after training and the area under the learning curve. For every recording and measure
+//! the exact two-sided test of Mann and Whitney (1947) gives the probability p that samples of one distribution differ as much. The
+//! test prints both samples and p, and fails below 0.01. There is one recording: raw units, and episodes that end when the car
+//! has passed out of reach. There is none of scaled units and the paper's end, with which 70,000 steps learn next to nothing.
 //!
-//! Ten trainings against ten are a coarse sieve, since both learners differ widely from seed to seed. They catch half as
-//! many epochs, a third of the learning rate, λ = 0.5 or a smaller first deviation; they do not catch a missing entropy
-//! bonus or unstandardised advantages. Those show in a single update: see `recorded_update`.
+//! Ten trainings against ten are a coarse test, since both learners differ widely from seed to seed. They detect half as
+//! many epochs, a third of the learning rate, λ = 0.5 or a smaller first deviation. They do not detect a missing entropy
+//! bonus or unstandardised advantages. These show in a single update: see `recorded_update`.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -21,10 +21,10 @@ use serde_json::Value;
 
 use super::ped_world::{End, PedWorld, Reward, Road, Rules, Start, Units};
 
-/// Trainings are called different below this probability of a difference at least as large by chance.
+/// Trainings count as different below this probability of a difference at least as large by chance.
 const SIGNIFICANCE: f64 = 0.01;
 
-/// What one training comes to.
+/// The result of one training.
 struct Training {
     /// The share of evaluation episodes with a collision.
     collision: f64,
@@ -111,7 +111,7 @@ fn training(recording: &Value, number: u64) -> Training {
 /// The probability that samples of one distribution differ in their ranks at least as much as these do.
 ///
 /// # Source
-/// The two-sided test of Mann and Whitney (1947), exact: all divisions of the ranks count alike, and equal values share
+/// The two-sided test of Mann and Whitney (1947), exact: all divisions of the ranks have equal weight, and equal values share
 /// the mean of their ranks.
 fn mann_whitney(a: &[f64], b: &[f64]) -> f64 {
     let all = [a, b].concat();
@@ -159,7 +159,7 @@ fn a_policy_of_stable_baselines3_hits_as_often_in_our_world() {
         ActorCritic::from_safetensors(&std::fs::read(folder().join("raw_lost_0.safetensors")).unwrap()).unwrap();
     let recorded = recording["seeds"][0]["collision"].as_f64().unwrap();
     let ours = collision_rate(&policy, rules(&recording), &starts(&recording));
-    // Single precision decides an episode at most now and then.
+    // Single precision changes the result of an episode only rarely.
     assert!((ours - recorded).abs() <= 0.01, "{ours} is not {recorded}");
 }
 

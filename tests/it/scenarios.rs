@@ -1,4 +1,4 @@
-//! Every scenario that is shipped checks without a word and survives a smoke run.
+//! Every scenario that is shipped checks without a diagnostic and passes a smoke run.
 
 use std::path::{Path, PathBuf};
 
@@ -58,7 +58,7 @@ fn the_examples_in_the_documents_check() {
         let text = std::fs::read_to_string(top.join(document)).unwrap();
         for block in text.split("```scn\n").skip(1) {
             let body = block.split("```").next().unwrap();
-            // Examples import the standard library, or stand beside the shipped scenarios.
+            // Examples import the standard library, or are in a folder of shipped scenarios.
             let root = top.join("scenarios/example.scn");
             let read = |path: &Path| if path == root { Ok(body.to_string()) } else { std::fs::read_to_string(path) };
             let compiled =

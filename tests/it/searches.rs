@@ -1,4 +1,4 @@
-//! Falsifiers at equal budget: what they find, what it costs, and that both are counted right.
+//! Falsifiers at equal budget: what they find, what it costs, and that both are counted correctly.
 
 use std::path::Path;
 
@@ -53,7 +53,7 @@ fn every_falsifier_finds_the_obvious_failure_within_its_budget() {
     for (search, result) in plan.searches.iter().zip(run(&plan)) {
         let (name, spent) = (&search.key.falsifier, &result.spent);
         assert!(spent.ticks <= budget, "{name}: {} ticks", spent.ticks);
-        // Two environments have half of the budget each, and the first to use it up ends the training.
+        // Two environments have half of the budget each. The first that uses up its half ends the training.
         let idle = if name == "pair" { budget / 2 } else { hold - 1 };
         assert!(spent.ticks + idle >= budget, "{name}: {} ticks", spent.ticks);
         assert!(!spent.failures.is_empty(), "{name} found nothing");
@@ -72,7 +72,7 @@ fn every_falsifier_finds_the_obvious_failure_within_its_budget() {
 #[test]
 fn ticks_are_those_of_all_episodes_up_to_the_failure() {
     let results = run(&obvious("home, cross, pair", 20_001, 1));
-    // Every homing episode fails here, so the failures are all there is to count.
+    // Every homing episode fails here, so only the failures are counted.
     let home = &results[0].spent;
     assert_eq!(home.failures.len() as u64, home.episodes);
     let mut used = 0;
@@ -84,7 +84,7 @@ fn ticks_are_those_of_all_episodes_up_to_the_failure() {
         let failed: u64 = result.spent.failures.iter().map(|failure| u64::from(failure.outcome.ticks)).sum();
         assert!(failed <= result.spent.ticks);
     }
-    // A method that leaves a start with its failure never fails there twice.
+    // A method that leaves a start after a failure never fails there twice.
     let mut starts: Vec<u64> = results[1].spent.failures.iter().map(|failure| failure.start).collect();
     starts.dedup();
     assert_eq!(starts.len(), results[1].spent.failures.len());
@@ -158,7 +158,7 @@ fn the_cells_count_censored_runs() {
     }
     let cell = &search_cells(&results)[0];
     assert_eq!((cell.runs, cell.censored), (4, 2));
-    // Half of the runs found something: the median is the later of the two.
+    // Half of the runs found a failure: the median is the later of the two.
     let later = results[..2].iter().map(|result| result.spent.failures[0].ticks).max().unwrap();
     assert_eq!(cell.first_failure.median, Some(later as f64));
     assert_eq!(cell.first_failure.high, None);

@@ -1,4 +1,4 @@
-//! Sensors in front of a driver: what reaches it, when, and that nothing else changes.
+//! Sensors in front of a driver: what the driver receives and when. Nothing else changes.
 
 use std::path::Path;
 use std::sync::{Arc, LazyLock, Mutex};
@@ -19,7 +19,7 @@ fn plan(text: &str) -> Plan {
     compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics))
 }
 
-/// A campaign that tries policies against the intercepting pedestrian.
+/// A campaign that evaluates policies against the intercepting controller.
 fn campaign(declarations: &str, policies: &str) -> Plan {
     plan(&format!(
         r#"
@@ -37,7 +37,7 @@ fn campaign(declarations: &str, policies: &str) -> Plan {
     ))
 }
 
-/// What a driver was given: pedestrians and vehicles of every tick, and the first number of its stream.
+/// What a driver received: pedestrians and vehicles of every tick, and the first number of its random stream.
 #[derive(Default)]
 struct Seen {
     pedestrians: Vec<Vec<Actor>>,
@@ -74,7 +74,7 @@ fn car(x: f64, y: f64, yaw: f64) -> Actor {
     Actor { id: ActorId::Vehicle(0), pose, velocity, half: Vector::new(2.3, 0.9), height: 0.0 }
 }
 
-/// What reaches a driver at the origin that looks east, over so many ticks of 0.05 s, from actors that keep their velocity.
+/// What a driver at the origin that faces east receives, over this number of ticks of 0.05 s, from actors that keep their velocity.
 fn look(model: &SensorModel, walls: &[OrientedBox], people: &[Actor], cars: &[Actor], ticks: u32, seed: u64) -> Seen {
     static SCENARIO: LazyLock<Arc<Scenario>> =
         LazyLock::new(|| campaign("", "blind").campaigns[0].evaluations[0].scenario.clone());
@@ -128,7 +128,7 @@ fn exact_sensors_change_no_bit_of_an_episode() {
         policy e = behavior_agent(release: "0.9.15", sensors: carla_list)
     "#;
     let others = "policy f = aeb(sensors: poor)";
-    // The drivers of the library stand in a file where no sensors are called `perfect`, so nothing is in front of them.
+    // The library declares its drivers in a file without sensors named `perfect`, so they have no sensors in front of them.
     let plan = campaign(&format!("{declarations} {others}"), &format!("{}, a, b, c, d, e, f", names.join(", ")));
     let digests = |scenario: &Arc<Scenario>| -> Vec<u64> {
         let mut env = PedestrianEnv::new(scenario.clone(), Seed::root(5));
@@ -231,7 +231,7 @@ fn misses_happen_at_the_stated_rate() {
     }
 }
 
-/// A quantity's name, mean and standard deviation, and how it is read off an actor.
+/// The name, mean and standard deviation of a quantity, and a function that reads it from an actor.
 type Case<'a> = (&'a str, f64, f64, &'a dyn Fn(&Actor) -> f64);
 
 #[test]
@@ -252,7 +252,7 @@ fn noise_has_the_stated_moments() {
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         (mean, (values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / values.len() as f64).sqrt())
     };
-    // Standing, it is believed to walk at half of 1.2 m/s along its heading of 0.3.
+    // While it stands, the driver assumes that it walks at half of 1.2 m/s along its heading of 0.3 rad.
     let cases: [Case<'_>; 6] = [
         ("x", 8.0, 0.3, &|actor| actor.pose.x),
         ("y", 2.0, 0.3, &|actor| actor.pose.y),
@@ -315,7 +315,7 @@ fn no_setting_moves_a_draw_of_another() {
     assert_eq!(a.draw, Seed::root(8).stream().next_u64(), "which is the one it would have without sensors");
     let mut compared = 0;
     for (one, other) in a.pedestrians.iter().zip(&b.pedestrians) {
-        // The walker is first; a false alarm stands far from it.
+        // The pedestrian is first; a false alarm is far from it.
         if let Some(found) = other.iter().find(|actor| (actor.pose.x - one[0].pose.x).abs() < 1e-12) {
             assert_eq!((found.pose.x, found.pose.y), (one[0].pose.x, one[0].pose.y));
             compared += 1;

@@ -1,4 +1,4 @@
-//! The program as a library: no process is started, nothing is printed.
+//! The program as a library: it starts no process and prints nothing.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -46,7 +46,7 @@ fn first(report: &Path) -> EpisodeName {
     format!("{}:{}", row[place("run_id")], row[place("episode")]).parse().unwrap()
 }
 
-/// Remembers what it hears.
+/// Remembers the events that it receives.
 #[derive(Default)]
 struct Heard {
     diagnostics: Mutex<usize>,
@@ -67,7 +67,7 @@ impl Observer for Heard {
     }
 }
 
-/// Counts the decisions of what it is given to write.
+/// Counts the decisions of the episode that it has to write.
 struct Decisions(Mutex<Vec<usize>>);
 
 impl Export for Decisions {

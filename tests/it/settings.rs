@@ -1,4 +1,4 @@
-//! `falsify.toml`: what it sets, what comes before it, and what is said about mistakes in it.
+//! `falsify.toml`: what it sets, what overrides it, and the messages about mistakes in it.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ fn folder_with(text: &str) -> tempfile::TempDir {
     folder
 }
 
-/// The line of a setting in what `falsify config` prints.
+/// The line of a setting in the output of `falsify config`.
 fn line<'a>(text: &'a str, key: &str) -> &'a str {
     text.lines().find(|line| line.starts_with(&format!("{key} = "))).unwrap_or_else(|| panic!("no `{key}` in\n{text}"))
 }

@@ -1,4 +1,4 @@
-//! Shaping and curriculum in the pedestrian's world: they lead the learner and change nothing else.
+//! Shaping and curriculum in the pedestrian's world: they guide the learner and change nothing else.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -64,7 +64,7 @@ fn whatever_the_pedestrian_does_a_terminated_episode_earns_the_potential_of_its_
         let (mut before, mut discount, mut sum) = (begin, 1.0, 0.0);
         assert!(begin < -7.0 / 30.0);
         loop {
-            // One in two walks at the car, so that many arrive.
+            // One in two walks at the car, so that many reach it.
             let action = match episode % 2 {
                 0 => [0.0, 3.5],
                 _ => [stream.random_range(-3.0..3.0), stream.random_range(0.0..3.5)],
@@ -101,10 +101,10 @@ fn a_potential_changes_what_is_learnt_and_not_what_is_reported() {
         .collect();
     assert_eq!(trained[0], trained[1], "a potential of 0 is none");
     assert_ne!(trained[0].actor_critic, trained[2].actor_critic);
-    // Ten decisions at most, each for −0.01, and 1 for a hit; the potential alone would be worth more.
+    // Ten decisions at most, each worth −0.01, and 1 for a hit; the potential alone would be worth more.
     let rewards = trained[2].learning_curve.iter().flat_map(|log| &log.finished).map(|episode| episode.reward);
     assert!(rewards.clone().count() > 10 && rewards.clone().all(|reward| (-0.1 - 1e-9..=1.0).contains(&reward)));
-    // The first rollout is that of the same policy, with the same episodes.
+    // The first rollout is of the same policy, with the same episodes.
     assert_eq!(trained[0].learning_curve[0].finished, trained[2].learning_curve[0].finished);
 }
 

@@ -1,4 +1,4 @@
-//! Campaigns that are done in parts, put together, and looked at from outside.
+//! Campaigns that are run in parts, merged, and inspected from outside.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use falsify::internal::compile::{Campaign, Catalog, compile};
 
 use crate::program::{error, falsify, report, said};
 
-/// A campaign that runs in a moment, with trainings, evaluations of all sorts and a search.
+/// A campaign that runs in a fraction of a second, with trainings, all kinds of evaluations and a search.
 fn write_campaign(folder: &Path) {
     let lib = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/lib");
     let text = format!(
@@ -23,7 +23,7 @@ fn write_campaign(folder: &Path) {
     std::fs::write(folder.join("parts.scn"), text).unwrap();
 }
 
-/// The one file among the tasks of a folder whose task is told so.
+/// The one task file in a folder that contains this description.
 fn cell_file(out: &Path, what: &str) -> PathBuf {
     let folders = std::fs::read_dir(out.join(".falsify/tasks")).unwrap();
     let files = folders.flat_map(|folder| std::fs::read_dir(folder.unwrap().path()).unwrap());
@@ -59,7 +59,7 @@ fn shards_make_the_report_of_one_machine_and_whatever_is_missing_or_wrong_is_nam
     let other: Vec<&&PathBuf> = names.iter().filter(|name| whole[**name] != merged[**name]).collect();
     assert!(other.is_empty(), "{other:?} have other bytes");
 
-    // A task that is damaged everywhere is missing; one that two tell differently is nobody's.
+    // A task whose copies are all damaged is missing. A task with two different results is accepted from neither folder.
     let search = "search walk in harbour against blind, run 1";
     let owner = ["a", "b", "c"].into_iter().find(|out| {
         let found = std::panic::catch_unwind(|| cell_file(&here.join(out), search));
@@ -143,7 +143,7 @@ fn every_cell_falls_to_one_shard_with_what_it_needs_and_the_shards_are_alike() {
                 }
             }
         }
-        // A training is done again by neighbours only.
+        // Only neighbouring shards repeat a training.
         let trained: usize = shards.iter().flatten().filter(|task| matches!(task, Task::Training(_))).count();
         assert!(trained < campaign.trainings.len() + count as usize, "{trained} trainings in {count} shards");
         let most = shards.iter().map(Vec::len).max().unwrap();

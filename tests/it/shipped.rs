@@ -1,4 +1,4 @@
-//! Scenario files of the repository.
+//! The scenario files of the repository.
 
 use std::path::{Path, PathBuf};
 

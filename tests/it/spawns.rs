@@ -1,4 +1,4 @@
-//! Beginnings of episodes have the distribution that the scenario says, however it is spelt.
+//! The starts of episodes have the distribution that the scenario declares, in every spelling of it.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -39,7 +39,7 @@ fn draw(scenario: &Scenario, count: u32) -> Vec<Spawn> {
     (0..count).map(one).collect()
 }
 
-/// The greatest distance of the sample's distribution function from a uniform one, times √n: above 1.95 in one sample of a
+/// The largest distance of the sample's distribution function from a uniform one, times √n. It is above 1.95 in one sample of a
 /// thousand (Kolmogorov).
 fn kolmogorov(mut shares: Vec<f64>) -> f64 {
     shares.sort_by(f64::total_cmp);
@@ -98,7 +98,7 @@ fn the_ego_is_uniform_in_length_over_the_lanes() {
     let spawns = draw(&scenario, 20_000);
     let (town, lanes) = (&scenario.town, scenario.town.driving_lanes());
     let total: f64 = lanes.iter().map(|lane| lane.length).sum();
-    // Where along all lanes laid end to end each ego stands.
+    // The position of each ego along all lanes laid end to end.
     let share = |spawn: &Spawn| {
         let at = town.nearest_lane(spawn.ego.position(), LaneFilter::Driving).expect("an ego stands on a lane");
         let mut before = 0.0;
@@ -133,7 +133,7 @@ fn a_piece_of_a_lane_is_used_evenly_and_a_distribution_is_followed() {
     let headings: Vec<f64> = spawns.iter().map(|s| wrap_angle(s.pedestrian.yaw - s.ego.yaw).to_degrees()).collect();
     assert!(headings.iter().all(|heading| (45.0..=180.0).contains(heading)));
     let mean = headings.iter().sum::<f64>() / 20_000.0;
-    // Of the normal distribution held between -1.5 and 3 deviations: mean + deviation (φ(a) − φ(b)) / (Φ(b) − Φ(a)).
+    // For the normal distribution truncated to -1.5 to 3 deviations: mean + deviation (φ(a) − φ(b)) / (Φ(b) − Φ(a)).
     let expected = 90.0 + 30.0 * (0.129_517_6 - 0.004_431_8) / (0.998_650_1 - 0.066_807_2);
     assert!((mean - expected).abs() < 0.7, "{mean} {expected}");
 }
@@ -155,7 +155,7 @@ fn rejected_constraints_hold_in_every_beginning() {
     }
 }
 
-/// Stretches of road that are half a percent of a town's lanes, and ground that most poses of the ego have none of.
+/// Stretches of road that are half a percent of a town's lanes, and ground that is near few poses of the ego.
 #[test]
 fn no_beginning_fails_where_few_poses_of_the_ego_will_do() {
     let long = "town long { street { through: [(-1200 m, 0 m), (1200 m, 0 m), (1200 m, 200 m)] } }";

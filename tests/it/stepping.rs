@@ -1,5 +1,5 @@
-//! If `check` is silent, building and stepping cannot fail: scenarios with odd values for any keys are compiled, and those with
-//! which nothing is wrong are built and stepped.
+//! If `check` is silent, building and stepping cannot fail. Scenarios with odd values for any keys are compiled; those without
+//! errors are built and stepped.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -14,10 +14,10 @@ use falsify::internal::signature::{Form, Param, Signature, Type};
 use falsify::internal::units::Dimension;
 use proptest::prelude::*;
 
-/// Ticks of each scenario.
+/// The number of ticks of each scenario.
 const TICKS: u32 = 20;
 
-/// Declarations beside those under test.
+/// Declarations that accompany those under test.
 const BESIDE: &str = "edition 1
 import \"std/paper.scn\"
 import \"std/sensors.scn\"
@@ -25,7 +25,7 @@ import village from \"std/towns.scn\"
 town lane { street { through: [(0 m, 0 m), (200 m, 0 m)] } parked_car { at: (60 m, -9 m, 0 deg) } }
 ";
 
-/// Formulas of which any may be paid.
+/// Formulas that a reward may pay.
 const PAID: &[&str] = &[
     "1",
     "max(3, 1.5 * ego_speed in m/s)",
@@ -37,7 +37,7 @@ const PAID: &[&str] = &[
     "(elapsed in s) * (distance in km) * (distance in mm)",
 ];
 
-/// Conditions on beginnings.
+/// Conditions on starts.
 const REQUIRED: &[&str] = &[
     "ahead > 5 m",
     "[facing > 0 deg, aside < 3 m]",
@@ -46,12 +46,12 @@ const REQUIRED: &[&str] = &[
     "distance * distance > 2 * ahead * ahead",
 ];
 
-/// One of these, by any number.
+/// One of these, chosen by any number.
 fn pick<T>(all: &[T], number: u16) -> &T {
     &all[usize::from(number) % all.len()]
 }
 
-/// A number within bounds, often one of the bounds, in its usual unit.
+/// A number within bounds, often equal to a bound, in its usual unit.
 fn number(dimension: Dimension, min: f64, max: f64, choice: u16) -> String {
     let mut offers = vec![min, max];
     offers.extend([0.0, 1e-9, 1e-3, 0.05, 0.5, 1.0, 2.0, 10.0, 40.0, 1e3, 1e6].map(|size: f64| size.clamp(min, max)));
@@ -66,7 +66,7 @@ fn number(dimension: Dimension, min: f64, max: f64, choice: u16) -> String {
     format!("{:?} {si}", pick(&offers, choice)).trim_end().to_string()
 }
 
-/// A value for a key; none for those that name something.
+/// A value for a key; none for keys that name a declaration.
 fn value(param: &Param, a: u16, b: u16) -> Option<String> {
     fn of(ty: &Type, a: u16, b: u16) -> Option<String> {
         Some(match ty {
@@ -102,7 +102,7 @@ fn value(param: &Param, a: u16, b: u16) -> Option<String> {
 
 /// A declaration of a form: of one of its kinds, with some of its keys.
 fn declaration(form: &Form, name: &str, kind: u16, keys: &[(u16, u16, u16)]) -> String {
-    // What comes from outside of the program needs more than values.
+    // Kinds that need something outside the program need more than values.
     let kinds: Vec<&Signature> = form.kinds.iter().filter(|kind| !matches!(kind.name, "external" | "onnx")).collect();
     let (head, signature) = match &form.plain {
         Some(plain) if kinds.is_empty() || kind.is_multiple_of(4) => (format!("{} {name}", form.name), plain),
@@ -153,7 +153,7 @@ campaign c {{
     text
 }
 
-/// The scenario of a text, unless something is wrong with it.
+/// The scenario of a text, unless the text has errors.
 fn compiled(text: &str) -> Option<Arc<Scenario>> {
     let read = |path: &Path| match path == Path::new("s.scn") {
         true => Ok(text.to_string()),
@@ -164,7 +164,7 @@ fn compiled(text: &str) -> Option<Arc<Scenario>> {
 }
 
 fn step(text: &str) {
-    // What a fuzzer may do with a text belongs here as well.
+    // The checks of a fuzzer on a text belong here, too.
     let laid_out =
         lang::format(Sources::default().add("", text), text).unwrap_or_else(|said| panic!("{said:?}\n{text}"));
     assert_eq!(lang::format(Sources::default().add("", &laid_out), &laid_out).as_ref(), Ok(&laid_out), "{text}");
@@ -194,7 +194,7 @@ fn step(text: &str) {
     }
 }
 
-/// As many as `PROPTEST_CASES` says.
+/// The number of cases that `PROPTEST_CASES` gives.
 fn cases() -> u32 {
     std::env::var("PROPTEST_CASES").ok().and_then(|number| number.parse().ok()).unwrap_or(400)
 }
@@ -216,7 +216,7 @@ proptest! {
 
 #[test]
 fn most_odd_scenarios_can_be_stepped() {
-    // Else the property above would say little. The same numbers every time.
+    // Otherwise the property above would prove little. The numbers are the same every time.
     let mut state = 1_u64;
     let mut next = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

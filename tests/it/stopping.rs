@@ -1,4 +1,4 @@
-//! A stopping rule ends an evaluation early, at the same episode whatever the threads do.
+//! A stopping rule ends an evaluation early, at the same episode for any number of threads.
 
 use std::path::Path;
 

@@ -1,9 +1,9 @@
 //! Language tests written in the language.
 //!
-//! A file of `tests/suite` holds sections, each begun by a line `//# name`. A line that is wrong says so itself:
-//! `// error: [code] "part of the message"`, or `// warning: …`, as often as there are diagnostics on it. Everything else
+//! A file of `tests/suite` holds sections. Each starts with a line `//# name`. A line with a mistake states it:
+//! `// error: [code] "part of the message"`, or `// warning: …`, once for each diagnostic of the line. All other lines
 //! must be silent. Imports are read from the folder `tests/suite`. A line `// set: name=value` gives a setting as `--set` does;
-//! what is wrong with it is expected on the section's first line.
+//! diagnostics of the setting are expected on the section's first line.
 
 use std::path::{Path, PathBuf};
 
@@ -55,7 +55,7 @@ fn split(text: &str) -> Vec<(String, String)> {
     sections
 }
 
-/// Reads a section in place of a file, and files.
+/// Reads a section instead of a file, and also files.
 struct Section<'a> {
     root: PathBuf,
     body: &'a str,

@@ -1,6 +1,7 @@
 //! The tables of a report can be read as `reports/README.md` shows.
 //!
-//! Needs a Python with polars, pandas and duckdb, which `FALSIFY_PYTHON` names (default `python3`); what is missing is skipped, loudly.
+//! Needs a Python with polars, pandas and duckdb; `FALSIFY_PYTHON` names it (default `python3`). The test reports a missing package
+//! and skips its part.
 
 use std::path::Path;
 use std::process::Command;

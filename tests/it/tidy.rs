@@ -1,4 +1,4 @@
-//! What must not drift apart: documents and code.
+//! Documents and code must agree.
 
 use std::path::Path;
 
@@ -24,7 +24,7 @@ fn the_language_reference_is_up_to_date() {
     assert_eq!(printed, wanted, "run the test again with UPDATE_REFERENCE=1");
 }
 
-/// The columns of a table that `reports/README.md` explains, in its order.
+/// The columns of a table that `reports/README.md` describes, in its order.
 pub fn explained(table: &str) -> Vec<String> {
     let page = read("reports/README.md");
     let (_, part) = page.split_once(&format!("\n### `{table}`\n")).unwrap_or_else(|| panic!("`{table}` has no part"));
@@ -102,7 +102,7 @@ fn every_code_has_a_case_in_the_suite() {
     let mut missing: Vec<&str> = codes.filter(|code| !suite.contains(&format!("[{code}]"))).collect();
     missing.sort_unstable();
     missing.dedup();
-    // What a text in a test file cannot show: it would have to be megabytes long.
+    // A text in a test file cannot show this mistake: it would have to be megabytes long.
     missing.retain(|code| *code != "too-large");
     assert!(missing.is_empty(), "tests/suite has no case for {missing:?}");
 }

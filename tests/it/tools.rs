@@ -1,4 +1,4 @@
-//! The commands round the language: fmt, explain, new, debug, check for programs, the library inside the program.
+//! The commands of the language: fmt, explain, new, debug, check for programs, and the standard library inside the program.
 
 use std::io::Write;
 use std::path::Path;
@@ -180,7 +180,7 @@ fn beginnings_are_sampled_for_programs_too_and_where_nobody_can_be_placed() {
     assert!(
         sample["accepted"].as_u64().unwrap() > 5 && folder.path().join(sample["picture"].as_str().unwrap()).exists()
     );
-    // Nobody can be placed, which is an error, and shown with what stands in the way.
+    // No start can be placed. This is an error, and the picture shows the cause.
     let output = falsify(&["check", "--sample", "50", "a.scn"], folder.path());
     let (text, errors) = said(&output);
     assert_eq!(output.status.code(), Some(3));
@@ -202,7 +202,7 @@ fn beginnings_are_sampled_for_programs_too_and_where_nobody_can_be_placed() {
 fn imported_towns_are_drawn_and_what_is_given_outside_is_looked_at() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("a.scn"), CROWDED).unwrap();
-    // Nobody can be placed, but the towns are there to be looked at.
+    // No start can be placed, but the towns can be drawn.
     let output = falsify(&["map", "a.scn"], folder.path());
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     assert!(["harbour.svg", "village.svg"].iter().all(|name| folder.path().join(name).exists()));
