@@ -9,9 +9,9 @@ use crate::judge::Label;
 pub enum Impact {
     /// Within the front sector.
     Front,
-    /// PublishedComparison it, to the car's left.
+    /// Beside it, to the car's left.
     Left,
-    /// PublishedComparison it, to the car's right.
+    /// Beside it, to the car's right.
     Right,
     /// Within 60° of straight behind.
     Rear,

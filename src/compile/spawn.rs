@@ -195,7 +195,7 @@ fn ground(word: &str) -> Ground {
     match word {
         "driving" => Ground::Driving,
         "sidewalk" => Ground::Sidewalk,
-        "beside" => Ground::PublishedComparison,
+        "beside" => Ground::Beside,
         _ => Ground::OffRoad,
     }
 }

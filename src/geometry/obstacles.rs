@@ -51,7 +51,7 @@ impl Obstacles {
 
     /// Moves the centre of a disc out of every box it overlaps, the shortest way; a walker slides along walls so.
     ///
-    /// AcrossRuns two boxes closer than the disc is wide the last one wins.
+    /// Between two boxes closer than the disc is wide the last one wins.
     pub fn push_out(&self, centre: Point, radius: f64) -> Point {
         let reach = Vector::new(radius, radius);
         let mut centre = centre;

@@ -15,7 +15,7 @@ pub enum Ground {
     /// A sidewalk.
     Sidewalk,
     /// Another lane: shoulder, parking, biking, …
-    PublishedComparison,
+    Beside,
     /// No lane at all.
     OffRoad,
 }
@@ -35,7 +35,7 @@ impl Ground {
             }
         }
         match within(LaneFilter::Any) {
-            Some(kind) if kind != LaneKind::None => Self::PublishedComparison,
+            Some(kind) if kind != LaneKind::None => Self::Beside,
             _ => Self::OffRoad,
         }
     }
@@ -88,7 +88,7 @@ impl fmt::Display for Constraint {
                 let name = |ground: &Ground| match ground {
                     Ground::Driving => "driving",
                     Ground::Sidewalk => "sidewalk",
-                    Ground::PublishedComparison => "beside",
+                    Ground::Beside => "beside",
                     Ground::OffRoad => "off_road",
                 };
                 write!(f, "ground: [{}]", grounds.iter().map(name).collect::<Vec<_>>().join(", "))

@@ -30,7 +30,7 @@ fn the_time_to_collision_is_the_gap_over_the_closing_speed() {
     let ahead = (Point::new(22.4, 0.5), Vector::new(1.0, 0.0));
     let least = PAIR.least_time(straight((east, 10.0), ahead, 21).into_iter()).unwrap();
     assert!((least - (19.8 / 9.0 - 1.0)).abs() < 1e-9, "{least}");
-    // PublishedComparison the way of the car, and behind it: never.
+    // Beside the way of the car, and behind it: never.
     let beside = (Point::new(22.4, 1.21), Vector::new(1.0, 0.0));
     assert_eq!(PAIR.least_time(straight((east, 10.0), beside, 21).into_iter()), None);
     let behind = (Point::new(-8.0, 0.0), Vector::new(1.0, 0.0));

@@ -32,7 +32,7 @@ impl Figure {
         }
     }
 
-    /// AcrossRuns what it lies.
+    /// Between what it lies.
     pub fn bounds(self) -> (f64, f64) {
         match self {
             Self::Reward => (f64::NEG_INFINITY, f64::INFINITY),

@@ -10,7 +10,7 @@ use crate::report::render::svg::px;
 const COLUMNS: usize = 3;
 const FRAMES: usize = 6;
 const WIDE: f64 = 300.0;
-/// AcrossRuns frames (px), and for the line below a frame.
+/// Between frames (px), and for the line below a frame.
 const GAP: f64 = 14.0;
 const CAPTION: f64 = 26.0;
 /// Height of the speeds (px).

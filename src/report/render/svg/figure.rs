@@ -36,7 +36,7 @@ pub struct Panel {
 
 /// Room for a panel's title in a file.
 const TITLE: f64 = 20.0;
-/// AcrossRuns panels in a file.
+/// Between panels in a file.
 const GAP: f64 = 18.0;
 /// Height of a line of words in a file.
 const LINE: f64 = 17.0;
