@@ -1,7 +1,7 @@
 //! Named random streams.
 //!
-//! A stream depends on the path of names that leads to it and on nothing else: not on the order of calls and not on
-//! the number of threads. Adding a cell to a campaign therefore changes no other cell.
+//! A stream depends only on the path of names that leads to it: not on the order of calls and not on the number of threads.
+//! Adding a task to a campaign therefore changes no other task.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -46,12 +46,12 @@ impl Seed {
         Self(*blake3::keyed_hash(&self.0, &bytes).as_bytes())
     }
 
-    /// The node that a stream began at, so that its owner can branch off further streams.
+    /// The node that a stream started at, so that its owner can branch off further streams.
     pub fn of(stream: &Stream) -> Self {
         Self(stream.get_seed())
     }
 
-    /// The random stream at this node, from its beginning.
+    /// The random stream at this node, from its start.
     pub fn stream(&self) -> Stream {
         ChaCha8Rng::from_seed(self.0)
     }

@@ -1,7 +1,7 @@
 //! Dimensions and units: `7 m`, `20 Hz`, `60 deg`, `50 km/h` become numbers in SI with a dimension.
 //!
-//! An angle is a dimension of its own here, although SI calls it a ratio: a bare `60` where an angle is wanted is the
-//! commonest silent mistake of scenario authors.
+//! An angle has a dimension of its own here, although it is a ratio in SI. A bare `60` in place of an angle is the most common
+//! silent mistake of scenario authors.
 
 use std::f64::consts::PI;
 use std::fmt;
@@ -75,7 +75,7 @@ impl Dimension {
         })
     }
 
-    /// Units a user would write for it, the most usual first; empty for dimensions without a name.
+    /// Units a user would write for it, the most common first; empty for dimensions without a name.
     pub fn usual_units(self) -> &'static [&'static str] {
         match self {
             Self::LENGTH => &["m", "km"],
@@ -121,7 +121,7 @@ impl fmt::Display for Dimension {
 /// A unit: how many SI units it is, and of what dimension.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
-    /// SI units in one of these.
+    /// SI units per one of these.
     pub factor: f64,
     /// What it measures.
     pub dimension: Dimension,
@@ -149,12 +149,12 @@ pub const UNIT_NAMES: &[(&str, Unit)] = &[
 /// Why a unit could not be read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum UnitError {
-    /// A part of it is no unit's name.
+    /// A part of it is not the name of a unit.
     Unknown {
         /// The part.
         name: String,
     },
-    /// A power is no whole number from −9 to 9, or the dimension has grown beyond reason.
+    /// A power is not a whole number from −9 to 9, or the dimension is out of range.
     BadPower,
 }
 

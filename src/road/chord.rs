@@ -10,9 +10,9 @@ const TURN: f64 = std::f64::consts::PI / 100.0;
 const LONGEST: f64 = 100.0;
 /// The step in which a curved lane is searched for the end of a chord (m).
 const STEP: f64 = 1.0;
-/// What is left of a lane at its end, to stay on it (m).
+/// Margin by which a chord stays before the end of its lane (m).
 const MARGIN: f64 = 1e-6;
-/// An upper limit of steps a lane, for a file with absurd lengths.
+/// Greatest number of steps per lane, a guard against files with absurd lengths.
 const MAX_STEPS: f64 = 8192.0;
 
 /// A straight piece between two places on a lane's centre, seen from above.
@@ -23,7 +23,7 @@ pub(super) struct Chord {
     pub length: f64,
     pub from_s: f64,
     pub to_s: f64,
-    /// How high it begins, and how much it rises (m).
+    /// The height at its start, and its rise (m).
     pub height: f64,
     pub rise: f64,
     pub slot: LaneSlot,
@@ -43,7 +43,7 @@ impl Chord {
         self.from + self.along * self.length
     }
 
-    /// The place so many metres along (CARLA counts metres along the chord as metres along the reference line).
+    /// The place after a distance (m). CARLA counts metres along the chord as metres along the reference line.
     pub fn s(&self, moved: f64) -> f64 {
         if self.to_s >= self.from_s {
             (self.from_s + moved).min(self.to_s)
@@ -96,7 +96,7 @@ impl ChordEnd {
     }
 }
 
-/// Tells the chords of a lane, in driving direction. Pitch counts as a turn.
+/// Returns the chords of a lane, in driving direction. Pitch counts as a turn.
 fn chords_of(roads: &[Road], network: &LaneNetwork, lane: &NetworkLane, mut tell: impl FnMut(&ChordEnd, &ChordEnd)) {
     let (first, last) = lane.driving_ends();
     let length = (last - first).abs() - MARGIN;

@@ -1,4 +1,4 @@
-//! An index over chords as seen from above that answers at once.
+//! A grid over chords as seen from above; a look-up takes constant time.
 
 use super::chord::Chord;
 use super::chord_tree::ChordTree;
@@ -6,33 +6,33 @@ use crate::geometry::{Point, Vector};
 
 /// The width of a grid's cell (m).
 const CELL: f64 = 4.0;
-/// How many cells a grid has at most; larger towns get wider cells.
+/// The greatest number of cells of a grid; larger towns get wider cells.
 const MOST_CELLS: f64 = 65_536.0;
-/// How many chords all cells of a grid have together at most.
+/// The greatest number of candidate chords in all cells of a grid together.
 const MOST_CANDIDATES: usize = 4_000_000;
 /// How far beyond the lanes a grid reaches (m).
 const BEYOND: f64 = 12.0;
 
-/// How many cells wide and high a block is whose candidates are found together.
+/// The number of cells along each side of a block. The candidates of a block are found together.
 const BLOCK: usize = 8;
-/// How many cells wide and high a part of a block is; blocks are whole numbers of them.
+/// The number of cells along each side of a part of a block; a block is a whole number of parts.
 const PART: usize = 2;
 
-/// How far a chord may be from the middle of a square to be the nearest one to some point in it, given the distance of the chord
-/// nearest to the middle: from anywhere in the square that one is at most half a diagonal farther.
+/// How far a chord may be from the middle of a square and still be the nearest to some point in it.
+/// `nearest` is the distance of the chord nearest to the middle; from any point of the square that chord is at most half a diagonal farther.
 fn reach(nearest: f64, side: f64) -> f64 {
     nearest + side * std::f64::consts::SQRT_2 + 1e-6
 }
 
 /// For each square cell the chords that are nearest to some point in it, found with a tree beforehand.
 ///
-/// A question then costs a handful of distances. Points beyond the grid are left to the tree.
+/// A look-up then computes only a few distances. Points outside the grid are left to the tree.
 pub(super) struct ChordGrid {
     origin: Point,
     cell: f64,
     columns: usize,
     rows: usize,
-    /// For each cell the place of its first candidate, and one more entry at the end.
+    /// For each cell the index of its first candidate, and one more entry at the end.
     starts: Vec<u32>,
     candidates: Vec<u32>,
 }
@@ -60,7 +60,7 @@ impl ChordGrid {
             if row % BLOCK == 0 && !self.fill_blocks(tree, row, &mut blocks) {
                 return self.give_up();
             }
-            // Few of a block's candidates are left in a part of it, so that most cells look at few.
+            // A part of a block keeps few of the block's candidates, so most cells check only a few.
             if row % PART == 0 {
                 for (part, column) in parts.iter_mut().zip((0..).step_by(PART)) {
                     part.clear();
@@ -80,7 +80,7 @@ impl ChordGrid {
         self.candidates.shrink_to_fit();
     }
 
-    /// Takes over those of some candidates that may be nearest to a point in a square of cells, in order.
+    /// Copies those candidates that may be nearest to a point in a square of cells, in order.
     fn sift(
         &self,
         chords: &[Chord],
@@ -100,8 +100,8 @@ impl ChordGrid {
         into.extend(near.map(|(index, _)| *index));
     }
 
-    /// Finds the candidates of each block of cells from a row on, in order, so that of two chords equally near the first one
-    /// wins. Tells whether there are few enough.
+    /// Finds the candidates of each block of cells, starting at a row. Candidates stay in order, so that of two chords equally near
+    /// the first one wins. Returns whether there are few enough.
     fn fill_blocks(&self, tree: &ChordTree, row: usize, blocks: &mut [Vec<u32>]) -> bool {
         let (half, side) = (BLOCK as f64 / 2.0, BLOCK as f64 * self.cell);
         let mut count = 0;
@@ -119,7 +119,7 @@ impl ChordGrid {
         true
     }
 
-    /// Some lane is lost far away from the others; the tree alone answers then.
+    /// Gives the grid up when a lane lies far away from the others; the tree then answers alone.
     fn give_up(&mut self) {
         (self.columns, self.rows, self.starts, self.candidates) = (0, 0, vec![0], Vec::new());
     }

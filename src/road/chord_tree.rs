@@ -1,4 +1,4 @@
-//! An index over chords as seen from above that is soon made.
+//! An index over chords as seen from above that is quick to build.
 
 use rstar::primitives::{GeomWithData, Line};
 use rstar::{PointDistance, RTree};
@@ -8,7 +8,7 @@ use crate::geometry::Point;
 
 type Leaf = GeomWithData<Line<[f64; 2]>, u32>;
 
-/// How much farther than the nearest chord, by the tree's reckoning, another one is looked at (m).
+/// A chord is checked exactly when the tree puts it at most this much farther than the nearest one (m).
 const SLACK: f64 = 1e-6;
 
 /// Chords in an R-tree.

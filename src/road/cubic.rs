@@ -1,10 +1,10 @@
-/// A cubic polynomial in the distance from where it begins to hold: `a + b·ds + c·ds² + d·ds³`.
+/// A cubic polynomial in the distance from its start: `a + b·ds + c·ds² + d·ds³`.
 ///
 /// # Source
 /// OpenDRIVE: lane widths, lane offsets, borders.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Cubic {
-    /// Where it begins to hold (m).
+    /// Where it starts to apply (m).
     pub start: f64,
     /// Value at `start`.
     pub a: f64,
@@ -35,7 +35,7 @@ impl Cubic {
     }
 }
 
-/// Consecutive cubics, sorted by where they begin; the first one also holds before its beginning.
+/// Consecutive cubics, sorted by their starts; the first one also applies before its start.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Profile(Vec<Cubic>);
 
@@ -56,7 +56,7 @@ impl Profile {
         &self.0
     }
 
-    /// The cubic that holds at `s` (m); none in an empty profile.
+    /// The cubic that applies at `s` (m); none in an empty profile.
     pub fn at(&self, s: f64) -> Option<&Cubic> {
         let after = self.0.partition_point(|cubic| cubic.start <= s);
         self.0.get(after.saturating_sub(1))

@@ -1,13 +1,13 @@
 use super::{Road, Town, Waypoint};
 use crate::geometry::{Pose, wrap_angle};
 
-/// The distance between the places of a reference line that are looked at first (m).
+/// The distance between the first samples of a reference line (m).
 const STEP: f64 = 1.0;
-/// How many of them at most, for a file with absurd lengths.
+/// The greatest number of these samples, a guard against files with absurd lengths.
 const MOST_STEPS: f64 = 100_000.0;
-/// How often the stretch around the nearest of them is halved.
+/// How often the interval around the nearest sample is halved.
 const HALVINGS: u32 = 60;
-/// How far beyond the ends of a road a pose may lie, for rounding (m).
+/// How far beyond the ends of a road a pose may lie, to allow for rounding (m).
 const BEYOND: f64 = 1e-6;
 
 /// A pose in the coordinates of a road.
@@ -16,7 +16,7 @@ const BEYOND: f64 = 1e-6;
 /// ASAM OpenDRIVE, "Reference line coordinate systems": `s` along the reference line, `t` across it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frenet {
-    /// Distance along the reference line from its beginning (m).
+    /// Distance along the reference line from its start (m).
     pub s: f64,
     /// Distance from the reference line, positive to the left (m).
     pub t: f64,
@@ -27,8 +27,8 @@ pub struct Frenet {
 impl Frenet {
     /// Finds the coordinates of a pose by the nearest place on a road's reference line.
     ///
-    /// None for a pose beyond the road's ends. Where a bend has its centre nearer than the pose, there is more than one
-    /// answer, and the one with the least `t` is given.
+    /// None for a pose beyond the road's ends. If the centre of a bend is nearer to the road than the pose, there are several
+    /// solutions; the one with the least `t` is returned.
     pub fn new(road: &Road, pose: &Pose) -> Option<Self> {
         let place = pose.position();
         let count = (road.length / STEP).ceil().clamp(1.0, MOST_STEPS);
@@ -43,7 +43,7 @@ impl Frenet {
             }
             index += 1.0;
         }
-        // The nearest place is where the pose passes from ahead to behind.
+        // At the nearest place the pose changes from ahead to behind.
         let ahead = |s: f64| {
             let line = road.plan_view.point(s);
             (place - line.position).dot(&line.forward)
@@ -62,7 +62,7 @@ impl Frenet {
         Some(Self { s, t, phi: wrap_angle(pose.yaw - line.yaw) })
     }
 
-    /// The pose in the world; beyond the road's ends the reference line is held.
+    /// The pose in the world; beyond the road's ends the reference line is clamped.
     pub fn pose(&self, road: &Road) -> Pose {
         let line = road.plan_view.point(self.s);
         let place = line.beside(self.t);

@@ -4,7 +4,7 @@ use crate::geometry::{OrientedBox, Pose};
 /// A speed limit that a vehicle takes over when its box touches the sign's trigger box.
 ///
 /// # Source
-/// CARLA `Traffic/SpeedLimitComponent.cpp`: a square of half size 0.35 × lane width on every driving lane the sign holds for.
+/// CARLA `Traffic/SpeedLimitComponent.cpp`: a square of half size 0.35 × lane width on every driving lane the sign applies to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpeedSign {
     /// The limit (m/s).

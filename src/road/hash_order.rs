@@ -1,14 +1,14 @@
-/// How many buckets the table of libstdc++ has as it grows; one more step doubles about.
+/// The bucket counts of a libstdc++ hash table as it grows; each step about doubles it.
 ///
 /// # Source
 /// libstdc++, `__detail::_Prime_rehash_policy`: the first prime from its list that is at least twice the last one.
 const BUCKETS: [u32; 16] =
     [13, 29, 59, 127, 257, 541, 1109, 2357, 5087, 10273, 20753, 42043, 85229, 172_933, 351_061, 712_697];
 
-/// The order in which an `unordered_map` of libstdc++ gives back whole numbers that were put in one after the other.
+/// The order in which an `unordered_map` of libstdc++ returns whole numbers that were inserted one after the other.
 ///
-/// CARLA keeps roads and the connections of a junction in such maps, so that this is the order of its topology and of
-/// the branches at a fork. Gives places in `keys`; a number that comes again is left out.
+/// CARLA stores roads and the connections of a junction in such maps. This is therefore the order of its topology and of
+/// the branches at a fork. Returns indices into `keys`; repeated numbers are dropped.
 pub(super) fn hash_order(keys: impl IntoIterator<Item = u32>) -> Vec<usize> {
     let mut order: Vec<(u32, usize)> = Vec::new();
     let mut sizes = BUCKETS.iter();
@@ -18,7 +18,7 @@ pub(super) fn hash_order(keys: impl IntoIterator<Item = u32>) -> Vec<usize> {
             continue;
         }
         if order.len() + 1 > buckets as usize || buckets == 1 {
-            // Beyond the list the order is that of the last size, which no town comes near.
+            // Beyond the list the order is that of the last size; no town is that large.
             buckets = sizes.next().copied().unwrap_or(buckets);
             let old = std::mem::take(&mut order);
             for each in old {
@@ -30,7 +30,7 @@ pub(super) fn hash_order(keys: impl IntoIterator<Item = u32>) -> Vec<usize> {
     order.into_iter().map(|(_, place)| place).collect()
 }
 
-/// Puts a number before the others in its bucket, and before all where its bucket is empty.
+/// Puts a number before the others in its bucket, or before all numbers if its bucket is empty.
 fn put(order: &mut Vec<(u32, usize)>, buckets: u32, item: (u32, usize)) {
     let first = order.iter().position(|(key, _)| key % buckets == item.0 % buckets);
     order.insert(first.unwrap_or(0), item);
@@ -47,7 +47,7 @@ mod tests {
         assert!(hash_order([]).is_empty());
     }
 
-    /// What g++ 12 prints for the same insertions.
+    /// The output of g++ 12 for the same insertions.
     #[test]
     fn numbers_share_buckets_and_the_table_grows() {
         let keys = [0, 1, 2, 3, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16];

@@ -3,11 +3,11 @@ use super::{LaneId, RoadEnd, RoadIndex};
 /// One way through a junction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Connection {
-    /// The road one comes from.
+    /// The road that leads into the junction.
     pub incoming: RoadIndex,
     /// The road inside the junction.
     pub connecting: RoadIndex,
-    /// The end of the connecting road at which one enters it.
+    /// The end of the connecting road at which a car enters it.
     pub contact: RoadEnd,
     /// Pairs of lanes: of the incoming road, of the connecting road.
     pub lane_links: Vec<(LaneId, LaneId)>,

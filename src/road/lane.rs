@@ -11,15 +11,15 @@ pub enum LaneKind {
     Driving,
     /// People walk on it.
     Sidewalk,
-    /// PublishedComparison the carriageway.
+    /// Beside the carriageway.
     Shoulder,
-    /// AcrossRuns carriageway and shoulder or kerb.
+    /// Between carriageway and shoulder or kerb.
     Border,
     /// For bicycles.
     Biking,
     /// For parking.
     Parking,
-    /// AcrossRuns two carriageways.
+    /// Between two carriageways.
     Median,
     /// A hard shoulder.
     Stop,
@@ -35,8 +35,8 @@ impl LaneKind {
     /// Reads a type as written in OpenDRIVE, whatever its case; unknown ones become [`LaneKind::None`].
     ///
     /// # Source
-    /// CARLA `opendrive/parser/RoadParser.cpp`, `StringToLaneType`, which knows OpenDRIVE 1.4: what came later (`curb`, `bus`,
-    /// `taxi`, `HOV`, …) is nothing to it. We add `walking`, the name of sidewalks since 1.8.
+    /// CARLA `opendrive/parser/RoadParser.cpp`, `StringToLaneType`, which knows OpenDRIVE 1.4. It maps later types (`curb`,
+    /// `bus`, `taxi`, `HOV`, …) to none. We add `walking`, the name of sidewalks since 1.8.
     pub fn from_opendrive(text: &str) -> Self {
         match text.to_ascii_lowercase().as_str() {
             "driving" => Self::Driving,
@@ -62,7 +62,7 @@ pub struct Lane {
     pub id: LaneId,
     /// What it is for.
     pub kind: LaneKind,
-    /// Its width (m) over the distance from the beginning of the road (not of the section).
+    /// Its width (m) over the distance from the start of the road (not of the section).
     pub width: Profile,
     /// The lane of the section (or road) before, if the file says so.
     pub predecessor: Option<LaneId>,

@@ -13,7 +13,7 @@ use super::lane_network::LaneNetwork;
 use super::{LaneKind, Road, Waypoint};
 use crate::geometry::Point;
 
-/// Which lanes are looked at.
+/// Which lanes a look-up considers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum LaneFilter {
     /// Those cars drive on.
@@ -25,7 +25,7 @@ pub enum LaneFilter {
 }
 
 impl LaneFilter {
-    /// Whether lanes of a kind are looked at.
+    /// Whether the filter admits lanes of a kind.
     pub fn admits(self, kind: LaneKind) -> bool {
         match self {
             Self::Driving => kind == LaneKind::Driving,
@@ -37,14 +37,14 @@ impl LaneFilter {
 
 type LeafInSpace = GeomWithData<Line<[f64; 3]>, u32>;
 
-/// How many questions make a tree worth its price: those before look at all chords.
+/// The number of look-ups after which a tree is built; earlier ones check all chords.
 const WORTH_A_TREE: u32 = 50;
-/// How many questions make a grid worth its price; it costs as much as some thousand answers of the tree.
+/// The number of look-ups after which a grid is built; a grid costs as much as some thousand look-ups in the tree.
 const WORTH_A_GRID: u32 = 4000;
 
 /// The chords of the lane centres of each filter, indexed.
 ///
-/// All of it is made when it is asked for first: a scenario that is only checked asks little, and a driver asks in every tick.
+/// Each index is built on demand: checking a scenario needs few look-ups, a driver needs some in every tick.
 ///
 /// # Source
 /// CARLA `road/Map.cpp`, `GetClosestWaypointOnRoad`.
@@ -53,7 +53,7 @@ pub(super) struct LaneIndex {
     filters: [Filtered; 3],
 }
 
-/// What there is to find the chords of one filter with. All ways give the same answers.
+/// The indexes over the chords of one filter. All of them give the same answers.
 #[derive(Default)]
 struct Filtered {
     chords: OnceLock<Vec<Chord>>,
@@ -83,13 +83,13 @@ impl LaneIndex {
         (self.filters[filter as usize].tree.get_or_init(|| ChordTree::new(chords)), chords)
     }
 
-    /// Makes the grid of a filter, which answers fastest and allocates nothing.
+    /// Builds the grid of a filter, which answers fastest and allocates nothing.
     pub fn prepare(&self, lanes: Lanes, filter: LaneFilter) {
         let (tree, chords) = self.tree(lanes, filter);
         self.filters[filter as usize].grid.get_or_init(|| ChordGrid::new(chords, tree));
     }
 
-    /// The place on the nearest chord; none without lanes of that sort, or for a point that is not finite.
+    /// The place on the nearest chord; none without lanes of that kind, or for a point that is not finite.
     pub fn nearest(&self, lanes: Lanes, point: Point, filter: LaneFilter) -> Option<Waypoint> {
         if !point.x.is_finite() || !point.y.is_finite() {
             return None;
@@ -110,7 +110,7 @@ impl LaneIndex {
         Some(place(&chords[index as usize], lanes, point))
     }
 
-    /// The place on the chord nearest in space; none without lanes of that sort, or for a place that is not finite.
+    /// The place on the chord nearest in space; none without lanes of that kind, or for a place that is not finite.
     pub fn nearest_in_space(&self, lanes: Lanes, point: Point, height: f64, filter: LaneFilter) -> Option<Waypoint> {
         let chords = self.chords(lanes, filter);
         let level = self.filters[filter as usize].level.get_or_init(|| {
@@ -136,8 +136,8 @@ impl LaneIndex {
     }
 }
 
-/// The place on a chord that was found to be the nearest: as in CARLA the nearest one as seen from above, even where the
-/// chord was chosen in space.
+/// The place on the chord that was found to be nearest. As in CARLA it is the nearest place seen from above, even if the chord
+/// was chosen in space.
 fn place(chord: &Chord, lanes: Lanes, point: Point) -> Waypoint {
     lanes.network.lane(chord.slot).waypoint(chord.s(chord.project(point)))
 }

@@ -7,17 +7,17 @@ use super::plan_view::CurvePoint;
 use super::{Junction, Lane, LaneId, LaneKind, Profile, Road, RoadIndex, RoadLink, Waypoint};
 use crate::geometry::{Point, Pose, wrap_angle};
 
-/// The place of a lane in the table.
+/// The index of a lane in the table.
 pub(super) type LaneSlot = u32;
 
-/// A lane of one section, ready for questions.
+/// A lane of one section, ready for look-ups.
 #[derive(Debug)]
 pub(super) struct NetworkLane {
     pub road: RoadIndex,
     pub section: u32,
     pub id: LaneId,
     pub kind: LaneKind,
-    /// Where its section begins and ends along the road (m).
+    /// Where its section starts and ends along the road (m).
     pub start: f64,
     pub end: f64,
     /// Whether its road lies in a junction.
@@ -31,17 +31,17 @@ pub(super) struct NetworkLane {
 }
 
 impl NetworkLane {
-    /// Whether one drives towards growing `s`.
+    /// Whether the driving direction is that of growing `s`.
     pub fn forward(&self) -> bool {
         self.id < 0
     }
 
-    /// Where driving along it begins, and where it ends, along the road (m).
+    /// Where driving along it starts and ends, along the road (m).
     pub fn driving_ends(&self) -> (f64, f64) {
         if self.forward() { (self.start, self.end) } else { (self.end, self.start) }
     }
 
-    /// The waypoint at a distance along the road (m), held within the lane.
+    /// The waypoint at a distance along the road (m), clamped to the lane.
     pub fn waypoint(&self, s: f64) -> Waypoint {
         Waypoint {
             road: self.road,
@@ -56,11 +56,11 @@ impl NetworkLane {
 #[derive(Debug)]
 pub(super) struct LaneNetwork {
     lanes: Vec<NetworkLane>,
-    /// The numbers of the lanes once more, side by side for a quick search.
+    /// The numbers of the lanes in an array of their own, for a quick search.
     ids: Vec<LaneId>,
-    /// For each road the place of its first section in `sections`.
+    /// For each road the index of its first section in `sections`.
     roads: Vec<u32>,
-    /// For each section the place of its first lane in `lanes`, and one more entry at the end.
+    /// For each section the index of its first lane in `lanes`, and one more entry at the end.
     sections: Vec<u32>,
     links: Vec<LaneSlot>,
 }
@@ -69,9 +69,9 @@ impl LaneNetwork {
     /// Lays out the lanes and resolves their links.
     ///
     /// # Source
-    /// CARLA `road/MapBuilder.cpp`: which end of the next road one enters is told by the sign of the lane's number there,
-    /// not by the file's contact points; a link holds for the nearest section that has a lane of that number; what lies
-    /// before a lane is what leads to it.
+    /// CARLA `road/MapBuilder.cpp`: the sign of the lane's number decides which end of the next road a car enters, not the file's
+    /// contact points. A link applies to the nearest section that has a lane of that number. The lanes before a lane are those that
+    /// lead to it.
     pub fn new(roads: &[Road], junctions: &[Junction]) -> Self {
         let mut network =
             Self { lanes: Vec::new(), ids: Vec::new(), roads: Vec::new(), sections: Vec::new(), links: Vec::new() };
@@ -126,8 +126,8 @@ impl LaneNetwork {
         self.links = links;
     }
 
-    /// The lanes one comes to; at a fork in CARLA's order, whose connections are in a hash table by their numbers. `orders`
-    /// gives it for each junction.
+    /// The lanes that follow a lane. At a fork they are in CARLA's order, whose connections are in a hash table by their numbers;
+    /// `orders` gives that order for each junction.
     fn ways_on(
         &self,
         lane: &NetworkLane,
@@ -139,7 +139,7 @@ impl LaneNetwork {
         let Some(own) = road.sections[lane.section as usize].lane(lane.id) else { return Vec::new() };
         let (linked, beyond) =
             if lane.forward() { (own.successor, road.successor) } else { (own.predecessor, road.predecessor) };
-        // Sections may begin at one place, one for each side of the road; those are not one after the other.
+        // Sections may start at one place, one for each side of the road; those do not follow each other.
         let after = road.sections.partition_point(|section| section.start <= lane.start) as u32;
         let before = road.sections.partition_point(|section| section.start < lane.start) as u32;
         let inside = |id| {
@@ -170,7 +170,7 @@ impl LaneNetwork {
         }
     }
 
-    /// The lane at which one enters a road: the first right lane of a number from the road's beginning, the first left one
+    /// The lane at which a car enters a road: the first right lane of a number from the start of the road, the first left one
     /// from its end.
     fn edge(&self, roads: &[Road], road: RoadIndex, id: LaneId) -> Option<LaneSlot> {
         let mut sections = 0..roads.get(road.0 as usize)?.sections.len() as u32;
@@ -203,7 +203,7 @@ impl LaneNetwork {
         self.slot_of(waypoint.road, waypoint.section, waypoint.lane)
     }
 
-    /// The lanes one comes to at the end of a lane, in driving direction.
+    /// The lanes that follow the end of a lane, in driving direction.
     pub fn next(&self, lane: &NetworkLane) -> &[LaneSlot] {
         &self.links[lane.next.start as usize..lane.next.end as usize]
     }
@@ -218,7 +218,7 @@ impl LaneNetwork {
         lane.width.value(s)
     }
 
-    /// A width that a lane exceeds nowhere (m).
+    /// An upper bound of the lane's width (m).
     pub fn greatest_width(&self, lane: &NetworkLane) -> f64 {
         lane.width.bound(lane.end)
     }
@@ -245,8 +245,8 @@ impl LaneNetwork {
         if lane.forward() { slope } else { -slope }
     }
 
-    /// The centre of a lane, and its direction as CARLA's 32-bit numbers have it, in CARLA's axes: some of its decisions hang on
-    /// a bit.
+    /// The centre of a lane, and its direction in CARLA's 32-bit numbers and CARLA's axes: some of its decisions depend on the last
+    /// bit.
     ///
     /// # Source
     /// CARLA `road/Lane.cpp`, `ComputeTransform`, and `geom/Math.cpp`, `GetForwardVector`.
@@ -294,12 +294,11 @@ fn centre(road: &Road, lanes: &[Lane], id: LaneId, start: f64, end: f64) -> Prof
     Profile::sum(&terms, start, end)
 }
 
-/// Whether CARLA takes the lanes of a section for straight: one straight piece under it, and no vertical curve anywhere on
+/// Whether CARLA treats the lanes of a section as straight: one straight piece under it, and no vertical curve anywhere on
 /// the road.
 ///
 /// # Source
-/// CARLA `road/Lane.cpp`, `IsStraight`; changing widths do not count there, nor do offsets, which are looked for in the wrong
-/// place.
+/// CARLA `road/Lane.cpp`, `IsStraight`. It ignores changing widths, and also offsets, which it looks up in the wrong place.
 fn is_straight(road: &Road, start: f64, end: f64) -> bool {
     let on_line = road.plan_view.piece_at(start).is_some_and(|piece| {
         matches!(piece.shape, super::Shape::Line) && start >= piece.s && end <= piece.s + piece.length

@@ -1,7 +1,7 @@
-//! The road network of a town: roads with lanes, junctions, what stands beside them, and routes through it.
+//! The road network of a town: roads with lanes, junctions, objects beside them, and routes through it.
 //!
-//! Reference lines, lane numbers and links are OpenDRIVE's; what is asked of them (`next`, nearest lane) is what
-//! CARLA's map answers, since its driver's decisions hang on it.
+//! Reference lines, lane numbers and links are OpenDRIVE's. Queries (`next`, nearest lane) return what CARLA's map returns,
+//! since the decisions of its driver depend on it.
 
 mod cubic;
 mod spiral;

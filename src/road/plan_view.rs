@@ -6,16 +6,16 @@ use crate::geometry::{Point, Pose, Vector, wrap_angle};
 /// A piece of a reference line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Geometry {
-    /// Where it begins along the road (m).
+    /// Where it starts along the road (m).
     pub s: f64,
-    /// Where it begins in the world, and its heading there.
+    /// Where it starts in the world, and its heading there.
     pub start: Pose,
     /// Its length (m).
     pub length: f64,
     /// Its form.
     pub shape: Shape,
     direction: Vector,
-    /// The heading as the file has it, not wrapped.
+    /// The heading in the file, not wrapped.
     heading: f64,
 }
 
@@ -29,22 +29,22 @@ pub enum Shape {
     Line,
     /// Part of a circle; a positive curvature (1/m) bends to the left.
     Arc(f64),
-    /// An Euler spiral: the curvature goes evenly from the first value to the second (1/m).
+    /// An Euler spiral: the curvature changes linearly from the first value to the second (1/m).
     Spiral(f64, f64),
-    /// A cubic of the distance straight ahead, followed by its own length.
+    /// A cubic of the distance straight ahead; positions are by arc length.
     Poly3([f64; 4]),
-    /// Two cubics of a parameter, ahead and to the left, followed by the length of the curve.
+    /// Two cubics of a parameter, ahead and to the left; positions are by arc length.
     ParamPoly3 {
         /// Ahead (m).
         u: [f64; 4],
         /// To the left (m).
         v: [f64; 4],
-        /// Whether the parameter goes from 0 to 1, and not to the piece's length.
+        /// Whether the parameter goes from 0 to 1 instead of to the piece's length.
         normalized: bool,
     },
 }
 
-/// A point of a curve with its direction as an angle and as a unit vector, so that nobody computes one from the other again.
+/// A point of a curve with its direction, both as an angle and as a unit vector, so that neither is computed from the other again.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CurvePoint {
     pub position: Point,
@@ -76,18 +76,18 @@ impl Geometry {
         Self { s, start, length, shape, direction: start.forward(), heading: start.yaw }
     }
 
-    /// A piece that begins with a heading which is not wrapped, so that CARLA's rounding of it can be repeated.
+    /// The same piece with a start heading that is not wrapped, so that CARLA's rounding of it can be repeated.
     pub(super) fn with_heading(self, heading: f64) -> Self {
         Self { heading, ..self }
     }
 
-    /// The pose `ds` (m) after its beginning.
+    /// The pose `ds` (m) after its start.
     pub fn pose(&self, ds: f64) -> Pose {
         let point = self.point(ds);
         Pose { x: point.position.x, y: point.position.y, yaw: wrap_angle(point.yaw) }
     }
 
-    /// The point `ds` (m) after its beginning.
+    /// The point `ds` (m) after its start.
     pub(super) fn point(&self, ds: f64) -> CurvePoint {
         match self.shape {
             Shape::Line => self.straight(ds),
@@ -158,11 +158,10 @@ fn slope([_, b, c, d]: [f64; 4], x: f64) -> f64 {
     b + x * (2.0 * c + x * 3.0 * d)
 }
 
-/// The parameter at which a curve is `ds` (m) long, given its speed over the parameter; `share` is the first guess for each
-/// metre.
+/// The parameter at which a curve is `ds` (m) long, given its speed over the parameter; `share` is the first guess per metre.
 ///
 /// # Source
-/// CARLA `road/element/Geometry.cpp` goes by the curve's length too, whatever `pRange` says.
+/// CARLA `road/element/Geometry.cpp` also uses the length of the curve, whatever `pRange` says.
 fn parameter(ds: f64, share: f64, range: f64, speed: impl Fn(f64) -> f64) -> f64 {
     let mut p = ds * share;
     for _ in 0..12 {
@@ -171,7 +170,7 @@ fn parameter(ds: f64, share: f64, range: f64, speed: impl Fn(f64) -> f64) -> f64
             break;
         }
         let step = (integral(p, &speed) - ds) / rate;
-        // A curve may be a little shorter than the file says; then it goes on beyond its end.
+        // A curve may be a little shorter than the file says; then it continues beyond its end.
         p = (p - step).max(0.0).min(1.1 * range);
         if step.abs() * rate < 1e-9 {
             break;
@@ -180,11 +179,11 @@ fn parameter(ds: f64, share: f64, range: f64, speed: impl Fn(f64) -> f64) -> f64
     p
 }
 
-/// The reference line of a road: a curve in the plane, and how high it lies.
+/// The reference line of a road: a curve in the plane, and its height.
 ///
 /// Pieces of form [`Shape::Poly3`] and [`Shape::ParamPoly3`] are drawn as CARLA draws them, with straight lines between places
-/// less than half a metre apart: a few millimetres off the exact curve that [`Geometry::pose`] knows. Where the file's lengths
-/// leave a gap behind such a piece, it goes straight on; other pieces are held at their ends.
+/// less than half a metre apart. They are a few millimetres off the exact curve of [`Geometry::pose`]. If the file's lengths
+/// leave a gap after such a piece, it continues straight on; other pieces are clamped at their ends.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PlanView {
     pieces: Vec<Geometry>,
@@ -200,12 +199,12 @@ impl PlanView {
         Self { pieces, tables, elevation: Profile::default() }
     }
 
-    /// Lays it at a height (m) over the distance along it, for all of the road's width.
+    /// The same line at a height (m) over the distance along it, for the whole width of the road.
     pub fn with_elevation(self, elevation: Profile) -> Self {
         Self { elevation, ..self }
     }
 
-    /// How high it lies (m); an empty profile is level at 0.
+    /// Its height (m); an empty profile is level at 0.
     pub fn elevation(&self) -> &Profile {
         &self.elevation
     }
@@ -215,7 +214,7 @@ impl PlanView {
         &self.pieces
     }
 
-    /// The pose at `s` (m), held at both ends.
+    /// The pose at `s` (m), clamped at both ends.
     pub fn pose(&self, s: f64) -> Pose {
         let point = self.point(s);
         Pose { x: point.position.x, y: point.position.y, yaw: wrap_angle(point.yaw) }
@@ -225,12 +224,12 @@ impl PlanView {
         self.pieces.partition_point(|piece| piece.s <= s).saturating_sub(1)
     }
 
-    /// The piece that holds at `s` (m).
+    /// The piece that contains `s` (m).
     pub fn piece_at(&self, s: f64) -> Option<&Geometry> {
         self.pieces.get(self.index_at(s))
     }
 
-    /// The point at `s` (m), held at both ends.
+    /// The point at `s` (m), clamped at both ends.
     pub(super) fn point(&self, s: f64) -> CurvePoint {
         let index = self.index_at(s);
         let Some(piece) = self.pieces.get(index) else {

@@ -2,11 +2,11 @@ use super::lane_network::heading;
 use super::{Lane, LaneId, PlanView, Profile};
 use crate::geometry::Pose;
 
-/// The place of a road in [`Town::roads`](super::Town::roads).
+/// The index of a road in [`Town::roads`](super::Town::roads).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct RoadIndex(pub u32);
 
-/// The place of a junction in [`Town::junctions`](super::Town::junctions).
+/// The index of a junction in [`Town::junctions`](super::Town::junctions).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct JunctionIndex(pub u32);
 
@@ -31,7 +31,7 @@ pub enum RoadLink {
 /// A stretch of a road on which the lanes are the same.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LaneSection {
-    /// Where it begins (m).
+    /// Where it starts (m).
     pub start: f64,
     /// Where it ends (m).
     pub end: f64,
@@ -70,12 +70,12 @@ pub struct Road {
 }
 
 impl Road {
-    /// The section that holds at `s` (m).
+    /// The section that contains `s` (m).
     pub fn section_at(&self, s: f64) -> usize {
         self.sections.partition_point(|section| section.start <= s).saturating_sub(1)
     }
 
-    /// All sections that hold at `s` (m): more than one where the two sides of the road have their own.
+    /// All sections that contain `s` (m): more than one if the two sides of the road have sections of their own.
     pub fn sections_at(&self, s: f64) -> std::ops::Range<usize> {
         let after = self.sections.partition_point(|section| section.start <= s).max(1).min(self.sections.len());
         let start = self.sections.get(after.saturating_sub(1)).map_or(0.0, |section| section.start);

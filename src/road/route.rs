@@ -4,7 +4,7 @@ use super::{Town, Waypoint};
 use crate::geometry::{Pose, wrap_angle};
 use crate::seed::Stream;
 
-/// The turn that a point of a route belongs to, as CARLA's planners name them.
+/// The turn that a point of a route belongs to, with the names of CARLA's planners.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RoadOption {
     /// Along the lane.
@@ -47,21 +47,21 @@ impl RoutePoint {
 
 /// Turns below this angle are straight on (rad).
 const STRAIGHT: f64 = 35.0 * std::f64::consts::PI / 180.0;
-/// How far past a fork CARLA's planner looks to name the turn (m).
+/// How far past a fork CARLA's planner looks ahead to name the turn (m).
 const LOOK_PAST: f64 = 3.0;
-/// Step with which we look for the end of a junction (m), and how often.
+/// Step of the search for the end of a junction (m), and the number of steps.
 const LOOK_THROUGH: (f64, u32) = (3.0, 30);
 
 /// How a random walk chooses at a fork.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ForkRule {
-    /// Every branch is as likely, and the turn is named by where the branch leaves the junction: what driving to far
-    /// destinations amounts to.
+    /// Every branch is equally likely, and the turn is named by where the branch leaves the junction. Driving to far
+    /// destinations amounts to the same.
     #[default]
     AnyBranch,
-    /// CARLA's way without a destination: turns are named by the first metres of a branch, each name is as likely, and
-    /// of the branches with one name the first is taken. In CARLA's Town01 and Town02 every branch begins straight, so
-    /// that the car always takes the first one.
+    /// CARLA's rule without a destination: turns are named by the first metres of a branch, each name is equally likely, and
+    /// the first of the branches with that name is taken. In CARLA's Town01 and Town02 every branch starts straight, so
+    /// the car always takes the first one.
     NamedTurn,
 }
 
@@ -80,7 +80,7 @@ pub struct RandomWalk {
 impl RandomWalk {
     /// Makes a walk that chooses by a rule.
     pub fn new(rule: ForkRule) -> Self {
-        // Room for any junction, so that walking allocates nothing.
+        // Room for any junction, so that the walk allocates nothing.
         let room = 16;
         Self {
             rule,
@@ -145,7 +145,7 @@ impl RandomWalk {
 
 /// Names the turn from one pose to another.
 ///
-/// As in CARLA, the difference is taken modulo 180°: a turn of more than 90° counts as one to the other side.
+/// As in CARLA, the difference is taken modulo 180°: a turn of more than 90° counts as a turn to the other side.
 pub fn turn(before: &Pose, after: &Pose) -> RoadOption {
     let clockwise = (before.yaw - after.yaw).rem_euclid(std::f64::consts::PI);
     if !(STRAIGHT..=std::f64::consts::PI - STRAIGHT).contains(&clockwise) {

@@ -13,13 +13,13 @@ const GAUSS: [(f64, f64); 4] = [
 /// How much the heading may turn within one panel of the quadrature (rad).
 const TURN_PER_PANEL: f64 = 1.0;
 
-/// An upper limit of the work for a file with absurd curvatures.
+/// Greatest number of panels, a guard against files with absurd curvatures.
 const MAX_PANELS: f64 = 256.0;
 
-/// The displacement after a distance along a spiral that begins at the origin along `+x`, and how far its heading has turned.
+/// The displacement after a distance along a spiral that starts at the origin along `+x`, and how far its heading has turned.
 ///
-/// `curvature` is that at the beginning (1/m), `rate` its change (1/m²). Both coordinates are Fresnel integrals; eight
-/// nodes for each radian of turn give them to 1e-12 m per metre.
+/// `curvature` is that at the start (1/m), `rate` its change (1/m²). Both coordinates are Fresnel integrals; eight
+/// nodes per radian of turn give them to 1e-12 m per metre.
 pub(super) fn spiral(curvature: f64, rate: f64, distance: f64) -> (Vector, f64) {
     let heading = |s: f64| s * (curvature + 0.5 * rate * s);
     let steepest = curvature.abs().max((curvature + rate * distance).abs());

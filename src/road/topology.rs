@@ -1,22 +1,22 @@
-//! Moving along lanes: what comes next, what came before, and how lanes hang together.
+//! Moving along lanes: successors, predecessors, and how lanes are connected.
 
 use super::hash_order::hash_order;
 use super::lane_network::{LaneSlot, NetworkLane};
 use super::{LaneKind, RoadIndex, Town, Waypoint};
 
-/// What CARLA keeps off the ends of lanes (m).
+/// CARLA's margin at the ends of lanes (m).
 const EPSILON: f64 = 10.0 * f64::EPSILON;
 
-/// How many lanes one step may pass through, for a file whose lanes lead in circles without length.
+/// The greatest number of lanes that one step may pass through, a guard against lanes without length that lead in circles.
 const MAX_LANES: u32 = 4096;
 
-/// How many lanes in a row one step may pass through.
+/// The greatest number of lanes in a row that one step may pass through.
 const MAX_DEPTH: u32 = 256;
 
-/// Waypoints are not generated closer than that (m).
+/// The shortest spacing of generated waypoints (m).
 const SHORTEST_STEP: f64 = 1e-3;
 
-/// A way along lanes.
+/// A direction along lanes.
 #[derive(Clone, Copy)]
 enum Way {
     Ahead,
@@ -24,10 +24,10 @@ enum Way {
 }
 
 impl Town {
-    /// Appends the waypoints `distance` (m) further on in driving direction, one for each branch.
+    /// Appends the waypoints `distance` (m) ahead in driving direction, one for each branch.
     ///
-    /// The distance is counted along reference lines. Where the lanes end before, there is nothing to append. Distances
-    /// that are not positive append nothing.
+    /// The distance is counted along reference lines. Nothing is appended if the lanes end before it, or if it is not
+    /// positive.
     ///
     /// # Source
     /// CARLA `road/Map.cpp`, `GetNext`.
@@ -43,7 +43,7 @@ impl Town {
         self.step(waypoint, distance, Way::Back, out);
     }
 
-    /// The beginnings of the lanes one comes to at the end of a waypoint's lane.
+    /// The starts of the lanes that follow a waypoint's lane.
     pub fn successors(&self, waypoint: Waypoint) -> impl Iterator<Item = Waypoint> + '_ {
         let lane = self.network.slot(waypoint).map(|slot| self.network.lane(slot));
         lane.map_or(&[][..], |lane| self.network.next(lane)).iter().map(|slot| {
@@ -61,8 +61,8 @@ impl Town {
         })
     }
 
-    /// Pairs of waypoints: the beginning of each driving lane of each section with each of its successors, or with its own
-    /// end where there is none, in the order in which CARLA's client library for Linux gives them.
+    /// Pairs of waypoints: the start of each driving lane of each section with each of its successors, or with its own
+    /// end if there is none. The order is that of CARLA's client library for Linux.
     ///
     /// # Source
     /// CARLA `road/Map.cpp`, `GenerateTopology`; roads are in a hash table there, lanes are ordered by their numbers.
@@ -85,7 +85,7 @@ impl Town {
         pairs
     }
 
-    /// Waypoints on all driving lanes, every `step` (m) along each road from its beginning; none for steps below a millimetre.
+    /// Waypoints on all driving lanes, every `step` (m) along each road from its start; none for steps below a millimetre.
     ///
     /// # Source
     /// CARLA `road/Map.cpp`, `GenerateWaypoints`.
@@ -96,7 +96,7 @@ impl Town {
         }
         for (road, index) in self.roads.iter().zip(0..) {
             let mut s = EPSILON;
-            // The sum is rounded as CARLA's is, which decides about a last waypoint where the length is a multiple of the step.
+            // The sum is rounded as CARLA rounds it. If the length is a multiple of the step, this decides about a last waypoint.
             while s < road.length - EPSILON {
                 for section in road.sections_at(s) {
                     let lanes = road.sections[section].lanes.iter();
@@ -160,7 +160,7 @@ impl Town {
     }
 }
 
-/// Where one enters a lane.
+/// Where a lane is entered.
 fn entry(lane: &NetworkLane, way: Way) -> f64 {
     let at_start = lane.forward() == matches!(way, Way::Ahead);
     if at_start { lane.start + 10.0 * EPSILON } else { lane.end - 10.0 * EPSILON }

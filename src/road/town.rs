@@ -9,7 +9,7 @@ use super::{
 };
 use crate::geometry::{OrientedBox, Point, Pose};
 
-/// How far apart the places of a lane are that are looked at for the bounds, at most (m).
+/// The greatest distance between the samples of a lane for the bounds (m).
 const BOUND_STEP: f64 = 10.0;
 
 /// What a town is made of, before it is indexed.
@@ -27,15 +27,15 @@ pub struct TownParts {
     pub traffic_lights: Vec<TrafficLight>,
     /// Crosswalks: their corners in order.
     pub crosswalks: Vec<Vec<Point>>,
-    /// Buildings, walls, trees: whatever blocks walkers and sight.
+    /// Buildings, walls, trees: everything that blocks pedestrians and sight.
     pub obstacles: Vec<OrientedBox>,
-    /// What the reader of a file had to skip or guess.
+    /// What the reader of a file skipped or guessed.
     pub warnings: Vec<OpenDriveWarning>,
 }
 
-/// A road network with everything that stands beside it, indexed for the questions a simulation asks.
+/// A road network with everything that stands beside it, indexed for the look-ups of a simulation.
 ///
-/// The parts are there to be read; whoever changes one has to build a new town.
+/// The parts are read-only; to change one, build a new town.
 #[derive(Debug)]
 pub struct Town {
     /// Its name.
@@ -50,9 +50,9 @@ pub struct Town {
     pub traffic_lights: Vec<TrafficLight>,
     /// Crosswalks: their corners in order.
     pub crosswalks: Vec<Vec<Point>>,
-    /// Buildings, walls, trees: whatever blocks walkers and sight.
+    /// Buildings, walls, trees: everything that blocks pedestrians and sight.
     pub obstacles: Vec<OrientedBox>,
-    /// What the reader of a file had to skip or guess.
+    /// What the reader of a file skipped or guessed.
     pub warnings: Vec<OpenDriveWarning>,
     pub(super) network: LaneNetwork,
     index: LaneIndex,
@@ -97,7 +97,7 @@ impl Town {
         self.roads.get(waypoint.road.0 as usize).map_or_else(Pose::default, |road| road.plan_view.pose(waypoint.s))
     }
 
-    /// How high the road lies at a waypoint (m), for all of its width; 0 for a road that does not exist.
+    /// The height of the road at a waypoint (m), for its whole width; 0 for a road that does not exist.
     pub fn elevation(&self, waypoint: Waypoint) -> f64 {
         self.roads.get(waypoint.road.0 as usize).map_or(0.0, |road| road.plan_view.elevation().value(waypoint.s))
     }
@@ -162,8 +162,8 @@ impl Town {
         self.index.nearest(self.lanes(), point, filter)
     }
 
-    /// The place on the lane whose centre line is nearest to a point at a height (m), whatever the lanes' widths: where roads
-    /// cross on two levels, the one of the point's level.
+    /// The place on the lane whose centre line is nearest to a point at a height (m), whatever the lanes' widths. Where roads
+    /// cross on two levels, it is on the level of the point.
     ///
     /// # Source
     /// CARLA `road/Map.cpp`, `GetClosestWaypointOnRoad`.
@@ -175,15 +175,15 @@ impl Town {
         Lanes { roads: &self.roads, network: &self.network }
     }
 
-    /// Makes what answers look-ups of nearest lanes fastest; otherwise that happens after some thousand of them, in the middle
-    /// of one. The answers are the same.
+    /// Builds the fastest index for look-ups of nearest lanes. Without this call it is built during a look-up, after some thousand
+    /// of them. The answers are the same.
     pub fn prepare(&self) {
         for filter in [LaneFilter::Driving, LaneFilter::Sidewalk, LaneFilter::Any] {
             self.index.prepare(self.lanes(), filter);
         }
     }
 
-    /// A width that no driving lane exceeds anywhere (m).
+    /// An upper bound of the widths of all driving lanes (m).
     pub fn widest_driving_lane(&self) -> f64 {
         let driving = self.network.lanes().iter().filter(|lane| lane.kind == LaneKind::Driving);
         driving.map(|lane| self.network.greatest_width(lane)).fold(0.0, f64::max)
@@ -194,14 +194,14 @@ impl Town {
         &self.driving_lanes
     }
 
-    /// The waypoint `distance` (m) along a stretch in driving direction, held within it.
+    /// The waypoint `distance` (m) along a stretch in driving direction, clamped to it.
     pub fn along(&self, stretch: &LaneStretch, distance: f64) -> Waypoint {
         let moved = distance.clamp(0.0, stretch.length.max(0.0));
         let s = stretch.start.s + if stretch.start.lane < 0 { moved } else { -moved };
         Waypoint { s, ..stretch.start }
     }
 
-    /// The planner of routes with a point every `sampling` (m), made when it is asked for first.
+    /// The planner of routes with a point every `sampling` (m), built on the first call.
     pub fn route_planner(&self, sampling: f64) -> Arc<RoutePlanner> {
         let mut planners = self.route_planners.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(planner) = planners.iter().find(|planner| planner.sampling() == sampling) {

@@ -1,7 +1,7 @@
 use super::{LaneId, RoadIndex};
 use crate::geometry::Pose;
 
-/// A place on a lane's centre line. Its pose is asked of the [`Town`](super::Town).
+/// A place on a lane's centre line. The [`Town`](super::Town) gives its pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Waypoint {
     /// The road.
@@ -10,14 +10,14 @@ pub struct Waypoint {
     pub section: u32,
     /// The lane within the section; never 0.
     pub lane: LaneId,
-    /// Distance along the road's reference line from its beginning (m).
+    /// Distance along the road's reference line from its start (m).
     pub s: f64,
 }
 
-/// A driving lane of one section outside junctions, as a stretch to begin on.
+/// A driving lane of one section outside junctions, on which an episode may start.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LaneStretch {
-    /// Where driving along it begins.
+    /// Where driving along it starts.
     pub start: Waypoint,
     /// Its length along the reference line (m).
     pub length: f64,

@@ -8,18 +8,18 @@ use crate::road::RoadEnd;
 const LEAST_ANGLE: f64 = FRAC_PI_6;
 /// Nodes nearer than this lie on one place (m).
 const SAME_PLACE: f64 = 0.01;
-/// What must be left of a road between bends and junctions (m): room for a speed sign and a traffic light.
+/// The least length of a road between bends and junctions (m): room for a speed sign and a traffic light.
 const LEAST_ROAD: f64 = 5.0;
 /// Streets in line to within this angle need no bend (rad).
 const IN_LINE: f64 = 1e-9;
-/// The least length of the straight part that a bend replaces (m); a road of a few millimetres would help nobody.
+/// The least length of the straight part that a bend replaces (m); it prevents roads of a few millimetres.
 const LEAST_TANGENT: f64 = 1.0;
 
-/// The straight piece of a street between two of its nodes.
+/// The straight part of a street between two of its nodes.
 #[derive(Debug)]
 pub(super) struct Edge {
     pub street: usize,
-    /// Node at the beginning, node at the end.
+    /// Start node and end node.
     pub nodes: [usize; 2],
     /// Distance of the nodes (m).
     pub length: f64,
@@ -27,7 +27,7 @@ pub(super) struct Edge {
     pub heading: f64,
     /// How much of it the bends and junctions at both nodes take (m).
     pub cuts: [f64; 2],
-    /// Whether anything is left.
+    /// Whether some length remains between the cuts.
     pub fits: bool,
 }
 
@@ -41,7 +41,7 @@ pub(super) struct Leg {
     pub heading: f64,
 }
 
-/// What happens at a node.
+/// What a node is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Joint {
     /// A fault, or no street at all.
@@ -147,7 +147,7 @@ impl Layout {
         }
     }
 
-    /// How far from its node a leg begins (m).
+    /// How far from its node a leg starts (m).
     fn leg_cut(&self, design: &TownDesign, node: usize, leg: usize) -> f64 {
         match self.joints[node] {
             Joint::Nothing | Joint::DeadEnd | Joint::Straight => 0.0,
@@ -232,7 +232,7 @@ fn find_unused_nodes(design: &TownDesign, faults: &mut Vec<DesignError>) {
     faults.extend(unused.map(|(node, _)| DesignError::UnusedNode { node: node.name.clone() }));
 }
 
-/// Where streets cross or overlap is told of so many pairs at most: each may be at fault with each.
+/// The greatest number of reported crossings and overlaps; each pair of streets may have one.
 pub(super) const MOST_FAULTS: usize = 100;
 
 fn find_crossings(design: &TownDesign, edges: &[Edge], faults: &mut Vec<DesignError>) {

@@ -4,7 +4,7 @@ use super::network::Network;
 use crate::geometry::{OrientedBox, Pose};
 use crate::road::{LaneId, RoadEnd, RoadIndex, SpeedSign, TrafficLight};
 
-/// How far behind a driving lane's beginning its speed sign takes effect (m).
+/// How far after the start of a driving lane its speed sign takes effect (m).
 const SIGN_DISTANCE: f64 = 1.0;
 /// Half size of a sign's trigger box, in lane widths.
 const SIGN_HALF_SIZE: f64 = 0.35;
@@ -15,7 +15,7 @@ const STOP_HALF_LENGTH: f64 = 1.5;
 /// Half width of a traffic light's trigger box, in lane widths.
 const STOP_HALF_WIDTH: f64 = 0.25;
 
-/// Speed signs at the beginning of both driving lanes of every street with a limit, anew after each node.
+/// Speed signs at the start of both driving lanes of every street with a limit, repeated after each node.
 pub(super) fn speed_signs(design: &TownDesign, layout: &Layout, network: &Network) -> Vec<SpeedSign> {
     let half = SIGN_HALF_SIZE * design.profile.lane_width;
     let mut signs = Vec::new();
@@ -30,7 +30,7 @@ pub(super) fn speed_signs(design: &TownDesign, layout: &Layout, network: &Networ
     signs
 }
 
-/// One traffic light on every approach to a junction with lights; the legs have their turns one after another.
+/// One traffic light on every approach to a junction with lights; the legs take turns.
 pub(super) fn traffic_lights(design: &TownDesign, layout: &Layout, network: &Network) -> Vec<TrafficLight> {
     let half_width = STOP_HALF_WIDTH * design.profile.lane_width;
     let mut lights = Vec::new();

@@ -62,7 +62,7 @@ impl Surfaces {
         Self { around: roads.iter().map(|road| around(road)).collect(), roads, middles: middles(design, layout) }
     }
 
-    /// Whether anything that is a road or the middle of a junction lies under a tile.
+    /// Whether a road or the middle of a junction lies under a tile.
     pub fn lie_under(&self, tile: &Tile) -> bool {
         let here = around(std::slice::from_ref(tile));
         let near = self.roads.iter().zip(&self.around).filter(|(_, around)| !apart(here, **around));
@@ -168,8 +168,8 @@ fn piece_tiles(piece: &Geometry, left: f64, right: f64) -> Vec<Tile> {
         .collect()
 }
 
-/// The carriageway of every leg up to its junction's node: what is left between the connecting roads is no place for a
-/// building either.
+/// The carriageway of every leg up to its junction's node. The area between the connecting roads is no place for a building
+/// either.
 fn middles(design: &TownDesign, layout: &Layout) -> Vec<(usize, Tile)> {
     let mut middles = Vec::new();
     for (node, legs) in layout.legs.iter().enumerate().filter(|(node, _)| layout.joints[*node] == Joint::Junction) {

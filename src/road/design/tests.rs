@@ -60,7 +60,7 @@ fn block() -> TownDesign {
     town
 }
 
-/// The road, lane number and end at which a lane linked to `lane` begins or ends; none into a junction or nowhere.
+/// The road, lane number and end at which a lane linked to `lane` starts or ends; none into a junction or without a link.
 fn linked(road: &Road, end: RoadEnd, lane: &Lane) -> Option<(RoadIndex, RoadEnd, i32)> {
     let (link, id) = match end {
         RoadEnd::Start => (road.predecessor, lane.predecessor),
@@ -179,7 +179,7 @@ fn the_sidewalk_runs_straight_through_along_the_bar_of_a_t() {
         let straight = (road.plan_view.pose(0.0).yaw - road.plan_view.pose(road.length).yaw).abs() < 1e-12;
         road.junction.is_some() && straight && road.sections[0].lane(-3).is_some()
     });
-    // Right of the way from west to east is south, where no street begins.
+    // The right turn on the way from west to east is south, where no street starts.
     let middle = bar.unwrap().lane_pose(0, -3, bar.unwrap().length / 2.0).unwrap();
     assert!((middle.position() - Point::new(0.0, -6.3)).norm() < 1e-9 && middle.yaw.abs() < 1e-9, "{middle:?}");
 }
@@ -300,13 +300,13 @@ fn building_rows_fill_both_sides_and_stay_off_lanes_and_each_other() {
     assert_eq!(town.obstacles[0], fixed);
     assert!(town.obstacles.len() > 40, "{}", town.obstacles.len());
     let south = |house: &&OrientedBox| (house.pose.y - (-8.3 - 2.0 - 5.0)).abs() < 1e-9;
-    // AcrossRuns the bends at both ends 96 m or so are straight.
+    // Between the bends at both ends about 96 m are straight.
     assert_eq!(town.obstacles.iter().filter(south).count(), 5);
 }
 
 #[test]
 fn houses_that_would_reach_the_next_street_are_left_out() {
-    // AcrossRuns the street in the south and the one through the middle lie 43 m in the west and 54 m in the east.
+    // The street in the south and the one through the middle are 43 m apart in the west and 54 m in the east.
     let mut design = block();
     design.block_buildings = Some(BuildingRow { setback: 0.0, depth: 55.0, length: 9.0, gap: 0.0 });
     let town = built(&design);
@@ -321,7 +321,7 @@ fn a_block_is_continuous() {
     check_links(&built(&block()), 1e-9);
 }
 
-/// What a broken T-junction has to say.
+/// The faults of a broken T-junction.
 fn faults(change: impl FnOnce(&mut TownDesign)) -> Vec<DesignError> {
     let mut design = t_junction();
     change(&mut design);
@@ -410,7 +410,7 @@ fn a_leg_without_room_is_a_fault() {
     let [DesignError::ShortLeg { street: at, from, to, length, needed }] = &short[..] else { panic!("{short:?}") };
     assert_eq!((at.as_str(), from.as_str(), to.as_str(), *length), ("High Street", "middle", "east", 15.0));
     assert!((needed - 15.3).abs() < 1e-9);
-    // AcrossRuns two junctions there must be room for both.
+    // Between two junctions there must be room for both.
     let between = |length: f64| {
         let mut town = t_junction();
         town.nodes[2].position.x = length;

@@ -12,7 +12,7 @@ const REACH: f64 = 10_000.0;
 pub struct TownDesign {
     /// Its name.
     pub name: String,
-    /// The places where streets begin, end, bend and meet.
+    /// The places where streets start, end, bend and meet.
     pub nodes: Vec<Node>,
     /// The streets.
     pub streets: Vec<Street>,
@@ -30,7 +30,7 @@ pub struct TownDesign {
     pub block_buildings: Option<BuildingRow>,
 }
 
-/// A place where streets begin, end, bend or meet.
+/// A place where streets start, end, bend or meet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Node {
     /// Its name.
@@ -46,9 +46,9 @@ pub struct Node {
 pub struct Street {
     /// Its name.
     pub name: String,
-    /// The nodes it passes, as places in [`TownDesign::nodes`]; a closed street ends with the node it begins with.
+    /// The nodes it passes, as indices into [`TownDesign::nodes`]; a closed street ends with its first node.
     pub nodes: Vec<usize>,
-    /// What its speed signs say (m/s); without it there are no signs.
+    /// The limit on its speed signs (m/s); without it there are no signs.
     pub speed_limit: Option<f64>,
 }
 
@@ -98,8 +98,8 @@ impl TownDesign {
     /// Lays out the roads and everything beside them.
     ///
     /// # Errors
-    /// All faults of the design. What a fault makes impossible to lay out (the ways through a junction with a sharp
-    /// angle, say) is left out of the search for further faults.
+    /// All faults of the design. Parts that a fault makes impossible to lay out (for example the ways through a junction with a
+    /// sharp angle) are excluded from the search for further faults.
     pub fn build(&self) -> Result<TownParts, Vec<DesignError>> {
         let mut faults = self.measure_faults();
         if !faults.is_empty() {
@@ -129,7 +129,7 @@ impl TownDesign {
         })
     }
 
-    /// The faults in numbers, each on its own.
+    /// The faults in single numbers.
     fn measure_faults(&self) -> Vec<DesignError> {
         let half_width = self.profile.half_width();
         let mut limits = vec![

@@ -4,12 +4,12 @@ use roxmltree::Node;
 
 use super::{OpenDriveProblem, OpenDriveWarning};
 
-/// No length, coordinate or coefficient of a town is larger than that.
+/// An upper bound of every length, coordinate and coefficient of a town.
 const LARGEST: f64 = 1e9;
-/// How many warnings are kept; more than that say nothing new.
+/// The greatest number of warnings that are stored.
 const MOST_WARNINGS: usize = 10_000;
 
-/// What the parts of the reader share: the road at hand, where lines begin, and the warnings so far.
+/// What the parts of the reader share: the current road, where lines start, and the warnings.
 pub(super) struct Context {
     pub road: Option<String>,
     pub warnings: Vec<OpenDriveWarning>,
@@ -17,13 +17,13 @@ pub(super) struct Context {
 }
 
 impl Context {
-    /// Begins to read a text.
+    /// Starts to read a text.
     pub fn new(xml: &str) -> Self {
         let breaks = xml.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(place, _)| place + 1);
         Self { road: None, warnings: Vec::new(), line_starts: std::iter::once(0).chain(breaks).collect() }
     }
 
-    /// Notes a problem with an element.
+    /// Records a problem with an element.
     pub fn warn(&mut self, node: Node, problem: OpenDriveProblem) {
         if self.warnings.len() >= MOST_WARNINGS {
             return;
@@ -32,7 +32,7 @@ impl Context {
         self.warnings.push(OpenDriveWarning { road: self.road.clone(), line, problem });
     }
 
-    /// A number, or none with a warning.
+    /// A number, or none after a warning.
     pub fn number(&mut self, node: Node, attribute: &'static str) -> Option<f64> {
         if node.attribute(attribute).is_none() {
             let element = node.tag_name().name().to_owned();
@@ -41,12 +41,12 @@ impl Context {
         self.optional(node, attribute)
     }
 
-    /// A number, or 0 where it is missing or no number; only the latter gives a warning.
+    /// A number; 0 if it is missing, and 0 with a warning if it is not a number.
     pub fn number_or_zero(&mut self, node: Node, attribute: &'static str) -> f64 {
         self.optional(node, attribute).unwrap_or(0.0)
     }
 
-    /// A number if it is there and one.
+    /// A number, if the attribute is present and is one.
     pub fn optional(&mut self, node: Node, attribute: &'static str) -> Option<f64> {
         let text = node.attribute(attribute)?;
         let number = text.trim().parse().ok().filter(|number: &f64| number.abs() <= LARGEST);
@@ -56,7 +56,7 @@ impl Context {
         number
     }
 
-    /// A whole number if it is there and one.
+    /// A whole number, if the attribute is present and is one.
     pub fn whole(&mut self, node: Node, attribute: &'static str) -> Option<i32> {
         let text = node.attribute(attribute)?;
         let number = text.trim().parse().ok();

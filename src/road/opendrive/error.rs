@@ -11,7 +11,7 @@ pub enum OpenDriveError {
         /// What the XML parser says.
         message: String,
     },
-    /// The outermost element is another one.
+    /// The outermost element has another name.
     #[error("not OpenDRIVE: the outermost element is `{found}`, not `OpenDRIVE`")]
     NotOpenDrive {
         /// The outermost element.
@@ -28,7 +28,7 @@ pub enum OpenDriveError {
 /// Something in a file that was skipped or guessed.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct OpenDriveWarning {
-    /// The `id` of the road it concerns.
+    /// The `id` of the road that it is about.
     pub road: Option<String>,
     /// The line of the element, from 1.
     pub line: u32,
@@ -68,7 +68,7 @@ pub enum OpenDriveProblem {
         /// The attribute.
         attribute: &'static str,
     },
-    /// A piece of a reference line has no known form.
+    /// A piece of a reference line has an unknown form.
     #[error("a geometry of no known form; taken as a line")]
     UnknownShape,
     /// A road has no usable reference line.
@@ -83,25 +83,25 @@ pub enum OpenDriveProblem {
         /// The lane's number.
         lane: i32,
     },
-    /// Lane sections are not in order, or begin beyond the road's end.
+    /// Lane sections are not in order, or start beyond the road's end.
     #[error("lane sections out of order or beyond the road's end; put in order")]
     SectionOrder,
     /// A road is driven on the left.
     #[error("left-hand traffic; lanes are driven as in right-hand traffic, the wrong way")]
     LeftHandTraffic,
-    /// A link names a junction by a number that a road has too, or the other way round.
+    /// A link has the number of a junction where it should name a road, or the reverse.
     #[error("`{element}` should lead to a {wanted}, but there is a {found} {id}, and CARLA takes that")]
     AmbiguousLink {
         /// The element.
         element: &'static str,
         /// What the file says it leads to.
         wanted: &'static str,
-        /// What it is taken for.
+        /// What the reader found.
         found: &'static str,
         /// The number of both.
         id: String,
     },
-    /// A number stands for two things.
+    /// A number names two things.
     #[error("`{element}` {id} is there twice; the first one counts")]
     Duplicate {
         /// The element.
@@ -109,7 +109,7 @@ pub enum OpenDriveProblem {
         /// Its number.
         id: String,
     },
-    /// A link leads to something that is not there.
+    /// A link leads to something that does not exist.
     #[error("`{element}` refers to {id}, which is not there; ignored")]
     UnknownReference {
         /// The element.
@@ -123,9 +123,9 @@ pub enum OpenDriveProblem {
     /// The number of a road or junction is not one.
     #[error("the id `{id}` is not a whole number; {given} stands for it")]
     IdNotNumber {
-        /// As written.
+        /// The text in the file.
         id: String,
-        /// What stands for it.
+        /// The number that is used in its place.
         given: u32,
     },
 }

@@ -8,7 +8,7 @@ use crate::road::lane_network::LaneNetwork;
 /// Reads the text of an OpenDRIVE file; `name` becomes the town's name.
 ///
 /// # Errors
-/// The text is not XML, not OpenDRIVE, or has no usable road. Everything else becomes a warning in
+/// The text is not XML, not OpenDRIVE, or has no usable road. Every other problem becomes a warning in
 /// [`TownParts::warnings`].
 ///
 /// # Example
@@ -18,7 +18,7 @@ use crate::road::lane_network::LaneNetwork;
 /// assert_eq!(error, OpenDriveError::NotOpenDrive { found: "map".to_owned() });
 /// ```
 pub fn read(xml: &str, name: &str) -> Result<TownParts, OpenDriveError> {
-    // A document type without entities cannot make a small file big.
+    // A document type without entities cannot make a small file expand.
     let options = ParsingOptions { allow_dtd: !xml.contains("<!ENTITY"), ..ParsingOptions::default() };
     let document = Document::parse_with_options(xml, options).map_err(|error| {
         let at = error.pos();

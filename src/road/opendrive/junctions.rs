@@ -15,7 +15,7 @@ pub(super) struct Junctions<'a> {
     pub controllers: Vec<Vec<&'a str>>,
 }
 
-/// Reads the junctions, and stands in for those that only roads speak of.
+/// Reads the junctions, and creates those that only roads mention.
 pub(super) fn read<'a, 'x: 'a>(context: &mut Context, root: Node<'a, 'x>, roads: &Roads<'a, 'x>) -> Junctions<'a> {
     let mut found = Junctions { junctions: Vec::new(), by_id: BTreeMap::new(), controllers: Vec::new() };
     for node in children(root, "junction") {

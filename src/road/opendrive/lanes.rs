@@ -4,7 +4,7 @@ use super::OpenDriveProblem;
 use super::attributes::{Context, child, children};
 use crate::road::{Cubic, Lane, LaneId, LaneKind, LaneSection, Profile};
 
-/// Lane numbers beyond that are taken for errors.
+/// Larger lane numbers are treated as errors.
 const LARGEST_ID: LaneId = 1000;
 
 /// Reads the offset of lane 0; 0 before its first entry.
@@ -26,7 +26,7 @@ pub(super) fn sections(context: &mut Context, lanes: Node, length: f64) -> Vec<L
         starts.retain(|(s, _)| *s < length);
         starts.sort_by(|a, b| a.0.total_cmp(&b.0));
     }
-    // Sections that begin at one place (one for each side of the road) end at one place too.
+    // Sections that start at one place (one for each side of the road) end at one place too.
     let end = |start: f64| starts.get(starts.partition_point(|(s, _)| *s <= start)).map_or(length, |(s, _)| *s);
     starts.iter().map(|(start, node)| section(context, *node, *start, end(*start))).collect()
 }
@@ -45,7 +45,7 @@ fn section(context: &mut Context, node: Node, start: f64, end: f64) -> LaneSecti
             Some(id) => found.push((id, lane)),
         }
     }
-    // Borders need the lanes further in, so each side is read from the middle outwards.
+    // Borders need the lanes nearer to the middle, so each side is read from the middle outwards.
     found.sort_by_key(|(id, _)| id.abs());
     let mut edges = [Profile::constant(0.0), Profile::constant(0.0)];
     let mut lanes: Vec<Lane> = Vec::with_capacity(found.len());
@@ -68,7 +68,7 @@ fn section(context: &mut Context, node: Node, start: f64, end: f64) -> LaneSecti
     LaneSection { start, end, lanes }
 }
 
-/// The width of a lane, from its widths or, without any, from its borders and the edge of the lanes further in.
+/// The width of a lane: from its widths, or else from its borders and the edge of the lanes nearer to the middle.
 fn width(context: &mut Context, lane: Node, id: LaneId, inner: &Profile, start: f64, end: f64) -> Profile {
     let widths: Vec<Cubic> = children(lane, "width").map(|node| cubic(context, node, "sOffset", start)).collect();
     if !widths.is_empty() {
@@ -79,12 +79,12 @@ fn width(context: &mut Context, lane: Node, id: LaneId, inner: &Profile, start: 
         context.warn(lane, OpenDriveProblem::NoWidth { lane: id });
         return Profile::constant(0.0);
     }
-    // Some writers count the borders of right lanes as positive distances.
+    // Some writers store the borders of right lanes as positive distances.
     let outward = if borders[0].a < 0.0 { -1.0 } else { 1.0 };
     Profile::sum(&[(&Profile::new(borders), outward), (inner, -1.0)], start, end)
 }
 
-/// Reads a cubic whose place is counted from an origin (m).
+/// Reads a cubic whose place is relative to an origin (m).
 pub(super) fn cubic(context: &mut Context, node: Node, place: &'static str, origin: f64) -> Cubic {
     let start = origin + context.number_or_zero(node, place);
     let [a, b, c, d] = context.coefficients(node, ["a", "b", "c", "d"]);

@@ -1,7 +1,7 @@
 //! Reading OpenDRIVE: everything of versions 1.0 to 1.8 that a town of lanes, speed signs and traffic lights needs.
 //!
-//! The reader is tolerant. Whatever it can do without becomes an [`OpenDriveWarning`] with the road and the line; only a
-//! file without any usable road is an [`OpenDriveError`]. Superelevation, shapes and lane heights are not read.
+//! The reader is tolerant. A problem that it can work around becomes an [`OpenDriveWarning`] with the road and the line; only
+//! a file without any usable road is an [`OpenDriveError`]. Superelevation, shapes and lane heights are not read.
 
 mod error;
 mod attributes;

@@ -6,7 +6,7 @@ use super::attributes::{Context, child, children};
 use super::{OpenDriveProblem, lanes, plan_view};
 use crate::road::{Cubic, JunctionIndex, Profile, Road, RoadEnd, RoadIndex, RoadLink};
 
-/// Roads longer than that are taken for errors (m).
+/// Longer roads are treated as errors (m).
 const LONGEST: f64 = 1e6;
 
 /// The roads of a file, with the elements they come from.
@@ -36,7 +36,7 @@ pub(super) fn read<'a, 'x: 'a>(context: &mut Context, root: Node<'a, 'x>) -> Roa
     found
 }
 
-/// The number that stands for an `id`, which may be any text.
+/// The number that is used for an `id`, which may be any text.
 pub(super) fn number_of(context: &mut Context, node: Node, id: &str, place: usize) -> u32 {
     id.trim().parse().unwrap_or_else(|_| {
         let given = place as u32;
@@ -79,7 +79,7 @@ fn road(context: &mut Context, node: Node) -> Option<Road> {
     })
 }
 
-/// Reads the height of a road; empty where it is level at 0.
+/// Reads the height of a road; empty if it is level at 0.
 fn elevation(context: &mut Context, road: Node) -> Profile {
     let profiles = child(road, "elevationProfile");
     let cubics = profiles.into_iter().flat_map(|profile| children(profile, "elevation"));
@@ -89,7 +89,7 @@ fn elevation(context: &mut Context, road: Node) -> Profile {
 }
 
 impl Roads<'_, '_> {
-    /// Resolves what the roads are linked to, and the junctions they lie in.
+    /// Resolves the links of the roads, and the junctions they lie in.
     ///
     /// # Source
     /// CARLA `road/MapBuilder.cpp`, `GetLaneNext`: a link leads to the road of that number if there is one, and to the junction

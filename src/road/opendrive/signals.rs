@@ -1,4 +1,4 @@
-//! What stands beside roads: speed signs, and which lanes a sign or a signal holds for.
+//! Speed signs, and the lanes that a sign or a signal applies to.
 
 use roxmltree::Node;
 
@@ -19,7 +19,7 @@ pub(super) struct Placed<'a, 'x> {
     pub lanes: Vec<LaneSlot>,
 }
 
-/// Finds all elements of a name within a container of each road, with the driving lanes they hold for.
+/// Finds all elements of a name within a container of each road, with the driving lanes they apply to.
 pub(super) fn placed<'a, 'x: 'a>(
     context: &mut Context,
     roads: &Roads<'a, 'x>,
@@ -42,10 +42,10 @@ pub(super) fn placed<'a, 'x: 'a>(
     found
 }
 
-/// The driving lanes a sign or signal holds for: those of its validities, or without any those of its side.
+/// The driving lanes that a sign or signal applies to: those of its validities, or without any those of its side.
 ///
 /// # Source
-/// CARLA `road/MapBuilder.cpp`: orientation `+` stands for left lanes, `-` for right ones, anything else for both.
+/// CARLA `road/MapBuilder.cpp`: orientation `+` selects left lanes, `-` right ones, anything else both.
 fn lanes(
     context: &mut Context,
     node: Node,

@@ -213,7 +213,7 @@ fn left_hand_traffic_and_ambiguous_links_are_said() {
     assert!(ahead(&town, eastbound(99.0), 2.0).is_empty());
 }
 
-/// Three sections of a road, written in the wrong order: two lanes, the outer one begins in the second section and goes on as
+/// Three sections of a road, written in the wrong order: two lanes, the outer one starts in the second section and continues as
 /// the only one; the sides of the first section are written separately.
 const SECTIONS: &str = r#"<OpenDRIVE>
 <road length="90" id="1" junction="-1">
@@ -301,10 +301,10 @@ fn all_forms_are_read() {
     assert_eq!(town.lane_kind(Waypoint { lane: -2, ..eastbound(0.0) }), LaneKind::None);
 }
 
-/// The maps that are distorted.
+/// The maps that the tests distort.
 const MAPS: [&str; 4] = [BEND, BRIDGE, SECTIONS, FORMS];
 
-/// Asks everything; what comes out does not matter.
+/// Runs every query on a map; only the absence of panics matters.
 fn exercise(xml: &str) {
     let Ok(parts) = read(xml, "mutant") else { return };
     let town = Town::new(parts);

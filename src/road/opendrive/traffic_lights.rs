@@ -18,17 +18,17 @@ const BEFORE_END: f64 = 3.0;
 const HALF_LENGTH: f64 = 1.5;
 /// Half the width of the trigger box, as a share of the lane's width.
 const HALF_WIDTH: f64 = 0.25;
-/// How many lanes of a junction may lie between a signal and the approach lane.
+/// The greatest number of lanes of a junction between a signal and the approach lane.
 const MAX_LANES: usize = 64;
 
-/// A signal that holds for an approach lane.
+/// A signal that applies to an approach lane.
 struct Approach<'a> {
     signal: &'a str,
     slot: LaneSlot,
     junction: Option<JunctionIndex>,
 }
 
-/// Reads traffic lights: for each signal one on each lane from which one comes to the lanes it holds for.
+/// Reads traffic lights: for each signal one on each lane that leads to the lanes it applies to.
 pub(super) fn read<'a, 'x: 'a>(
     context: &mut Context,
     root: Node<'a, 'x>,
@@ -62,7 +62,7 @@ pub(super) fn read<'a, 'x: 'a>(
 /// Group, turn and turns of a light.
 type Place = (u32, u32, u32);
 
-/// The controllers of a junction take turns; signals without a controller, or without a junction, take theirs after them.
+/// The controllers of a junction take turns; signals without a controller, or without a junction, have their turns after them.
 fn group(root: Node, approaches: &[Approach], junctions: &Junctions) -> Vec<Place> {
     let mut controller_of: BTreeMap<&str, &str> = BTreeMap::new();
     for controller in children(root, "controller") {
@@ -100,7 +100,7 @@ fn light(roads: &Roads, network: &LaneNetwork, (group, turn, turns): Place, slot
     TrafficLight { group, turn, turns, road: lane.road, stop, trigger }
 }
 
-/// The lanes outside junctions from which one comes to a lane; the lane itself if it is outside.
+/// The lanes outside junctions that lead to a lane; the lane itself if it is outside.
 fn before_junction(network: &LaneNetwork, slot: LaneSlot) -> Vec<LaneSlot> {
     let mut seen = vec![slot];
     let mut outside = Vec::new();

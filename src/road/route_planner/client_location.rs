@@ -1,7 +1,7 @@
 use crate::geometry::Point;
 use crate::road::{Geometry, LaneId, Road, Shape, Town, Waypoint};
 
-/// A location with the bits that CARLA's client library gives it, but for the sign of `y`.
+/// A location with the bits that CARLA's client library gives it, except for the sign of `y`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct ClientLocation {
     x: f32,
@@ -28,7 +28,7 @@ impl ClientLocation {
         };
         let Some((mut place, yaw)) = on_piece(piece, waypoint.s - piece.s) else { return exact() };
         place.z = height as f32;
-        // The offset of lane 0 and the way from there to the lane's centre are rounded one after the other.
+        // The offset of lane 0 and the step from there to the lane's centre are rounded one after the other.
         let offset = -(road.lane_offset.value(waypoint.s) as f32);
         place = place.beside(yaw, offset);
         place.beside(yaw, to_the_right(road, waypoint.section as usize, waypoint.lane, waypoint.s) as f32)
@@ -45,7 +45,7 @@ impl ClientLocation {
         (x * x + y * y + z * z).sqrt()
     }
 
-    /// In whole metres; halves go to the even neighbour.
+    /// In whole metres; halves round to even.
     pub fn whole(self) -> [i64; 3] {
         [self.x, self.y, self.z].map(|metres| metres.round_ties_even() as i64)
     }
@@ -56,7 +56,7 @@ impl ClientLocation {
     }
 }
 
-/// The place on a line or an arc, and the heading there; none on other curves, of which CARLA has its own approximations.
+/// The place on a line or an arc, and the heading there; none on other curves, which CARLA approximates in its own way.
 fn on_piece(piece: &Geometry, ds: f64) -> Option<(ClientLocation, f64)> {
     let ds = ds.clamp(0.0, piece.length.max(0.0));
     let start = ClientLocation::new(piece.start.position(), 0.0);
@@ -117,7 +117,7 @@ mod tests {
         let arc = Geometry::arc(0.0, Pose::new(1e5, 0.0, 0.0), 10.0, 0.1);
         let (place, yaw) = on_piece(&arc, 10.0).unwrap();
         assert_eq!(yaw, 1.0);
-        // AcrossRuns neighbouring floats at 100 km are 8 mm.
+        // At 100 km neighbouring floats are 8 mm apart.
         assert!((f64::from(place.x) - (1e5 + 10.0 * libm::sin(1.0))).abs() < 0.02);
     }
 

@@ -4,7 +4,7 @@ use super::segment::{Place, Segment};
 use crate::geometry::Vector;
 use crate::road::{LaneId, RoadIndex, Town, Waypoint};
 
-/// The place of a node in the graph.
+/// The index of a node in the graph.
 pub(super) type Node = u32;
 
 /// A segment in the graph.
@@ -14,9 +14,9 @@ pub(super) struct Edge {
     pub to: Node,
     /// Its points, both ends included.
     pub places: Vec<Place>,
-    /// Whether it begins in a junction.
+    /// Whether it starts in a junction.
     pub junction: bool,
-    /// Where it heads at its end, and from its beginning to its end; unknown of loose ends.
+    /// Its heading at its end, and the direction from its start to its end; unknown for loose ends.
     pub directions: Option<(Vector, Vector)>,
 }
 
@@ -43,17 +43,17 @@ fn lane_key(waypoint: Waypoint) -> LaneKey {
     (waypoint.road, waypoint.section, waypoint.lane)
 }
 
-/// Where segments begin and end, and the segments between.
+/// Where segments start and end, and the segments between.
 ///
-/// Two ends in the same cubic metre are one node, and of two segments between the same nodes the later one is kept: in
-/// tight junctions one goes where CARLA thinks one goes.
+/// Two ends in the same cubic metre are one node. Of two segments between the same nodes the later one is kept; in tight
+/// junctions the route therefore follows CARLA's graph, not the lanes.
 #[derive(Debug, Default)]
 pub(super) struct RouteGraph {
-    /// Of each node the place in whole metres.
+    /// The place of each node in whole metres.
     nodes: Vec<[f64; 3]>,
-    /// Of each node the segments that begin there, in order of their first appearance.
+    /// The segments that start at each node, in order of their first appearance.
     edges: Vec<Vec<Edge>>,
-    /// Of each lane the nodes between which it lies.
+    /// The two nodes between which each lane lies.
     lanes: BTreeMap<LaneKey, (Node, Node)>,
 }
 

@@ -8,8 +8,8 @@ use crate::road::{LaneFilter, RoutePoint, Town, Waypoint};
 
 /// Finds routes through one town, as CARLA's `GlobalRoutePlanner` does.
 ///
-/// CARLA's planner remembers the junction in which its last route ended, and may then name the first junction of the next
-/// one wrongly when that begins elsewhere; here every route stands for itself.
+/// CARLA's planner remembers the junction in which its last route ended. It may then name the first junction of the next
+/// route wrongly if that starts elsewhere; here every route is independent.
 #[derive(Debug)]
 pub struct RoutePlanner {
     sampling: f64,
@@ -35,11 +35,11 @@ impl RoutePlanner {
         &self.destinations
     }
 
-    /// The route between the lanes nearest to two places of the town it was made for; none where no way leads.
+    /// The route between the lanes nearest to two places of the town it was made for; none if no way leads there.
     ///
-    /// Where segments meet, the end of one and the beginning of the next are both points of the route. A destination behind
-    /// the origin on the same segment gives a single point, as CARLA has it. From an origin within a junction the route may
-    /// begin on another branch, since CARLA searches from where the origin's segment begins.
+    /// Where segments meet, the end of one and the start of the next are both points of the route. A destination behind
+    /// the origin on the same segment gives a single point, as in CARLA. From an origin within a junction the route may
+    /// start on another branch, since CARLA searches from the start of the origin's segment.
     pub fn trace(&self, town: &Town, from: Point, to: Point) -> Option<Vec<RoutePoint>> {
         let origin = town.nearest_lane(from, LaneFilter::Driving)?;
         let goal = Place::new(town, town.nearest_lane(to, LaneFilter::Driving)?);

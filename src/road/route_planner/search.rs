@@ -3,7 +3,7 @@ use std::collections::BinaryHeap;
 
 use super::graph::{Node, RouteGraph};
 
-/// An entry of the queue: a way to a node, and what it is worth looking at.
+/// An entry of the queue: a way to a node, and its priority.
 struct Candidate {
     priority: f64,
     count: u32,
@@ -13,7 +13,7 @@ struct Candidate {
 }
 
 impl Ord for Candidate {
-    /// The cheapest is the greatest, and of equals the one queued first.
+    /// The cheapest entry is the greatest; of equal ones it is the one queued first.
     fn cmp(&self, other: &Self) -> Ordering {
         other.priority.total_cmp(&self.priority).then_with(|| other.count.cmp(&self.count))
     }
@@ -33,22 +33,22 @@ impl PartialEq for Candidate {
 
 impl Eq for Candidate {}
 
-/// What is known of a node.
+/// What is known about a node.
 #[derive(Clone, Copy, Default)]
 struct Known {
-    /// Cost of the best way so far, and the straight line to the goal.
+    /// Cost of the best way found, and the straight line to the goal.
     queued: Option<(f64, f64)>,
-    /// The node before it, once it has been looked at; the beginning has none.
+    /// The node before it, once it has been explored; the first node has none.
     explored: Option<Option<Node>>,
 }
 
-/// A way from one node to another, both included; none where no way leads.
+/// A way from one node to another, both included; none if no way leads there.
 ///
 /// A* with costs in points and the straight line in metres. With a point every two metres the line weighs twice as much as
-/// the way, so the search runs towards the goal and stops at the first way it meets, which need not be the shortest.
+/// the way. The search therefore runs towards the goal and stops at the first way it meets, which need not be the shortest.
 ///
 /// # Source
-/// networkx `algorithms/shortest_paths/astar.py`: the order among equals, and that a node may be looked at again.
+/// networkx `algorithms/shortest_paths/astar.py`: the order of equal entries, and that a node may be explored again.
 pub(super) fn find_way(graph: &RouteGraph, from: Node, to: Node) -> Option<Vec<Node>> {
     let mut known = vec![Known::default(); graph.len()];
     let mut queue = BinaryHeap::new();

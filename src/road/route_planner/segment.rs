@@ -1,7 +1,7 @@
 use super::client_location::ClientLocation;
 use crate::road::{RoadOption, RoutePoint, Town, Waypoint};
 
-/// Points a segment has at most, for a file whose lanes lead past their own end.
+/// The greatest number of points of a segment, a guard against files whose lanes lead past their own end.
 const MOST_POINTS: usize = 100_000;
 
 /// A point of a segment, with the location by which CARLA compares points.
@@ -21,7 +21,7 @@ impl Place {
     }
 }
 
-/// Of some places the first that is nearest to a location.
+/// The first of some places that is nearest to a location.
 pub(super) fn nearest(location: ClientLocation, places: &[Place]) -> usize {
     let mut best = (0, f32::INFINITY);
     for (index, place) in places.iter().enumerate() {
@@ -36,12 +36,12 @@ pub(super) fn nearest(location: ClientLocation, places: &[Place]) -> usize {
 /// A driving lane of one section up to one of its successors.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Segment {
-    /// Its beginning, a point every so many metres, and its end, which is the beginning of the successor.
+    /// Its start, points at the spacing, and its end, which is the start of the successor.
     pub places: Vec<Place>,
 }
 
 impl Segment {
-    /// Places points between two waypoints; none where they are close and the lane does not go on.
+    /// Places points between two waypoints; none if they are close and the lane does not continue.
     pub fn new(town: &Town, entry: Waypoint, exit: Waypoint, sampling: f64) -> Option<Self> {
         let (entry, exit) = (Place::new(town, entry), Place::new(town, exit));
         let step = sampling as f32;
@@ -68,7 +68,7 @@ impl Segment {
         Some(Self { places })
     }
 
-    /// From a waypoint on along its lane, for a lane that is nobody's beginning; none where it is over at once.
+    /// The rest of a lane from a waypoint on, for a lane that starts no segment; none if no point fits.
     pub fn loose_end(town: &Town, from: Place, sampling: f64) -> Option<Self> {
         let lane = |waypoint: Waypoint| (waypoint.road, waypoint.section, waypoint.lane);
         let mut places = vec![from];

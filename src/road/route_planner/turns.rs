@@ -7,16 +7,16 @@ const STRAIGHT: f64 = 35.0 * std::f64::consts::PI / 180.0;
 
 /// Names the turns along a way through the graph, one segment after the other.
 ///
-/// A junction is named where it is entered from a road; what follows in the same junction is called the same.
+/// A junction is named where the route enters it from a road; later segments in the same junction get the same name.
 #[derive(Debug, Default)]
 pub(super) struct Turns {
-    /// The node at which the junction ends that is being passed.
+    /// The node at which the current junction ends.
     junction_end: Option<Node>,
     previous: Option<RoadOption>,
 }
 
 impl Turns {
-    /// The option of the segment that begins at the `index`-th node of a way; none where the way has no such segment.
+    /// The option of the segment that starts at the `index`-th node of a way; none if the way has no such segment.
     pub fn name(&mut self, graph: &RouteGraph, way: &[Node], index: usize) -> Option<RoadOption> {
         let (here, next) = (*way.get(index)?, *way.get(index + 1)?);
         let ahead = graph.edge(here, next)?;
@@ -34,7 +34,7 @@ impl Turns {
                         let others = graph.edges(here).iter().filter(|edge| edge.to != next);
                         match (behind.directions, last.directions) {
                             (Some((arriving, _)), Some((leaving, _))) => turn(arriving, leaving, others),
-                            // CARLA forgets to note this one.
+                            // CARLA does not store this one.
                             _ => return Some(RoadOption::LaneFollow),
                         }
                     } else {
@@ -54,7 +54,7 @@ fn junction_exit<'a>(graph: &'a RouteGraph, way: &[Node], first: &'a Edge) -> (N
     edges.take_while(|edge| edge.junction).last().map_or((first.to, first), |edge| (edge.to, edge))
 }
 
-/// Compares the turn with the directions of the other exits, as seen from where one arrives.
+/// Compares the turn with the directions of the other exits, as seen on arrival.
 fn turn<'a>(arriving: Vector, leaving: Vector, others: impl Iterator<Item = &'a Edge>) -> RoadOption {
     let cosine = arriving.dot(&leaving) / (arriving.norm() * leaving.norm());
     if libm::acos(cosine.clamp(-1.0, 1.0)) < STRAIGHT {

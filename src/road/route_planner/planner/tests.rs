@@ -4,7 +4,7 @@ use super::*;
 use crate::road::RoadOption;
 use crate::road::design::{Node, Street, TownDesign};
 
-/// Two blocks with a street between them, which goes on to a dead end in the north.
+/// Two blocks with a street between them, which continues to a dead end in the north.
 fn town() -> Town {
     let node = |(x, y): (f64, f64)| Node { name: String::new(), position: Point::new(x, y), lights: false };
     let street = |nodes: Vec<usize>| Street { name: String::new(), nodes, speed_limit: None };
@@ -49,7 +49,7 @@ fn a_route_follows_lanes_and_ends_near_its_goal() {
         }
         let Some(route) = planner.trace(&town, from, to) else { continue };
         let gaps = route.windows(2).map(|pair| (pair[1].pose.position() - pair[0].pose.position()).norm());
-        // Of a segment's points the one nearer to its end than the spacing is left out.
+        // The point of a segment that is nearer to its end than the spacing is left out.
         assert!(gaps.fold(0.0, f64::max) < 4.5, "no gaps");
         assert!((route[0].pose.position() - from).norm() < 3.0, "begins where it should");
         if route.len() > 1 {
@@ -76,7 +76,7 @@ fn junctions_are_named_and_lanes_are_not() {
     assert_eq!(turns(&way(south, west)), [RoadOption::Left, RoadOption::Left]);
     assert_eq!(turns(&way(north, end)), [RoadOption::Straight]);
     for point in way(south, north) {
-        // The end of the segment before is the beginning of a junction's lane.
+        // The end of the segment before is the start of a junction's lane.
         let length = town.roads[point.waypoint.road.0 as usize].length;
         let at_end = point.waypoint.s.min(length - point.waypoint.s) < 1e-3;
         assert!(point.option != RoadOption::LaneFollow || !point.is_junction || at_end);
