@@ -28,7 +28,7 @@ pub struct ActorCritic<T: Real = f32> {
     observation_moments: Option<RunningMoments>,
 }
 
-/// The size of the logarithm of a standard deviation at most.
+/// The greatest absolute value of the logarithm of a standard deviation.
 const MOST_LOG_STD: f64 = 20.0;
 
 impl<T: Real> ActorCritic<T> {
@@ -91,25 +91,25 @@ impl<T: Real> ActorCritic<T> {
         &mut self.parameters
     }
 
-    /// Returns where the actor's parameters lie.
+    /// Returns the range of the actor's parameters.
     pub(super) fn actor_range(&self) -> Range<usize> {
         0..self.actor.parameter_count()
     }
 
-    /// Returns where the critic's parameters lie.
+    /// Returns the range of the critic's parameters.
     pub(super) fn critic_range(&self) -> Range<usize> {
         let start = self.actor.parameter_count();
         start..start + self.critic.parameter_count()
     }
 
-    /// Returns where the logarithms of the standard deviations lie.
+    /// Returns the range of the logarithms of the standard deviations.
     pub(super) fn log_std_range(&self) -> Range<usize> {
         self.critic_range().end..self.parameters.len()
     }
 
-    /// Keeps the standard deviations countable: an entropy bonus without a rival makes them grow for ever.
+    /// Bounds the standard deviations: with an entropy bonus and nothing against it they would grow without limit.
     ///
-    /// stable-baselines3 has no such bounds and ends there with an error; within them nothing is changed.
+    /// stable-baselines3 has no such bounds and ends there with an error. Values within the bounds are not changed.
     pub(super) fn hold_spread(&mut self) {
         let range = self.log_std_range();
         for slot in &mut self.parameters[range] {
@@ -122,7 +122,7 @@ impl<T: Real> ActorCritic<T> {
         &self.parameters[self.critic_range().end..]
     }
 
-    /// Returns the moments that observations are normalised with before the networks see them, if they are.
+    /// Returns the moments that observations are normalised with before the networks see them, if any.
     pub fn observation_moments(&self) -> Option<&RunningMoments> {
         self.observation_moments.as_ref()
     }
@@ -132,7 +132,7 @@ impl<T: Real> ActorCritic<T> {
         &mut self.observation_moments
     }
 
-    /// Writes what the networks see of an observation into `input`.
+    /// Writes the input of the networks for an observation into `input`.
     pub(super) fn prepare(&self, obs: &[f64], input: &mut [T]) {
         match &self.observation_moments {
             None => input.iter_mut().zip(obs).for_each(|(slot, obs)| *slot = T::rounded(*obs)),
@@ -159,7 +159,7 @@ impl<T: Real> ActorCritic<T> {
         self.mean(&scratch.input, out, &mut scratch.actor);
     }
 
-    /// Writes the mean action for what the networks see of one observation into `out`.
+    /// Writes the mean action for the input of one observation into `out`.
     pub(super) fn mean(&self, input: &[T], out: &mut [f64], scratch: &mut MlpScratch<T>) {
         let mean = self.actor.forward_one(&self.parameters[self.actor_range()], input, scratch);
         for (out, mean) in out.iter_mut().zip(mean) {
@@ -175,16 +175,16 @@ impl<T: Real> ActorCritic<T> {
         }
     }
 
-    /// Returns the critic's estimate of the discounted reward to come after one observation.
+    /// Returns the critic's estimate of the discounted reward that follows one observation.
     ///
-    /// With normalised rewards it counts these.
+    /// If rewards are normalised, it is an estimate of the normalised ones.
     pub fn value(&self, obs: &[f64], scratch: &mut Scratch<T>) -> f64 {
         self.prepare(obs, &mut scratch.input);
         let parameters = &self.parameters[self.critic_range()];
         self.critic.forward_one(parameters, &scratch.input, &mut scratch.critic)[0].widened()
     }
 
-    /// Writes the critic's values into `out`, of what the networks see of several observations (obs_dim × batch).
+    /// Writes the critic's values of several observations into `out`; `inputs` are those of the networks (obs_dim × batch).
     pub(super) fn values(&self, inputs: &[T], out: &mut [f64], scratch: &mut Scratch<T>, path: Path) {
         let values = self.critic.forward(&self.parameters[self.critic_range()], inputs, &mut scratch.critic, path);
         for (out, value) in out.iter_mut().zip(values) {
@@ -193,7 +193,7 @@ impl<T: Real> ActorCritic<T> {
     }
 }
 
-/// The memory that evaluating an [`ActorCritic`] takes.
+/// The memory for evaluating an [`ActorCritic`].
 #[derive(Debug, Clone)]
 pub struct Scratch<T: Real = f32> {
     pub(super) input: Vec<T>,

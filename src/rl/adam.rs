@@ -26,7 +26,7 @@ pub struct Adam<T> {
 }
 
 impl<T: Real> Adam<T> {
-    /// Begins with zero moments for `count` parameters.
+    /// Starts with zero moments for `count` parameters.
     pub fn new(count: usize, eps: f64) -> Self {
         let zeros = vec![T::zero(); count];
         Self { eps, first: zeros.clone(), second: zeros, powers: [1.0; 2] }

@@ -15,7 +15,7 @@ struct Entry {
     data_offsets: [usize; 2],
 }
 
-/// An array under construction: the same calls give the same bytes.
+/// A file under construction; the same calls give the same bytes.
 #[derive(Default)]
 pub(super) struct Writer {
     header: Vec<(String, Entry)>,
@@ -50,7 +50,7 @@ impl Writer {
     }
 }
 
-/// A number that arrays can hold.
+/// A type of number that arrays can hold.
 pub(super) trait Number: Copy {
     /// The type's name in the header.
     const NAME: &'static str;
@@ -89,7 +89,7 @@ number!(f64, "F64", Dtype::F64, |x| x.is_finite());
 number!(u64, "U64", Dtype::U64, |_| true);
 number!(u8, "U8", Dtype::U8, |_| true);
 
-/// An array that was read.
+/// An array that has been read.
 pub(super) struct Array<N> {
     pub(super) name: String,
     pub(super) shape: Vec<usize>,

@@ -1,4 +1,4 @@
-//! Which instructions the learner computes with.
+//! The instructions that the learner computes with.
 //!
 //! A [`Kernel`] is written once, over an [`Arithmetic`], and compiled twice: for every processor of the target, and for
 //! those with AVX2 and fused multiply-add. [`Path::run`] enters one of the two.
@@ -8,7 +8,7 @@ use super::real::Real;
 
 /// How a product is added to a sum.
 pub trait Arithmetic {
-    /// Whether the product keeps all its digits until the sum is rounded.
+    /// Whether the product is not rounded before the sum.
     const FUSED: bool;
 
     /// Returns `a · b + c`.
@@ -28,7 +28,7 @@ impl Arithmetic for Plain {
     }
 }
 
-/// Rounds once. Slow where the processor has no such instruction.
+/// Rounds once. Slow on processors without such an instruction.
 #[derive(Debug)]
 pub struct Fused;
 
@@ -43,8 +43,8 @@ impl Arithmetic for Fused {
 
 /// A loop that is worth wide instructions.
 ///
-/// Implementations are marked `#[inline(always)]`, as is all they call: only what is inlined into [`Path::run`] is
-/// compiled for the wide instructions.
+/// Implementations are marked `#[inline(always)]`, as are all functions that they call: only code that is inlined into
+/// [`Path::run`] is compiled for the wide instructions.
 pub trait Kernel {
     /// What the loop computes.
     type Output;
@@ -55,7 +55,7 @@ pub trait Kernel {
 
 /// The instructions that kernels are run with.
 ///
-/// A value other than [`Path::plain`] is proof that the processor has them.
+/// A value other than [`Path::plain`] proves that the processor has them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Path {
     wide: bool,
@@ -67,7 +67,7 @@ impl Path {
         Self { wide: false }
     }
 
-    /// The widest instructions of this processor that there is code for.
+    /// The widest instructions of this processor for which there is code.
     pub fn widest() -> Self {
         #[cfg(target_arch = "x86_64")]
         let wide = std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma");

@@ -45,7 +45,7 @@ pub enum CheckpointError {
         /// The name of the tensor.
         name: String,
     },
-    /// The training was begun with other settings.
+    /// The training was started with other settings.
     #[error("the training was begun with another `{name}`")]
     Settings {
         /// The first setting that differs.
@@ -102,7 +102,7 @@ impl ActorCritic {
     /// The sizes of the networks follow from the shapes of the tensors. Tensors of other names are ignored.
     ///
     /// # Errors
-    /// Whatever keeps the bytes from being a policy with finite parameters.
+    /// The bytes are not a policy with finite parameters; the error names the reason.
     pub fn from_safetensors(bytes: &[u8]) -> Result<(Self, BTreeMap<String, String>), CheckpointError> {
         let (_, header) = SafeTensors::read_metadata(bytes).map_err(CheckpointError::Format)?;
         let tensors = SafeTensors::deserialize(bytes).map_err(CheckpointError::Format)?;
@@ -262,7 +262,7 @@ mod tests {
             for flip in [0x01, 0x10, 0x80] {
                 let mut broken = bytes.clone();
                 broken[at] ^= flip;
-                // Flips in the metadata and in names that are not needed may pass; none may panic.
+                // Flipped bits in the metadata and in unused names may pass; none may panic.
                 let _ = ActorCritic::from_safetensors(&broken);
             }
         }

@@ -15,10 +15,10 @@ use super::rollout::Rollout;
 use super::train_error::Quantity;
 use crate::seed::Seed;
 
-/// The environments in mid-episode.
+/// The environments in the middle of their episodes.
 ///
-/// Every environment has its own noise and, between two exchanges of statistics, runs on its own: on one thread or on
-/// many, the numbers are the same.
+/// Every environment has its own noise. Between two exchanges of statistics it runs on its own, so the numbers are the same
+/// on one thread and on many.
 #[derive(Debug, Clone)]
 pub(super) struct Collector {
     pub(super) lanes: Vec<Lane>,
@@ -30,12 +30,12 @@ pub(super) struct Collector {
     path: Path,
     /// The number of episodes over which reward and length are averaged.
     window: usize,
-    /// The most threads to take.
+    /// The greatest number of threads.
     threads: usize,
 }
 
 impl Collector {
-    /// Makes a collector that stands before the first episode of every environment; `noise` is that of the actions.
+    /// Makes a collector that precedes the first episode of every environment; `noise` is that of the actions.
     pub(super) fn new<E: Env>(envs: &[E], policy: &ActorCritic, config: &PpoConfig, noise: &Seed, path: Path) -> Self {
         let chunk = config.batch_size.min(config.rollout_steps);
         let lane = |(i, env)| Lane::new(env, policy, config.frame_stack, chunk, noise.index(i).stream());
@@ -51,7 +51,7 @@ impl Collector {
         }
     }
 
-    /// Begins an episode in every environment.
+    /// Starts an episode in every environment.
     pub(super) fn begin<E: Env>(&mut self, envs: &mut [E], policy: &mut ActorCritic) -> Result<(), Quantity> {
         for (env, lane) in envs.iter_mut().zip(&mut self.lanes) {
             lane.begin(env)?;
@@ -60,11 +60,11 @@ impl Collector {
         Ok(())
     }
 
-    /// Fills the rollouts, one for every environment, with the policy's experience, advantages and returns included, and
-    /// returns the episodes that ended.
+    /// Fills one rollout for every environment with the policy's experience, including advantages and returns. Returns the
+    /// episodes that ended.
     ///
     /// # Source
-    /// `collect_rollouts` and `VecNormalize.step_wait` of stable-baselines3: statistics take in the observations and
+    /// `collect_rollouts` and `VecNormalize.step_wait` of stable-baselines3: statistics include the observations and
     /// rewards of a step in all environments before one of them is normalised.
     pub(super) fn collect<E: Env + Send>(
         &mut self,
@@ -103,7 +103,7 @@ impl Collector {
         Ok(self.finished())
     }
 
-    /// Records the rewards of a step, normalised if they are to be.
+    /// Records the rewards of a step, normalised if the settings ask for it.
     fn settle(&mut self, policy: &ActorCritic, rollouts: &mut [Rollout], t: usize) {
         if let Some(moments) = &mut self.return_moments {
             for lane in &mut self.lanes {
@@ -151,14 +151,14 @@ impl Collector {
     }
 }
 
-/// Takes the observations that the next decisions are taken from into the policy's statistics.
+/// Adds the observations of the next decisions to the policy's statistics.
 pub(super) fn observe(policy: &mut ActorCritic, lanes: &[Lane]) {
     if let Some(moments) = policy.observation_moments_mut() {
         moments.update(lanes.iter().map(|lane| lane.stack.as_slice()));
     }
 }
 
-/// Works on all environments, on at most so many of the threads at hand.
+/// Works on all environments, on at most this number of the available threads.
 fn side_by_side<E: Env + Send>(
     threads: usize,
     envs: &mut [E],
@@ -181,7 +181,7 @@ mod tests {
     use crate::rl::env::Step;
     use crate::rl::gaussian::{Gaussian, Spread};
 
-    /// Ends after `length` steps, either way; the observation counts from 1.
+    /// Ends after `length` steps, terminated or truncated; the observation counts from 1.
     struct Ending {
         terminated: bool,
         truncated: bool,
@@ -252,14 +252,14 @@ mod tests {
         let cut = 1.0 + bootstrap;
         assert_eq!(buffer.rewards, [1.0, 1.0, cut, 1.0, 1.0, cut, 1.0]);
         assert_eq!(buffer.episode_starts, [true, false, false, true, false, false, true]);
-        // The report has the environment's own rewards.
+        // The log has the environment's own rewards.
         assert_eq!(finished, [FinishedEpisode { reward: 3.0, length: 3 }; 2]);
         for both in [false, true] {
             assert_eq!(rollout(true, both, 7).0.rewards, [1.0; 7]);
         }
-        // The advantage of a last step takes nothing from the next episode.
+        // The advantage of a last step includes nothing from the next episode.
         assert_eq!(buffer.advantages[2], cut - buffer.values[2]);
-        // Not even when the next episode begins after the rollout.
+        // This is true even if the next episode starts after the rollout.
         let (whole, ..) = rollout(false, true, 6);
         assert_eq!(whole.advantages[5], cut - whole.values[5]);
         let (open, ..) = rollout(false, true, 5);
@@ -302,11 +302,11 @@ mod tests {
                 assert_eq!(rollout.obs[t], moments.normalised(0, sample[0]) as f32, "{t}");
             }
         }
-        // The observation that the next rollout begins with has been seen, too.
+        // The first observation of the next rollout has been included, too.
         moments.update([&[2.0][..]; 2].into_iter());
         assert_eq!(policy.observation_moments(), Some(&moments));
-        // Where the episode was cut off, the final observation is normalised with the statistics of that moment, which
-        // contain the first observation of the next episode instead of it.
+        // Where the episode was cut off, the final observation is normalised with the statistics of that step. These include the
+        // first observation of the next episode instead of it.
         let moments_then = {
             let mut moments = RunningMoments::new(1);
             [1.0, 2.0, 3.0, 1.0].iter().for_each(|x| moments.update([std::slice::from_ref(x); 2].into_iter()));
@@ -331,7 +331,7 @@ mod tests {
             assert!((rollouts[1].rewards[t] - expected).abs() < 1e-9, "{t}");
         }
         assert!((collector.return_moments.unwrap().variance[0] - moments.variance[0]).abs() < 1e-12);
-        // The report has the environment's own rewards.
+        // The log has the environment's own rewards.
         assert_eq!(finished, [FinishedEpisode { reward: 3.0, length: 3 }; 2]);
     }
 

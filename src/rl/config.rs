@@ -7,14 +7,14 @@ use super::schedule::Schedule;
 
 /// The hyperparameters of PPO.
 ///
-/// The number of environments is not part of it: it is the number of environments handed to [`train`](super::train).
+/// The number of environments is not one of them: it is the number of environments passed to [`train`](super::train).
 ///
 /// # Source
-/// Table I of "Suicidal Pedestrian" (ITSC 2023); what the table leaves out has the default of stable-baselines3's
-/// `PPO`.
+/// Table I of "Suicidal Pedestrian" (ITSC 2023); a setting that the table does not list has the default of
+/// stable-baselines3's `PPO`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PpoConfig {
-    /// Environment steps after which no further update begins, summed over all environments.
+    /// Environment steps after which no further update starts, summed over all environments.
     pub total_steps: u64,
     /// Steps per environment between two updates.
     pub rollout_steps: usize,
@@ -24,7 +24,7 @@ pub struct PpoConfig {
     pub batch_size: usize,
     /// Adam's step size, for actor and critic alike.
     pub learning_rate: f64,
-    /// How the step size changes in the course of training.
+    /// How the step size changes during training.
     pub learning_rate_schedule: Schedule,
     /// The discount factor per step, γ.
     pub gamma: f64,
@@ -32,13 +32,13 @@ pub struct PpoConfig {
     pub gae_lambda: f64,
     /// The half width ε of the interval around 1 in which the probability ratio counts.
     pub clip_coef: f64,
-    /// How the half width changes in the course of training.
+    /// How the half width changes during training.
     pub clip_schedule: Schedule,
-    /// How far the critic's values may move in an update and still be corrected, in the unit of the rewards; none for any
-    /// distance.
+    /// The largest change of the critic's value in an update that the loss still corrects, in the unit of the rewards; none for
+    /// no limit.
     pub clip_range_vf: Option<f64>,
-    /// The divergence between old and new policy (nat), estimated on a minibatch, at 1.5 times of which an update ends
-    /// early; none for never.
+    /// The target divergence between old and new policy (nat). It is estimated on a minibatch, and at 1.5 times the target the
+    /// update ends early; none for never.
     pub target_kl: Option<f64>,
     /// The weight of the critic's mean squared error in the loss.
     pub vf_coef: f64,
@@ -54,19 +54,19 @@ pub struct PpoConfig {
     pub normalize_obs: bool,
     /// Whether rewards are divided by the running deviation of the discounted return, with the discount γ.
     pub normalize_reward: bool,
-    /// The share of the training over which beginnings widen from the easiest to all; 0 for all from the start.
+    /// The share of the training over which starts widen from the easiest to all; 0 for all from the first episode.
     pub curriculum: f64,
     /// The number of last observations that the policy sees, the newest included.
     pub frame_stack: usize,
     /// The number of ended episodes over which reward and length are averaged in the report of an update.
     pub stats_window: usize,
-    /// The most threads that the environments are stepped on, out of those at hand; none for all of these.
+    /// The greatest number of threads that step the environments, out of those available; none for all of these.
     ///
     /// The bits are the same on any number.
     pub threads: Option<usize>,
     /// Whether only instructions are used that all processors have, so that a seed gives the same bits everywhere.
     ///
-    /// Takes about twice the time.
+    /// It takes about twice the time.
     pub portable_bits: bool,
     /// The first value of every component of the logarithm of the policy's standard deviation.
     pub initial_log_std: f64,
@@ -107,7 +107,7 @@ impl PpoConfig {
         }
     }
 
-    /// The share of all beginnings from which episodes are drawn after so many steps, from 0 for the easiest to 1 for all;
+    /// The share of all starts from which episodes are drawn after this number of steps, from 0 for the easiest to 1 for all;
     /// none without a curriculum.
     pub(super) fn widening(&self, steps: u64) -> Option<f64> {
         let whole = self.curriculum * self.total_steps as f64;
@@ -119,8 +119,8 @@ impl PpoConfig {
         serde_json::to_string(self).expect("settings have a form in JSON")
     }
 
-    /// Returns the first setting, in the order of the alphabet, that differs from those in a JSON object and on which the
-    /// next updates depend.
+    /// Returns the first setting, in alphabetical order, that differs from those in a JSON object and on which the next updates
+    /// depend.
     pub(super) fn difference(&self, other: &str) -> Option<String> {
         let other: Map<String, Value> = serde_json::from_str(other).unwrap_or_default();
         let own: Map<String, Value> = serde_json::from_str(&self.to_json()).expect("settings are an object");

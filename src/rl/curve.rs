@@ -39,7 +39,7 @@ fn add<N: Number>(writer: &mut Writer, name: &str, curve: &[UpdateLog], value: i
     writer.add(&format!("curve.{name}"), &[curve.len()], curve.iter().map(value));
 }
 
-/// The name of the vector that says which numbers of another one there are.
+/// The name of the vector that marks which numbers of another vector exist.
 fn known(name: &str) -> String {
     format!("{name}.known")
 }

@@ -1,4 +1,4 @@
-//! What the learner asks of an environment.
+//! The interface between the learner and an environment.
 
 /// An environment with continuous observations and a box of continuous actions.
 ///
@@ -28,22 +28,22 @@ pub trait Env {
         0.0
     }
 
-    /// Sets the part of all starts that the next episodes are drawn from, from 0 for the easiest to 1 for all.
+    /// Sets the share of all starts that the next episodes are drawn from, from 0 for the easiest to 1 for all.
     ///
     /// Called before the first episode and before every rollout of a training with a curriculum; never without one.
     fn set_curriculum(&mut self, share: f64) {
         let _ = share;
     }
 
-    /// Returns all that the environment's future depends on, within an episode too; none when it cannot be saved.
+    /// Returns everything that the environment's future depends on, also in mid-episode; none when it cannot be saved.
     ///
-    /// With it a training continues from [`Trainer::state`](super::Trainer::state) bit for bit. Without it the running
+    /// With it a training continues from [`Trainer::state`](super::Trainer::state) bit for bit. Without it the current
     /// episode is dropped and a new one starts.
     fn save(&self) -> Option<Vec<u8>> {
         None
     }
 
-    /// Goes back to what [`Env::save`] has returned, and tells whether it could.
+    /// Restores the state that [`Env::save`] returned; returns whether it could.
     fn load(&mut self, state: &[u8]) -> bool {
         let _ = state;
         false
@@ -55,16 +55,16 @@ pub trait Env {
 pub struct Step {
     /// The reward of this decision, unscaled.
     pub reward: f64,
-    /// The episode has reached a terminal state: nothing of value follows.
+    /// The episode has reached a terminal state; no reward follows.
     pub terminated: bool,
-    /// The episode was cut off by a time limit: what would have followed is estimated by the critic.
+    /// The episode was cut off by a time limit; the critic estimates the rewards that would have followed.
     ///
-    /// Without effect on the learner's targets when `terminated` is set, too.
+    /// It has no effect on the learner's targets when `terminated` is set, too.
     pub truncated: bool,
 }
 
 impl Step {
-    /// Tells whether the episode is over, for either reason.
+    /// Returns whether the episode is over, for either reason.
     pub fn done(&self) -> bool {
         self.terminated || self.truncated
     }

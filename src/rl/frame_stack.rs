@@ -1,6 +1,6 @@
 //! The last observations side by side.
 
-/// The last observations of an episode, the oldest first; zeros stand for those before its beginning.
+/// The last observations of an episode, the oldest first; zeros fill the places before its start.
 ///
 /// A policy trained with `PpoConfig::frame_stack` expects this instead of a single observation.
 ///
@@ -13,18 +13,18 @@ pub struct FrameStack {
 }
 
 impl FrameStack {
-    /// Makes room for so many observations of `frame_dim` components each.
+    /// Makes room for this number of observations of `frame_dim` components each.
     pub fn new(frame_dim: usize, frames: usize) -> Self {
         Self { frame_dim, stacked: vec![0.0; frame_dim * frames] }
     }
 
-    /// Begins an episode with its first observation.
+    /// Starts an episode with its first observation.
     pub fn begin(&mut self, frame: &[f64]) {
         self.stacked.fill(0.0);
         self.push(frame);
     }
 
-    /// Adds an observation and forgets the oldest.
+    /// Adds an observation and drops the oldest.
     pub fn push(&mut self, frame: &[f64]) {
         self.stacked.copy_within(self.frame_dim.., 0);
         let newest = self.stacked.len() - self.frame_dim;

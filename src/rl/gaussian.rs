@@ -5,7 +5,7 @@ use super::real::Real;
 /// Half the natural logarithm of 2π, with which the density is normalised.
 const HALF_LOG_TAU: f64 = 0.918_938_533_204_672_8;
 
-/// The standard deviations of a policy's actions, in the forms that are needed over and over.
+/// The standard deviations of a policy's actions, with values derived from them that are needed repeatedly.
 #[derive(Debug, Clone)]
 pub struct Spread {
     log_std: Vec<f64>,
@@ -14,12 +14,12 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// Makes room for so many components, all with the standard deviation 1.
+    /// Makes room for this number of components, all with the standard deviation 1.
     pub fn new(components: usize) -> Self {
         Self { log_std: vec![0.0; components], std: vec![1.0; components], inverse_std: vec![1.0; components] }
     }
 
-    /// Takes over the natural logarithms of the standard deviations.
+    /// Sets the natural logarithms of the standard deviations.
     pub fn set<T: Real>(&mut self, log_std: &[T]) {
         for (i, log_std) in log_std.iter().enumerate() {
             self.log_std[i] = log_std.widened();

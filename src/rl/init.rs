@@ -54,7 +54,7 @@ mod tests {
 
     #[test]
     fn no_sign_is_preferred() {
-        // Without the signs of R's diagonal the first component would lean to one side.
+        // Without the signs of R's diagonal the first component would be biased to one side.
         let mut stream = Seed::root(6).stream();
         let positive = (0..400).filter(|_| orthogonal(4, 4, 1.0, &mut stream)[(0, 0)] > 0.0).count();
         assert!((150..250).contains(&positive), "{positive} of 400 are positive");

@@ -1,4 +1,4 @@
-//! One environment in mid-episode, and what is needed to act in it.
+//! One environment in mid-episode, and what acting in it needs.
 
 use super::actor_critic::{ActorCritic, Scratch};
 use super::arithmetic::Path;
@@ -12,29 +12,28 @@ use super::shaping::shaping;
 use super::train_error::Quantity;
 use crate::seed::Stream;
 
-/// The part of a collector that belongs to one environment. Lanes do not see each other, so that they can run side by
-/// side.
+/// The part of a collector that belongs to one environment. Lanes do not share data, so they can run in parallel.
 #[derive(Debug, Clone)]
 pub(super) struct Lane {
     bounds: Vec<(f64, f64)>,
     /// The noise of the actions.
     pub(super) noise: Stream,
-    /// What the next decision is taken from.
+    /// The input of the next decision.
     pub(super) stack: FrameStack,
     /// Whether the next decision is the first of an episode.
     pub(super) start: bool,
     pub(super) running: FinishedEpisode,
-    /// The discounted sum of the rewards of this episode so far, for their normalisation.
+    /// The discounted sum of the rewards of this episode up to now, for their normalisation.
     pub(super) discounted: f64,
     /// The outcome of the last step.
     pub(super) outcome: Step,
-    /// What the last step is worth to the learner: its reward, shaped.
+    /// The shaped reward of the last step.
     pub(super) earned: f64,
     /// The potential of the present state.
     pub(super) potential: f64,
-    /// The episodes of this rollout with the step in which each ended.
+    /// The episodes that ended in this rollout, each with its last step.
     pub(super) finished: Vec<(usize, FinishedEpisode)>,
-    /// What was not finite, and in which step.
+    /// The quantity that was not finite, and its step.
     pub(super) failure: Option<(usize, Quantity)>,
     /// The last observation of the episode that the last step ended.
     end: FrameStack,
@@ -47,7 +46,7 @@ pub(super) struct Lane {
 }
 
 impl Lane {
-    /// Makes a lane that stands before its first episode. `chunk` is the number of observations that are valued at once.
+    /// Makes a lane that precedes its first episode. `chunk` is the number of observations that are valued at once.
     pub(super) fn new<E: Env>(env: &E, policy: &ActorCritic, frames: usize, chunk: usize, noise: Stream) -> Self {
         let (frame_dim, action_dim) = (env.obs_dim(), policy.action_dim());
         let stack = FrameStack::new(frame_dim, frames);
@@ -73,7 +72,7 @@ impl Lane {
         }
     }
 
-    /// Begins an episode.
+    /// Starts an episode.
     pub(super) fn begin<E: Env>(&mut self, env: &mut E) -> Result<(), Quantity> {
         env.reset(&mut self.frame);
         self.stack.begin(&self.frame);
@@ -84,14 +83,14 @@ impl Lane {
         representable(&self.frame)
     }
 
-    /// Gets ready for a rollout with this policy.
+    /// Prepares a rollout with this policy.
     pub(super) fn prepare(&mut self, policy: &ActorCritic) {
         self.finished.clear();
         self.failure = None;
         self.spread.set(policy.log_std());
     }
 
-    /// Takes step `t` of a rollout; what depends on normalised numbers is left to [`Lane::settle`].
+    /// Takes step `t` of a rollout; [`Lane::settle`] does the part that depends on normalised numbers.
     pub(super) fn step<E: Env>(
         &mut self,
         env: &mut E,
@@ -138,7 +137,7 @@ impl Lane {
         Ok(())
     }
 
-    /// Records the reward of the step that was just taken, which is `reward` in the unit of the critic.
+    /// Records the reward of the last step; `reward` is in the unit of the critic.
     pub(super) fn settle(&mut self, policy: &ActorCritic, rollout: &mut Rollout, t: usize, reward: f64, gamma: f64) {
         rollout.rewards[t] = reward;
         if self.outcome.truncated && !self.outcome.terminated {
@@ -149,9 +148,9 @@ impl Lane {
         }
     }
 
-    /// Completes a rollout by values, advantages and returns.
+    /// Completes a rollout with values, advantages and returns.
     ///
-    /// All observations are valued together, which is cheaper than one by one while acting: the critic does not change in
+    /// All observations are valued together, which is cheaper than one by one while acting. The critic does not change in
     /// between.
     pub(super) fn finish(&mut self, policy: &ActorCritic, rollout: &mut Rollout, gamma: f64, lambda: f64, path: Path) {
         let obs = rollout.obs.chunks(self.chunk * rollout.obs_dim);
@@ -167,7 +166,7 @@ fn finite(values: &[f64], quantity: Quantity) -> Result<(), Quantity> {
     if values.iter().all(|value| value.is_finite()) { Ok(()) } else { Err(quantity) }
 }
 
-/// Refuses observations that the networks would see as infinite.
+/// Returns an error for observations that are infinite in the networks' precision.
 fn representable(obs: &[f64]) -> Result<(), Quantity> {
     if obs.iter().all(|&value| (value as f32).is_finite()) { Ok(()) } else { Err(Quantity::Observation) }
 }

@@ -9,7 +9,7 @@ use super::minibatch::Minibatch;
 use super::rollout::Rollout;
 use super::train_error::Quantity;
 
-/// How far above its target the divergence may go before an update ends.
+/// The multiple of its target at which the divergence ends an update.
 const KL_TOLERANCE: f64 = 1.5;
 
 /// The means of an update's minibatches.
@@ -25,7 +25,7 @@ pub(super) struct UpdateMeans {
     pub(super) gradient_steps: u64,
 }
 
-/// What the schedules have made of two settings.
+/// Two settings after their schedules.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rates {
     pub(super) learning_rate: f64,
@@ -43,7 +43,7 @@ impl Rates {
     }
 }
 
-/// A policy with what it takes to improve it.
+/// A policy and the state that improves it.
 #[derive(Debug, Clone)]
 pub(super) struct Learner {
     pub(super) policy: ActorCritic,
@@ -55,7 +55,7 @@ pub(super) struct Learner {
 }
 
 impl Learner {
-    /// Makes room for updates on so many samples.
+    /// Makes room for updates on this number of samples.
     pub(super) fn new(policy: ActorCritic, config: &PpoConfig, samples: usize, path: Path) -> Self {
         let capacity = config.batch_size.min(samples);
         Self {
@@ -80,7 +80,7 @@ impl Learner {
         rates: Rates,
         reorder: &mut dyn FnMut(&mut [usize]),
     ) -> Result<UpdateMeans, Quantity> {
-        // From a fixed order, so that an update does not depend on the orders of earlier ones.
+        // It starts from a fixed order, so that an update does not depend on the orders of earlier ones.
         for (i, slot) in self.order.iter_mut().enumerate() {
             *slot = i;
         }

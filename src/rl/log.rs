@@ -1,11 +1,11 @@
-//! What training reports.
+//! The reports of training.
 
 use serde::Serialize;
 
 /// An episode that ended during training.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct FinishedEpisode {
-    /// The undiscounted sum of the rewards, as the environment gave them.
+    /// The undiscounted sum of the environment's own rewards.
     pub reward: f64,
     /// The number of decisions.
     pub length: u64,
@@ -19,13 +19,13 @@ pub struct FinishedEpisode {
 pub struct UpdateLog {
     /// The number of this update, from 1.
     pub update: u64,
-    /// Environment steps so far, over all environments.
+    /// Environment steps up to now, over all environments.
     pub steps: u64,
     /// The number of episodes that ended in this rollout.
     pub episodes: usize,
     /// These episodes, in the order in which they ended.
     pub finished: Vec<FinishedEpisode>,
-    /// The mean reward of the last episodes that have ended so far, up to `stats_window` of them.
+    /// The mean reward of the last episodes that have ended, up to `stats_window` of them.
     pub mean_reward: Option<f64>,
     /// The mean length of the same episodes, in decisions.
     pub mean_length: Option<f64>,
@@ -45,7 +45,7 @@ pub struct UpdateLog {
     pub value_loss: f64,
     /// The Euclidean norm of the gradient before clipping, over all minibatches.
     pub grad_norm: f64,
-    /// The number of gradient steps: fewer than planned when the divergence has ended the update early.
+    /// The number of gradient steps; it is below the planned number when the divergence ended the update early.
     pub gradient_steps: u64,
     /// Adam's step size in this update.
     pub learning_rate: f64,

@@ -8,10 +8,10 @@ use super::minibatch::Minibatch;
 use super::product::SquaredNorm;
 use super::real::Real;
 
-/// The parts of the loss on one minibatch, and what else is worth reporting.
+/// The parts of the loss on one minibatch, and other reported quantities.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct LossTerms {
-    /// The clipped surrogate, negative: less is better.
+    /// The negative of the clipped surrogate: less is better.
     pub(super) policy: f64,
     /// The critic's mean squared error.
     pub(super) value: f64,
@@ -30,7 +30,7 @@ impl LossTerms {
     }
 }
 
-/// The gradient of the loss, with the memory that computing it takes.
+/// The gradient of the loss, with the memory for computing it.
 #[derive(Debug, Clone)]
 pub(super) struct LossGradient<T: Real> {
     /// One element per parameter, in the order of [`ActorCritic::parameters`].
@@ -57,7 +57,7 @@ impl<T: Real> LossGradient<T> {
 
     /// Computes the loss on a minibatch and its gradient, which replaces the previous one.
     ///
-    /// `clip_coef` is what the schedule has made of the one in `config`.
+    /// `clip_coef` is the one in `config` after its schedule.
     ///
     /// # Source
     /// Schulman et al. (2017), equations 7 and 9; `PPO.train` of stable-baselines3.
@@ -90,7 +90,7 @@ impl<T: Real> LossGradient<T> {
         let dim = policy.action_dim();
         let parameters = &policy.parameters()[policy.actor_range()];
         policy.actor().forward(parameters, &batch.obs, &mut self.scratch.actor, self.path);
-        // The derivative overwrites the mean it belongs to, sample by sample.
+        // The derivative overwrites its mean, sample by sample.
         let slots = self.scratch.actor.output_to_gradient(policy.actor());
 
         let mut terms = LossTerms::default();

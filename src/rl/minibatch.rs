@@ -6,7 +6,7 @@ use super::real::Real;
 use super::rollout::Rollout;
 use crate::seed::Stream;
 
-/// Samples drawn from a rollout, copied together.
+/// Samples drawn from a rollout, copied into contiguous memory.
 #[derive(Debug, Clone)]
 pub(super) struct Minibatch<T> {
     /// obs_dim × samples, column-major.
@@ -79,7 +79,7 @@ impl<T: Real> Minibatch<T> {
     }
 }
 
-/// Brings the elements into a random order, all orders being equally likely.
+/// Shuffles the elements; all orders are equally likely.
 ///
 /// # Source
 /// Fisher and Yates, in Durstenfeld's form.

@@ -25,7 +25,7 @@ pub struct Layer {
 
 /// The shape of a network: affine maps with tanh between them and none after the last.
 ///
-/// The parameters live outside, in one flat vector, so that the optimiser sees nothing but a slice.
+/// The parameters are stored outside, in one flat vector, so that the optimiser needs only a slice.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Mlp {
     layers: Vec<Layer>,
@@ -89,7 +89,7 @@ impl Mlp {
 
     /// Evaluates the network for a batch and returns the outputs (outputs × batch).
     ///
-    /// `input` is inputs × batch. What [`Mlp::backward`] needs stays in the scratch space.
+    /// `input` is inputs × batch. The scratch space stores what [`Mlp::backward`] needs.
     pub fn forward<'s, T: Real>(
         &self,
         parameters: &[T],
@@ -132,8 +132,8 @@ impl Mlp {
 
     /// Writes the gradient of a loss with respect to the parameters.
     ///
-    /// Belongs to the last call of [`Mlp::forward`] with this scratch space. [`MlpScratch::output_to_gradient`] must
-    /// hold the derivative of the loss with respect to every output; it is used up.
+    /// Call it after [`Mlp::forward`] with the same scratch space. [`MlpScratch::output_to_gradient`] must
+    /// hold the derivative of the loss with respect to every output; the call overwrites it.
     pub fn backward<T: Real>(&self, parameters: &[T], gradient: &mut [T], scratch: &mut MlpScratch<T>, path: Path) {
         let batch = scratch.batch;
         for (l, layer) in self.layers.iter().enumerate().rev() {
@@ -147,7 +147,7 @@ impl Mlp {
                 path.run(Product::<_, true> { a, b, init: None, c, rows, inner: batch, columns });
             };
             if outputs <= FEW {
-                // The longer dimension belongs into the rows, which are what is computed side by side.
+                // The longer dimension becomes the rows, which are computed in parallel.
                 product(x, delta, &mut *weight_transposed, inputs, outputs);
                 transpose(weight_transposed, weight_gradient, inputs, outputs);
             } else {
@@ -204,7 +204,7 @@ impl<T: Real> Kernel for TimesTanhDerivative<'_, T> {
     }
 }
 
-/// The memory that evaluating a network takes, for batches up to a capacity.
+/// The memory for evaluating a network, for batches up to a capacity.
 #[derive(Debug, Clone)]
 pub struct MlpScratch<T> {
     capacity: usize,
@@ -232,7 +232,7 @@ impl<T: Real> MlpScratch<T> {
         }
     }
 
-    /// Gives the outputs of the last batch (outputs × batch), to be replaced by the derivatives of a loss with respect to
+    /// Returns the outputs of the last batch (outputs × batch), to be replaced by the derivatives of a loss with respect to
     /// them.
     pub fn output_to_gradient(&mut self, mlp: &Mlp) -> &mut [T] {
         let count = mlp.outputs() * self.batch;

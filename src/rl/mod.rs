@@ -1,19 +1,19 @@
-//! Reinforcement learning: proximal policy optimisation and what it needs. Knows no car.
+//! Reinforcement learning: proximal policy optimisation and its parts. It does not depend on cars or traffic.
 //!
-//! An [`Env`] is what there is to learn, a [`PpoConfig`] how, and [`train`] turns both into an [`ActorCritic`] and its
-//! learning curve; a [`Trainer`] does the same update by update and can be saved in between. The algorithm is that of
+//! An [`Env`] is the task, a [`PpoConfig`] holds the settings, and [`train`] turns both into an [`ActorCritic`] and its
+//! learning curve. A [`Trainer`] does the same update by update and can be saved in between. The algorithm is that of
 //! stable-baselines3's `PPO` for continuous actions, with the same order of operations: collect a rollout, estimate
 //! advantages, then several epochs of minibatches, each with its own gradient step. Its schedules, early stopping, stacked
-//! and normalised observations and rewards are there, too; observations are stacked first, then normalised.
+//! observations, and normalised observations and rewards are included. Observations are stacked first, then normalised.
 //!
-//! Everything random comes from named streams, and environments that run side by side have streams of their own, so that
-//! the same seed gives the same bits on any number of threads. This holds between processors that agree in whether they
-//! have AVX2 and fused multiply-add: minibatches are computed with them where they are, which rounds differently. With
+//! All random numbers come from named streams, and parallel environments have streams of their own. The same seed therefore
+//! gives the same bits on any number of threads. This is true between processors that agree in whether they have AVX2 and
+//! fused multiply-add: if available, these instructions compute the minibatches, and they round differently. With
 //! [`PpoConfig::portable_bits`] they are not used, and the bits are the same on all processors. Acting never uses them: a
-//! policy, once trained, acts the same everywhere.
+//! trained policy acts the same everywhere.
 //!
 //! Networks compute in `f32`; rewards, advantages, densities and losses are `f64`. Matrices are column-major, one sample
-//! per column. Nothing allocates while acting and learning but the report of each update.
+//! per column. Acting and learning allocate nothing except the report of each update.
 
 mod config;
 mod schedule;

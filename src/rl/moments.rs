@@ -1,6 +1,6 @@
-//! Mean and variance of what has been seen so far.
+//! Running mean and variance.
 
-/// The weight of the first guess, mean 0 and variance 1, in samples.
+/// The weight of the initial estimate, mean 0 and variance 1, in samples.
 const FIRST_GUESS: f64 = 1e-4;
 
 /// What is added to a variance before it divides.
@@ -19,17 +19,17 @@ pub struct RunningMoments {
     pub mean: Vec<f64>,
     /// The variance of every component, in the square of its unit.
     pub variance: Vec<f64>,
-    /// The number of samples, with a ten-thousandth for the first guess.
+    /// The number of samples, plus a ten-thousandth for the initial estimate.
     pub count: f64,
 }
 
 impl RunningMoments {
-    /// Begins with mean 0 and variance 1, which the first samples outweigh.
+    /// Starts with mean 0 and variance 1, which the first samples outweigh.
     pub fn new(components: usize) -> Self {
         Self { mean: vec![0.0; components], variance: vec![1.0; components], count: FIRST_GUESS }
     }
 
-    /// Takes in several samples at once.
+    /// Adds several samples at once.
     pub fn update<'a>(&mut self, samples: impl Iterator<Item = &'a [f64]> + Clone) {
         let added = samples.clone().count() as f64;
         let total = self.count + added;
@@ -45,12 +45,12 @@ impl RunningMoments {
         self.count = total;
     }
 
-    /// Returns component `i` of a sample with the mean taken away and divided by the deviation, within ±10.
+    /// Returns component `i` of a sample minus its mean, divided by its deviation, within ±10.
     pub fn normalised(&self, i: usize, value: f64) -> f64 {
         ((value - self.mean[i]) / (self.variance[i] + EPSILON).sqrt()).clamp(-LIMIT, LIMIT)
     }
 
-    /// Returns what components are divided by.
+    /// Returns the divisors of the components.
     pub(super) fn deviations(&self) -> impl Iterator<Item = f64> {
         self.variance.iter().map(|variance| (variance + EPSILON).sqrt())
     }
@@ -76,7 +76,7 @@ mod tests {
             for i in 0..2 {
                 let mean = samples.iter().map(|x| x[i]).sum::<f64>() / 60.0;
                 let variance = samples.iter().map(|x| (x[i] - mean).powi(2)).sum::<f64>() / 60.0;
-                // The first guess weighs a ten-thousandth of a sample.
+                // The initial estimate weighs a ten-thousandth of a sample.
                 assert!((moments.mean[i] - mean).abs() < 1e-4);
                 assert!((moments.variance[i] / variance - 1.0).abs() < 1e-4);
             }
@@ -90,7 +90,7 @@ mod tests {
         assert!((moments.normalised(0, 5.0) - 1.5).abs() < 1e-8);
         assert!((moments.scaled(0, 5.0) - 2.5).abs() < 1e-8);
         assert_eq!((moments.normalised(0, -90.0), moments.scaled(0, 90.0)), (-10.0, 10.0));
-        // Without variance the epsilon keeps the quotient finite.
+        // At zero variance the epsilon keeps the quotient finite.
         let still = RunningMoments { variance: vec![0.0], ..moments };
         assert_eq!(still.normalised(0, 2.0), 0.0);
         assert!((still.normalised(0, 2.0 + 1e-4) - 1.0).abs() < 1e-6);

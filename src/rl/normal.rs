@@ -6,7 +6,7 @@ use crate::seed::Stream;
 
 /// Draws a number from the standard normal distribution.
 ///
-/// Takes exactly two 64-bit words from the stream, so that the position in the stream tells how many were drawn.
+/// Takes exactly two 64-bit words from the stream, so the position in the stream gives the number of draws.
 ///
 /// # Source
 /// Box and Muller (1958), the cosine half.

@@ -4,10 +4,10 @@
 //! state → (− mean) → (÷ deviation) → clip to ±10 → single precision → (matrix, bias, tanh)… → clip to the bounds → action
 //! ```
 //!
-//! The first three steps are there when the policy normalises its observations.
+//! The first three steps are present when the policy normalises its observations.
 //!
 //! # Source
-//! `onnx.proto` of the ONNX project; of its messages and fields, those that such a graph needs.
+//! `onnx.proto` of the ONNX project; only the messages and fields that such a graph needs.
 
 use std::collections::BTreeMap;
 
@@ -132,7 +132,7 @@ struct Shape {
     dimensions: Vec<Dimension>,
 }
 
-/// A fixed length or the name of a free one.
+/// A fixed length, or the name of a free one.
 #[derive(Clone, PartialEq, Message)]
 struct Dimension {
     #[prost(int64, optional, tag = "1")]
@@ -146,7 +146,7 @@ struct Dimension {
 struct Draft {
     nodes: Vec<Node>,
     constants: Vec<Tensor>,
-    /// The name of what the last node gives.
+    /// The name of the last node's output.
     last: String,
 }
 
@@ -192,14 +192,14 @@ impl ActorCritic {
     /// Encodes the mean of the policy as an ONNX model, normalisation and bounds included.
     ///
     /// The model has one input, `state` (n × observation, double precision), and one output, `action` (n × action, single
-    /// precision), which is clipped to `bounds`. After training with `frame_stack` a state is the last observations side by
-    /// side, the oldest first, zeros for those before an episode's beginning. `metadata` becomes the model's properties.
+    /// precision), which is clipped to `bounds`. After training with `frame_stack` a state is the last observations in a row,
+    /// the oldest first, with zeros for those before the start of an episode. `metadata` becomes the model's properties.
     ///
     /// The same policy, bounds and metadata give the same bytes. Actions differ from [`ActorCritic::act`] by rounding, and
-    /// by up to a millionth in every hyperbolic tangent, for which our own is an approximation.
+    /// by up to a millionth in every hyperbolic tangent, since this crate computes an approximation of it.
     ///
     /// # Panics
-    /// When there are not as many bounds as components of an action.
+    /// When the number of bounds is not the number of components of an action.
     pub fn to_onnx(&self, bounds: &[(f64, f64)], metadata: &BTreeMap<String, String>) -> Vec<u8> {
         assert!(bounds.len() == self.action_dim(), "every component of an action has its bounds");
         let mut draft = Draft { last: "state".to_owned(), ..Draft::default() };
@@ -261,7 +261,7 @@ mod tests {
 
     fn policy(normalising: bool) -> ActorCritic {
         let mut policy = ActorCritic::new(3, 2, &[5, 4], 0.0, &mut Seed::root(8).stream());
-        // First actions are small; these are not.
+        // Actions of the first weights are small; these are not.
         let head = policy.actor().layers()[2].weight.clone();
         policy.parameters_mut()[head].iter_mut().for_each(|weight| *weight *= 60.0);
         let mut moments = RunningMoments::new(3);
@@ -277,7 +277,7 @@ mod tests {
         }
     }
 
-    /// Computes what a graph of these operators gives for one state.
+    /// Evaluates a graph of these operators for one state.
     fn run(graph: &Graph, state: &[f64]) -> Vec<f64> {
         let mut values = BTreeMap::from([("state".to_owned(), state.to_vec())]);
         values.extend(graph.constants.iter().map(|tensor| (tensor.name.clone(), doubles(tensor))));

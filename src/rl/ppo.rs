@@ -16,7 +16,7 @@ use super::train_error::TrainError;
 use super::trainer::Trainer;
 use crate::seed::Seed;
 
-/// What training leaves behind.
+/// The result of a training.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trained {
     /// The policy and the critic after the last update.
@@ -37,7 +37,7 @@ impl Trained {
     /// Decodes what [`Trained::to_safetensors`] gave, bit for bit.
     ///
     /// # Errors
-    /// Whatever keeps the bytes from being such an encoding.
+    /// The bytes are not such an encoding; the error names the reason.
     pub fn from_safetensors(bytes: &[u8]) -> Result<Self, CheckpointError> {
         let tensors = SafeTensors::deserialize(bytes).map_err(CheckpointError::Format)?;
         Ok(Self { actor_critic: ActorCritic::read(&tensors)?, learning_curve: read_curve(&tensors)? })
@@ -46,14 +46,14 @@ impl Trained {
 
 /// Trains an actor and a critic by PPO.
 ///
-/// Rollouts and updates alternate until `config.total_steps` steps have been taken; the last rollout is completed, so
-/// that the number of steps may be a little higher. `observer` sees the report of every update and may stop training.
+/// Rollouts and updates alternate until `config.total_steps` steps have been taken. The last rollout is completed, so the
+/// number of steps may be a little higher. `observer` gets the report of every update and may stop training.
 ///
-/// The result depends on the environments, `config` and `seed` only, and without `config.portable_bits` on whether the
+/// The result depends only on the environments, `config` and `seed`; without `config.portable_bits` also on whether the
 /// processor has AVX2 and FMA. [`Trainer`] takes the updates one by one.
 ///
 /// # Errors
-/// [`TrainError::NonFinite`] at the first number that is not finite, [`TrainError::Stopped`] when the observer breaks.
+/// [`TrainError::NonFinite`] at the first number that is not finite, [`TrainError::Stopped`] when the observer stops it.
 ///
 /// # Panics
 /// When there is no environment, when environments differ in their dimensions, or when `rollout_steps`, `batch_size`,

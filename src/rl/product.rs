@@ -1,7 +1,7 @@
 //! Products and transposes of column-major matrices in slices.
 //!
 //! The loops keep a block of the result in registers while they run over the inner dimension. Every element is the sum of
-//! its terms in their order, however the blocks fall, so that the result does not depend on the shape of the blocks.
+//! its terms in their order, so the result does not depend on the shape of the blocks.
 //! nalgebra's products are not used: they allocate in every call, choose their instructions themselves, and nalgebra 0.35
 //! is unsound for small views with a row stride.
 
@@ -14,7 +14,7 @@ pub(super) struct Product<'a, T, const B_TRANSPOSED: bool> {
     pub(super) a: &'a [T],
     /// inner × columns, or columns × inner for the product with the transpose.
     pub(super) b: &'a [T],
-    /// What every column begins with instead of zeros, one element per row.
+    /// The start value of every column instead of zeros, one element per row.
     pub(super) init: Option<&'a [T]>,
     /// rows × columns.
     pub(super) c: &'a mut [T],
@@ -41,7 +41,7 @@ impl<T: Real, const B_TRANSPOSED: bool> Product<'_, T, B_TRANSPOSED> {
         }
     }
 
-    /// Computes the columns `at..at + 4` in rows `row..row + R`, written out so that the sums get registers.
+    /// Computes the columns `at..at + 4` in rows `row..row + R`, unrolled so that the sums get registers.
     #[inline(always)]
     fn four_columns<A: Arithmetic, const R: usize>(&mut self, row: usize, at: usize) {
         let [mut s0, mut s1, mut s2, mut s3] = [self.first_sums(row); 4];
@@ -99,13 +99,13 @@ impl<T: Real, const B_TRANSPOSED: bool> Product<'_, T, B_TRANSPOSED> {
     }
 }
 
-/// Returns the beginning of a slice.
+/// Returns the start of a slice.
 #[inline(always)]
 fn block<T, const N: usize>(values: &[T]) -> &[T; N] {
     values.first_chunk().expect("a block lies inside of its matrix")
 }
 
-/// Adds `a · b` to sums that lie in registers.
+/// Adds `a · b` to sums in registers.
 #[inline(always)]
 fn add_multiple<A: Arithmetic, T: Real, const R: usize>(sums: &mut [T; R], a: &[T; R], b: T) {
     for (sum, a) in sums.iter_mut().zip(a) {
@@ -120,7 +120,7 @@ impl<T: Real, const B_TRANSPOSED: bool> Kernel for Product<'_, T, B_TRANSPOSED> 
     fn run<A: Arithmetic>(mut self) {
         let mut row = 0;
         // Eight registers of eight numbers hide the latency of an addition. Four columns of sixteen rows need the fewest
-        // loads, but their sums stay in memory when the compiler has debug assertions to check: twenty times slower. Without
+        // loads, but with debug assertions the compiler keeps their sums in memory, which is twenty times slower. Without
         // wide instructions the registers hold four columns of eight rows.
         while cfg!(debug_assertions) && row + 64 <= self.rows {
             for at in 0..self.columns {
@@ -143,13 +143,13 @@ impl<T: Real, const B_TRANSPOSED: bool> Kernel for Product<'_, T, B_TRANSPOSED> 
     }
 }
 
-/// The product of `a`ᵀ and `b` for `a` of few columns: inner products of whole columns.
+/// The product of `a`ᵀ and `b` for an `a` of few columns: inner products of whole columns.
 pub(super) struct ProductOfTranspose<'a, T> {
     /// inner × rows.
     pub(super) a: &'a [T],
     /// inner × columns.
     pub(super) b: &'a [T],
-    /// What every column begins with, one element per row.
+    /// The start value of every column, one element per row.
     pub(super) init: &'a [T],
     /// rows × columns.
     pub(super) c: &'a mut [T],
@@ -208,7 +208,7 @@ fn dot<A: Arithmetic, T: Real>(a: &[T], b: &[T]) -> T {
 
 /// Multiplies a matrix (outputs × inputs) by one vector and adds another.
 ///
-/// Always with the plain arithmetic: acting gives the same bits on every processor.
+/// It always uses the plain arithmetic: acting gives the same bits on every processor.
 pub(super) fn affine<T: Real>(weight: &[T], bias: &[T], x: &[T], y: &mut [T]) {
     let mut row = 0;
     while row + 32 <= y.len() {

@@ -1,4 +1,4 @@
-//! The number types the networks can be built from.
+//! The number types of the networks.
 
 use super::arithmetic::Arithmetic;
 use super::tanh;

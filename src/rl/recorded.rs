@@ -1,4 +1,4 @@
-//! One update on experience from outside.
+//! One update on experience that was recorded elsewhere.
 
 use super::actor_critic::ActorCritic;
 use super::arithmetic::Path;
@@ -8,10 +8,10 @@ use super::learner::{Learner, Rates};
 use super::rollout::Rollout;
 use super::train_error::Quantity;
 
-/// One environment's experience over a rollout, as it was recorded, perhaps by another program.
+/// One environment's recorded experience over a rollout, perhaps from another program.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordedRollout {
-    /// obs_dim × steps, column-major: what the decisions were taken from.
+    /// obs_dim × steps, column-major: the inputs of the decisions.
     pub obs: Vec<f32>,
     /// action_dim × steps, column-major, before clipping to the bounds.
     pub actions: Vec<f64>,
@@ -25,7 +25,7 @@ pub struct RecordedRollout {
     pub last_done: bool,
 }
 
-/// What an update on a [`RecordedRollout`] computes.
+/// The result of an update on a [`RecordedRollout`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordedUpdate {
     /// The policy and the critic after the update.
@@ -52,10 +52,10 @@ pub struct RecordedUpdate {
 
 /// Takes the gradient steps of one update on recorded experience, in a given order of the samples.
 ///
-/// Does what [`train`](super::train) does with a rollout, but for who collected it: values it, estimates advantages, and
-/// takes the same gradient steps, from an optimiser that has seen nothing yet. `epochs` holds the sample numbers of every
+/// It does what [`train`](super::train) does with a rollout, except for collecting it: it values it, estimates advantages,
+/// and takes the same gradient steps, from an optimiser in its initial state. `epochs` holds the sample numbers of every
 /// epoch in the order in which they are cut into minibatches. `config.rollout_steps`, `config.total_steps` and
-/// the schedules are without effect.
+/// the schedules have no effect.
 ///
 /// # Errors
 /// The quantity that was not finite.

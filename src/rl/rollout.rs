@@ -10,7 +10,7 @@ use super::gae::{Trajectory, advantages_and_returns};
 pub(super) struct Rollout {
     pub(super) obs_dim: usize,
     pub(super) action_dim: usize,
-    /// obs_dim × steps, column-major, as the networks see them.
+    /// obs_dim × steps, column-major, as inputs of the networks.
     pub(super) obs: Vec<f32>,
     /// action_dim × steps, column-major, before clipping to the bounds.
     pub(super) actions: Vec<f64>,
@@ -24,7 +24,7 @@ pub(super) struct Rollout {
 }
 
 impl Rollout {
-    /// Makes room for so many steps.
+    /// Makes room for this number of steps.
     pub(super) fn new(steps: usize, obs_dim: usize, action_dim: usize) -> Self {
         let zeros = || vec![0.0; steps];
         Self {

@@ -1,25 +1,25 @@
-//! How a setting changes in the course of training.
+//! How a setting changes during training.
 
 use serde::Serialize;
 
 /// The course of a setting from the first update to the last.
 ///
 /// # Source
-/// The schedules of stable-baselines3: functions of the share of training that is still to come.
+/// The schedules of stable-baselines3: functions of the remaining share of training.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Schedule {
-    /// The setting stays as it is.
+    /// The setting is constant.
     #[default]
     Constant,
-    /// The setting falls in proportion to the steps that are left, to zero with the last.
+    /// The setting falls linearly with the steps, to zero at the last one.
     Linear,
 }
 
 impl Schedule {
     /// Returns the setting when `steps` of `total_steps` have been taken.
     ///
-    /// A last rollout beyond `total_steps` counts as the end, where stable-baselines3 would go below zero.
+    /// A last rollout beyond `total_steps` counts as the end; stable-baselines3 would go below zero.
     pub fn at(self, initial: f64, steps: u64, total_steps: u64) -> f64 {
         match self {
             Self::Constant => initial,

@@ -1,15 +1,15 @@
-//! Potential-based shaping: what leads the learner and leaves the optimum where it is.
+//! Potential-based shaping: it guides the learner and does not change the optimal policies.
 //!
-//! Every decision earns F = γ Φ(s′) − Φ(s) beside its reward, where Φ of a terminal state is 0. Over an episode from s₀ that
-//! ends after T decisions the discounted sum telescopes,
+//! Every decision earns F = γ Φ(s′) − Φ(s) in addition to its reward, where Φ of a terminal state is 0. Over an episode from s₀
+//! that ends after T decisions the discounted sum telescopes,
 //!
 //! ```text
 //! Σ γᵗ F(sₜ, sₜ₊₁) = γᵀ Φ(s_T) − Φ(s₀) = −Φ(s₀),
 //! ```
 //!
-//! whatever was done. So every policy's value is V(s) − Φ(s), all policies keep their order from every state, and what is optimal
-//! with shaping is so without it. An episode that is merely cut off keeps Φ(s_T), since its critic's value stands for what would
-//! have followed, which is V(s_T) − Φ(s_T).
+//! for every sequence of actions. So every policy's value is V(s) − Φ(s), all policies keep their order in every state, and a
+//! policy is optimal with shaping if and only if it is optimal without. An episode that is cut off keeps Φ(s_T): its critic's
+//! value estimates the rewards that would have followed, which is V(s_T) − Φ(s_T).
 //!
 //! # Source
 //! Ng, Harada and Russell, *Policy invariance under reward transformations*, ICML 1999; for the end of episodes Grzes,
@@ -17,7 +17,7 @@
 
 use super::env::Step;
 
-/// Returns what a step earns beside its reward, from the potentials before and after it.
+/// Returns what a step earns in addition to its reward, from the potentials before and after it.
 pub fn shaping(before: f64, after: f64, step: Step, gamma: f64) -> f64 {
     let after = if step.terminated { 0.0 } else { after };
     gamma * after - before
@@ -41,7 +41,7 @@ mod tests {
                 let beside: f64 = shaping(potentials[t], potentials[t + 1], step, gamma);
                 plain = step.reward + gamma * plain;
                 shaped = step.reward + beside + gamma * shaped;
-                // The value with shaping is the value without less the potential: of every state, for every course.
+                // In every state and for every sequence, the value with shaping is the value without it minus the potential.
                 prop_assert!((shaped - (plain - potentials[t])).abs() < 1e-9, "{shaped} {plain} {}", potentials[t]);
             }
         }
@@ -50,7 +50,7 @@ mod tests {
         fn an_episode_that_is_cut_off_differs_by_the_potential_as_well(
             potentials in prop::collection::vec(-5.0..5.0, 2..30), beyond in -3.0..3.0, gamma in 0.0..=1.0,
         ) {
-            // What would have followed is worth `beyond`, with shaping that less the potential there.
+            // The rewards that would have followed are worth `beyond`; with shaping, `beyond` minus the potential there.
             let last = potentials.len() - 2;
             let (mut plain, mut shaped): (f64, f64) = (beyond, beyond - potentials[last + 1]);
             for t in (0..=last).rev() {

@@ -20,11 +20,11 @@ use crate::seed::{Seed, Stream};
 const SETTINGS: &str = "settings";
 
 impl Trainer {
-    /// Encodes all that the next updates depend on, and the learning curve so far.
+    /// Encodes everything that the next updates depend on, and the learning curve.
     ///
-    /// These are the policy and the critic, Adam's moments, the positions in the random streams, the statistics, the
-    /// episodes in hand, and what [`Env::save`] returns for each environment. The format is safetensors; policies can be
-    /// read from it, too. Its header says in plain text how far the training has come and with which settings, beside
+    /// This is the policy and the critic, Adam's moments, the positions in the random streams, the statistics, the
+    /// current episodes, and what [`Env::save`] returns for each environment. The format is safetensors; policies can be
+    /// read from it, too. Its header holds in plain text the progress of the training and its settings, in addition to
     /// `metadata`.
     pub fn state<E: Env>(&self, envs: &[E], metadata: &BTreeMap<String, String>) -> Vec<u8> {
         let mut writer = Writer::default();
@@ -58,15 +58,15 @@ impl Trainer {
         writer.finish(&metadata)
     }
 
-    /// Continues from [`Trainer::state`] with as many environments, made as they were for [`Trainer::new`].
+    /// Continues from [`Trainer::state`] with the same number of environments, made as they were for [`Trainer::new`].
     ///
     /// With environments that save their state, the updates that follow are those of an uninterrupted training, bit for
-    /// bit. An environment without a saved state begins a new episode. The settings must be those of the state, but for
+    /// bit. An environment without a saved state starts a new episode. The settings must be those of the state, except for
     /// `total_steps`, so that a training can be prolonged, and `threads`, on which nothing depends.
     ///
     /// # Errors
-    /// Whatever keeps the bytes from being the state of a training with these settings and environments, and a new
-    /// episode whose first observation is not finite.
+    /// The bytes are not the state of a training with these settings and environments, or the first observation of a new
+    /// episode is not finite.
     ///
     /// # Panics
     /// As [`Trainer::new`] does.
@@ -92,7 +92,7 @@ impl Trainer {
             return Err(CheckpointError::Shape { name: "mlp_extractor".to_owned(), found });
         }
 
-        // No stream of this seed is used: every one continues from its saved position.
+        // No stream of this seed is used: every stream continues from its saved position.
         let mut this = Self::assemble(envs, policy, config, &Seed::root(0));
         let parameters = this.learner.policy.parameters().len();
         this.learner.adam.first = read_vector(tensors, "adam.first", parameters)?;

@@ -1,4 +1,4 @@
-//! Training in steps that can be interrupted.
+//! Training step by step, with interruptions.
 
 use super::actor_critic::ActorCritic;
 use super::arithmetic::Path;
@@ -16,7 +16,7 @@ use crate::seed::{Seed, Stream};
 
 /// A training between two updates.
 ///
-/// The environments stay with the caller, who hands in the same ones every time.
+/// The caller owns the environments and passes the same ones every time.
 ///
 /// # Example
 /// ```
@@ -42,13 +42,13 @@ pub struct Trainer {
     /// Draws the order of the samples.
     pub(super) minibatches: Stream,
     pub(super) steps: u64,
-    /// One report for each update so far.
+    /// One report for each update up to now.
     pub(super) learning_curve: Vec<UpdateLog>,
     rollouts: Vec<Rollout>,
 }
 
 impl Trainer {
-    /// Draws the first weights and begins an episode in every environment.
+    /// Draws the first weights and starts an episode in every environment.
     ///
     /// First weights, the order of minibatches and the action noise of every environment have streams of their own.
     ///
@@ -70,7 +70,7 @@ impl Trainer {
         Ok(this)
     }
 
-    /// Puts a trainer together that stands before the first episodes.
+    /// Assembles a trainer that precedes the first episodes.
     pub(super) fn assemble<E: Env>(envs: &[E], policy: ActorCritic, config: &PpoConfig, seed: &Seed) -> Self {
         let path = Path::of(config);
         let rollout = Rollout::new(config.rollout_steps, policy.obs_dim(), policy.action_dim());
@@ -88,7 +88,7 @@ impl Trainer {
 
     /// Collects a rollout and learns from it.
     ///
-    /// The environments run side by side on the threads of the current rayon pool, with the same bits on any number of
+    /// The environments run in parallel on the threads of the current rayon pool, with the same bits on any number of
     /// them.
     ///
     /// # Errors
@@ -112,34 +112,34 @@ impl Trainer {
         }
     }
 
-    /// Tells the environments how far the curriculum has come, if there is one.
+    /// Passes the share of the curriculum to the environments, if there is one.
     pub(super) fn set_curriculum<E: Env>(&self, envs: &mut [E]) {
         if let Some(share) = self.config.widening(self.steps) {
             envs.iter_mut().for_each(|env| env.set_curriculum(share));
         }
     }
 
-    /// Tells whether as many steps have been taken as the settings ask for.
+    /// Returns whether the number of steps in the settings has been reached.
     pub fn is_done(&self) -> bool {
         self.steps >= self.config.total_steps
     }
 
-    /// Returns the number of updates so far.
+    /// Returns the number of updates up to now.
     pub fn updates(&self) -> u64 {
         self.learning_curve.len() as u64
     }
 
-    /// Returns the number of environment steps so far, over all environments.
+    /// Returns the number of environment steps up to now, over all environments.
     pub fn steps(&self) -> u64 {
         self.steps
     }
 
-    /// Returns the policy and the critic as they are.
+    /// Returns the present policy and critic.
     pub fn actor_critic(&self) -> &ActorCritic {
         &self.learner.policy
     }
 
-    /// Returns the reports of all updates so far, in order, those before an interruption included.
+    /// Returns the reports of all updates up to now, in order, including those before an interruption.
     pub fn learning_curve(&self) -> &[UpdateLog] {
         &self.learning_curve
     }
@@ -150,7 +150,7 @@ impl Trainer {
     }
 }
 
-/// What a rollout has brought, from which the trainer has yet to learn. Whoever drops it forgets it.
+/// The experience of a rollout from which the trainer has yet to learn. Dropping it discards the experience.
 #[derive(Debug)]
 pub struct Experience<'a> {
     trainer: &'a mut Trainer,
@@ -195,7 +195,7 @@ impl<'a> Experience<'a> {
     }
 }
 
-/// Returns what the networks see and give: the components of stacked observations and of actions.
+/// Returns the sizes of the networks' inputs and outputs: the components of stacked observations and of actions.
 pub(super) fn dimensions<E: Env>(envs: &[E], config: &PpoConfig) -> (usize, usize) {
     assert!(!envs.is_empty(), "training needs an environment");
     assert!(

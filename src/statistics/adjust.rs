@@ -26,7 +26,7 @@ pub fn benjamini_hochberg(p: &[f64]) -> Vec<f64> {
     adjusted
 }
 
-/// The places of numbers, from the least to the greatest.
+/// The indices of numbers, from the least to the greatest.
 fn ascending(numbers: &[f64]) -> Vec<usize> {
     let mut places: Vec<usize> = (0..numbers.len()).collect();
     places.sort_by(|a, b| numbers[*a].total_cmp(&numbers[*b]));

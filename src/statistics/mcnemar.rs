@@ -1,5 +1,5 @@
 /// The exact test of McNemar: the probability that pairs which disagree are split at least as unevenly as `only_first` to
-/// `only_second`, when either side is as likely. 1 when no pair disagrees.
+/// `only_second`, if both sides are equally likely. 1 when no pair disagrees.
 ///
 /// # Source
 /// McNemar, *Note on the sampling error of the difference between correlated proportions*, Psychometrika 12, 1947; exact,

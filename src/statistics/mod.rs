@@ -1,6 +1,6 @@
 //! Intervals, tests and their corrections, as pure functions of numbers.
 //!
-//! What they say of a campaign is explained in `reports/README.md`; each is held against another program's numbers
+//! `reports/README.md` explains their meaning for a campaign. Each is compared with the numbers of another program
 //! (`tests/reference/statistics`).
 
 mod normal;

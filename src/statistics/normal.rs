@@ -3,7 +3,7 @@ pub fn normal_below(z: f64) -> f64 {
     0.5 * libm::erfc(-z * std::f64::consts::FRAC_1_SQRT_2)
 }
 
-/// The value below which a share of the standard normal distribution lies; held to ±8.3 at the ends.
+/// The value below which a share of the standard normal distribution lies; clamped to ±8.3 at the ends.
 ///
 /// # Source
 /// Wichura, *Algorithm AS 241: The percentage points of the normal distribution*, Applied Statistics 37, 1988, PPND16.

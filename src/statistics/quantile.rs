@@ -1,4 +1,4 @@
-/// The value below which a share of sorted numbers lies, between two of them by a straight line; none without numbers.
+/// The value below which a share of sorted numbers lies, with linear interpolation; none without numbers.
 ///
 /// # Source
 /// Hyndman and Fan, *Sample quantiles in statistical packages*, The American Statistician 50, 1996, definition 7, as in numpy
@@ -10,8 +10,8 @@ pub fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
     Some(low + (high - low) * (place - below))
 }
 
-/// The mean of the middle half of numbers, a quarter cut off at either end and rounded down to whole numbers: of three, the
-/// mean of all; of five, of the middle three. None without numbers.
+/// The mean of the middle half of numbers. A quarter is cut off at either end, rounded down to whole numbers: the mean of all
+/// three, or of the middle three of five. None without numbers.
 ///
 /// # Source
 /// Agarwal et al., *Deep reinforcement learning at the edge of the statistical precipice*, NeurIPS 2021; rounded as its

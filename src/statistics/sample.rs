@@ -3,32 +3,32 @@ use rand::Rng;
 use super::{Weighted, normal_quantile, quantile, student_quantile, student_tails};
 use crate::seed::{Seed, Stream};
 
-/// How often a sample is drawn again.
+/// The number of bootstrap samples.
 const RESAMPLES: usize = 4_000;
-/// Stands for a variance that is known.
+/// The degrees of freedom of a variance that is known.
 const KNOWN: f64 = 1e6;
 
-/// A figure of several trainings, each estimated from episodes that begin the same for all of them; or how two groups of them
-/// differ.
+/// A figure of several trainings, each estimated from episodes with the same starts for all of them; or the difference of
+/// two groups of them.
 ///
 /// There are two reasons why another campaign would find another figure: other trainings and other episodes. Members of
-/// `values` show the first; `covariance` holds the second, and off its diagonal what members have in common since
-/// their episodes begin the same.
+/// `values` show the first. `covariance` holds the second; off its diagonal it holds what members have in common because
+/// their episodes have the same starts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sample {
-    /// The figure of each training: first those of one group, then those of the group that is taken off, if there is one.
+    /// The figure of each training: those of the first group, then those of the group that is subtracted, if there is one.
     pub values: Vec<f64>,
     /// Covariances of these due to the draw of episodes (n × n, row by row).
     pub covariance: Vec<f64>,
     /// How many of the values belong to the first group.
     pub first: usize,
-    /// Whether the members of each group come from trainings, so that one of them says nothing about another.
+    /// Whether the members of each group come from trainings, so that they are independent of each other.
     pub trained: [bool; 2],
-    /// The episodes that a figure is estimated from; with weights their effective number counts.
+    /// The episodes that a figure is estimated from; if they have weights, their effective number counts.
     pub episodes: Weighted,
 }
 
-/// What is said about further trainings by a test: a 95 % interval, and how probable a figure so far from 0 is by chance.
+/// The inference about further trainings: a 95 % interval, and the probability of a figure this far from 0 by chance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
     /// Low end of the interval.
@@ -40,12 +40,12 @@ pub struct Estimate {
 }
 
 impl Sample {
-    /// The groups: where their values are, and with which sign they count.
+    /// The groups: the ranges of their values, and their signs.
     fn groups(&self) -> [(std::ops::Range<usize>, f64); 2] {
         [(0..self.first, 1.0), (self.first..self.values.len(), -1.0)]
     }
 
-    /// The mean of the first group, less that of the second if there is one.
+    /// The mean of the first group, minus that of the second if there is one.
     pub fn estimate(&self) -> f64 {
         let mean = |(group, sign): (std::ops::Range<usize>, f64)| {
             let count = group.len().max(1) as f64;
@@ -54,12 +54,12 @@ impl Sample {
         self.groups().map(mean).iter().sum()
     }
 
-    /// A 95 % interval by hierarchical bootstrap: trainings are drawn again from each group, then episodes for all of them together.
+    /// A 95 % interval by hierarchical bootstrap: trainings are resampled in each group, then episodes for all of them together.
     ///
-    /// Percentiles of 4,000 draws. BCa would need the skewness of the trainings, which three or five of them do not show.
-    /// The draw of episodes is normal with their covariance, which is what drawing them one by one comes to: the cost does not
-    /// grow with the number of episodes. Too narrow with few trainings, as every bootstrap; with one of them it is about
-    /// the episodes alone.
+    /// The ends are percentiles of 4,000 draws. BCa would need the skewness of the trainings, which three or five of them do not
+    /// show. The draw of episodes is normal with their covariance, which approximates drawing them one by one; the cost does not
+    /// grow with the number of episodes. The interval is too narrow with few trainings, as in every bootstrap. With one training
+    /// it covers the episodes alone.
     ///
     /// # Source
     /// Davison and Hinkley, *Bootstrap Methods and their Application*, 1997, section 3.8; crossed with episodes as in Owen,
@@ -92,7 +92,7 @@ impl Sample {
     /// Student's t over trainings, with Welch's degrees of freedom; none when a group is a single training.
     ///
     /// The variance is that between trainings plus that of the common episodes. A pedestrian that is not trained has only the
-    /// latter. Where neither shows, it is taken to be that of a single episode.
+    /// latter. If both are 0, the variance of a single episode is used.
     pub fn student(&self) -> Option<Estimate> {
         let (mut between, mut squares, mut common, mut fewest) = (0.0, 0.0, 0.0, KNOWN);
         for ((group, _), trained) in self.groups().into_iter().zip(self.trained) {
@@ -123,7 +123,7 @@ impl Sample {
         Some(Estimate { low: estimate - half, high: estimate + half, p })
     }
 
-    /// The mean covariance between members of two groups, each with others but for a group of one; 0 for an empty one.
+    /// The mean covariance between members of two groups, each with the others except in a group of one; 0 for an empty one.
     fn mean_covariance(&self, rows: &std::ops::Range<usize>, columns: &std::ops::Range<usize>) -> f64 {
         let (mut sum, mut pairs) = (0.0, 0.0);
         for row in rows.clone() {
@@ -136,7 +136,7 @@ impl Sample {
     }
 }
 
-/// A whole number below a bound, all as likely.
+/// A whole number below a bound, all equally likely.
 fn below(stream: &mut Stream, bound: usize) -> usize {
     ((u128::from(stream.next_u64()) * bound as u128) >> 64) as usize
 }

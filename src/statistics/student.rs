@@ -13,7 +13,7 @@ pub fn mean_interval(values: &[f64]) -> (f64, Option<(f64, f64)>) {
     (mean, Some((mean - half, mean + half)))
 }
 
-/// The share of Student's t that lies farther from 0 than `t`, on both sides together: a two-sided p-value. Degrees of
+/// The share of Student's t that is farther from 0 than `t`, on both sides together: a two-sided p-value. The degrees of
 /// freedom are above 0 and need not be whole.
 pub fn student_tails(t: f64, degrees: f64) -> f64 {
     let x = degrees / (degrees + t * t);
@@ -26,7 +26,7 @@ pub fn student_quantile(degrees: f64) -> f64 {
     while student_tails(high, degrees) > 0.05 {
         high *= 2.0;
     }
-    // A halving is a bit: as many as a double has.
+    // Each halving gives one bit: as many as a double has.
     for _ in 0..60 {
         let middle = f64::midpoint(low, high);
         if student_tails(middle, degrees) > 0.05 {

@@ -1,7 +1,7 @@
 use std::iter::Sum;
 use std::ops::{Add, AddAssign, Sub};
 
-/// A count of things that have a weight each: their number, the sum of their weights and the sum of the squares.
+/// A count of items with weights: their number, the sum of their weights and the sum of the squares.
 ///
 /// A plain count has weights of 1. From it everything is calculated with the arithmetic of whole numbers, to the bit.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -12,14 +12,14 @@ pub struct Weighted {
 }
 
 impl Weighted {
-    /// Counts one more thing, of this weight; not below 0.
+    /// Counts one more item, of this weight; not below 0.
     pub fn include(&mut self, weight: f64) {
         self.n += 1;
         self.w += weight;
         self.w2 += weight * weight;
     }
 
-    /// The number of things.
+    /// The number of items.
     pub fn count(&self) -> u64 {
         self.n
     }
@@ -40,7 +40,7 @@ impl Weighted {
         self.w == n && self.w2 == n
     }
 
-    /// The number of things of equal weight that would say as much about a mean, (Σw)² / Σw²; 0 without any weight.
+    /// The number of items of equal weight with the same precision of a mean, (Σw)² / Σw²; 0 without any weight.
     ///
     /// # Source
     /// Kish, *Survey Sampling*, 1965, section 11.7.
@@ -52,7 +52,7 @@ impl Weighted {
         }
     }
 
-    /// This part as a share of the whole; none where that has no weight.
+    /// This part as a share of the whole; none if the whole has no weight.
     pub fn share_of(&self, whole: &Self) -> Option<f64> {
         (whole.w > 0.0).then(|| self.w / whole.w)
     }
@@ -79,7 +79,7 @@ impl AddAssign for Weighted {
     }
 }
 
-/// What remains without a part.
+/// The remainder without a part.
 impl Sub for Weighted {
     type Output = Self;
 

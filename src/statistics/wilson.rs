@@ -2,7 +2,7 @@ use super::{Weighted, normal_quantile};
 
 /// Wilson's score interval for a rate at 95 %: low and high end.
 ///
-/// Without any trial it is the whole of 0 to 1. See [`wilson_at`] for trials with weights.
+/// Without any trial it is the whole interval from 0 to 1. See [`wilson_at`] for trials with weights.
 ///
 /// # Source
 /// Wilson, *Probable inference, the law of succession, and statistical inference*, JASA 22, 1927.
@@ -12,8 +12,8 @@ pub fn wilson(successes: impl Into<Weighted>, trials: impl Into<Weighted>) -> (f
 
 /// [`wilson`] where a share `alpha` of all intervals may miss the rate, instead of 0.05.
 ///
-/// Trials with weights estimate the rate p by Σ w x / Σ w. The interval is that of as many plain trials as would estimate it with
-/// the same variance: p (1 − p) / v, with v = Σ w² (x − p)² / (Σ w)². Where v is 0, since all trials succeed or none does, it is
+/// Trials with weights estimate the rate p by Σ w x / Σ w. The interval is that of the number of plain trials with the same
+/// variance: p (1 − p) / v, with v = Σ w² (x − p)² / (Σ w)². If v is 0, since all trials succeed or none does, that number is
 /// Kish's effective size. With equal weights both are the number of trials.
 ///
 /// # Source
@@ -30,13 +30,13 @@ pub fn wilson_at(successes: impl Into<Weighted>, trials: impl Into<Weighted>, al
     let scale = 1.0 + z * z / n;
     let centre = (p + z * z / (2.0 * n)) / scale;
     let half = z / scale * (p * (1.0 - p) / n + z * z / (4.0 * n * n)).sqrt();
-    // At the ends of the scale nothing but rounding is left.
+    // At the ends of the scale only rounding errors remain.
     let low = if successes.count() == 0 { 0.0 } else { (centre - half).max(0.0) };
     let high = if successes.count() == trials.count() { 1.0 } else { (centre + half).min(1.0) };
     (low, high)
 }
 
-/// The number of plain trials that estimate the rate as well.
+/// The number of plain trials that estimate the rate equally well.
 fn effective_trials(successes: &Weighted, trials: &Weighted, p: f64) -> f64 {
     if successes.is_plain() && trials.is_plain() {
         return trials.sum();
@@ -91,7 +91,7 @@ mod tests {
         }
     }
 
-    /// Wilson's formula for whole numbers, as it was before there were weights.
+    /// Wilson's formula for whole numbers, without weights.
     fn of_whole_numbers(successes: u64, trials: u64) -> (f64, f64) {
         let z = normal_quantile(1.0 - 0.05 / 2.0);
         let (n, p) = (trials as f64, successes as f64 / trials as f64);
@@ -114,7 +114,7 @@ mod tests {
                 }
             }
         }
-        // Beyond the squares that 53 bits hold.
+        // Larger than the squares that 53 bits hold.
         let (hits, trials) = (123_456_789, 987_654_321);
         assert_eq!(wilson(hits, trials), of_whole_numbers(hits, trials));
     }

@@ -28,7 +28,7 @@ impl Env for Echo {
     }
 }
 
-/// A rollout of the identity task and a learner that has not seen it yet.
+/// A rollout of the identity task and a learner that has not learned from it yet.
 fn learner_and_rollout(config: &PpoConfig) -> (Learner, Vec<Rollout>) {
     let mut policy = ActorCritic::new(1, 1, &config.hidden, 0.0, &mut Seed::root(1).stream());
     let mut rollouts = vec![Rollout::new(150, 1, 1)];
@@ -39,7 +39,7 @@ fn learner_and_rollout(config: &PpoConfig) -> (Learner, Vec<Rollout>) {
     (Learner::new(policy, config, 150, Path::widest()), rollouts)
 }
 
-/// Orders of their own for every epoch.
+/// A different order for every epoch.
 fn shuffled() -> impl FnMut(&mut [usize]) {
     let mut stream = Seed::root(3).stream();
     move |order| shuffle(order, &mut stream)
@@ -85,7 +85,7 @@ fn an_update_ends_before_the_step_whose_divergence_is_too_high() {
         let config = PpoConfig { target_kl, ..PpoConfig::paper() };
         let (mut learner, rollouts) = learner_and_rollout(&config);
         let means = learner.learn(&rollouts, &config, rates, &mut shuffled()).unwrap();
-        // What the minibatch at hand says of the policy as the update has left it.
+        // The divergence of the updated policy on the current minibatch.
         let kl = learner.loss.compute(&learner.policy, &learner.batch, &config, 0.2).approx_kl;
         (means, learner.policy, kl)
     };
@@ -95,9 +95,9 @@ fn an_update_ends_before_the_step_whose_divergence_is_too_high() {
     assert_eq!((generous, same), (free, unstopped));
     let (stopped, _, kl) = run(Some(0.01));
     assert!((1..30).contains(&stopped.gradient_steps), "{}", stopped.gradient_steps);
-    // The step on the last minibatch was not taken: it is still beyond the limit.
+    // The step on the last minibatch was not taken: its divergence is still beyond the limit.
     assert!(kl > 1.5 * 0.01, "{kl}");
-    // A target that every step breaks lets the first one pass, when old and new policy are still the same.
+    // If every step exceeds the target, the first one still passes, since old and new policy are then the same.
     let (strict, ..) = run(Some(1e-9));
     assert_eq!(strict.gradient_steps, 1);
 }

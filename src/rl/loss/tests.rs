@@ -8,7 +8,7 @@ const OBS: usize = 4;
 const ACTIONS: usize = 2;
 const SAMPLES: usize = 22;
 
-/// The network one sample at a time, without matrices.
+/// Evaluates the network one sample at a time, without matrices.
 fn naive_network(mlp: &Mlp, parameters: &[f64], input: &[f64]) -> Vec<f64> {
     let mut x = input.to_vec();
     for (l, layer) in mlp.layers().iter().enumerate() {
@@ -52,7 +52,7 @@ fn spread(policy: &ActorCritic<f64>) -> Spread {
     spread
 }
 
-/// A policy away from its first weights, and samples of another one nearby.
+/// A policy some steps away from its first weights, and samples of another one nearby.
 fn policy_and_batch(hidden: &[usize]) -> (ActorCritic<f64>, Minibatch<f64>) {
     let mut stream = Seed::root(11).stream();
     let mut policy = ActorCritic::<f64>::new(OBS, ACTIONS, hidden, -0.3, &mut stream);

@@ -6,7 +6,7 @@ use crate::rl::schedule::Schedule;
 use crate::rl::train_error::Quantity;
 use crate::seed::Stream;
 
-/// Asks for the action that equals the observation, a number in [−1, 1]; an episode is one decision.
+/// Rewards the action that equals the observation, a number in [−1, 1]; an episode is one decision.
 struct Identity {
     stream: Stream,
     target: f64,
@@ -39,7 +39,7 @@ impl Env for Identity {
     }
 }
 
-/// What portable training leaves behind after one update of the identity task.
+/// The digest of a portable training after one update of the identity task.
 const DIGEST: u64 = 0xdd78_c603_3e11_8fe2;
 
 fn keep_going(_: &UpdateLog) -> ControlFlow<()> {
@@ -67,7 +67,7 @@ fn the_identity_is_learnt() {
     let config = config(60_000);
     let trained = train(&mut [Identity::new(0)], &config, &Seed::root(1), &mut keep_going).unwrap();
     let untrained = ActorCritic::new(1, 1, &config.hidden, 0.0, &mut Seed::root(1).child("init").stream());
-    // Doing nothing costs 1/3.
+    // A policy that always acts 0 has an error of 1/3.
     assert!(error(&untrained) > 0.3, "{}", error(&untrained));
     assert!(error(&trained.actor_critic) < 0.01, "{}", error(&trained.actor_critic));
     let (first, last) = (&trained.learning_curve[0], trained.learning_curve.last().unwrap());
@@ -128,7 +128,7 @@ fn the_first_update_starts_from_the_collected_policy() {
 
 #[test]
 fn the_norm_of_the_gradient_is_bounded() {
-    // One step of Adam moves by the sign of the gradient; only with an ε far above it does the length matter.
+    // One step of Adam moves by the sign of the gradient; the length matters only with an ε far above it.
     let move_of = |max_grad_norm: f64| {
         let config =
             PpoConfig { epochs: 1, batch_size: 150, adam_eps: 1e6, learning_rate: 1e6, max_grad_norm, ..config(150) };
@@ -190,7 +190,7 @@ fn schedules_reach_the_optimiser_and_the_loss() {
         assert!((rate - expected).abs() < 1e-12);
     }
     assert!((trained.learning_curve[0].clip_coef - 0.2 * 2.0 / 3.0).abs() < 1e-12);
-    // The last update, at rate zero, moves nothing.
+    // The last update has the rate zero and changes nothing.
     let shorter = PpoConfig { total_steps: 450, ..linear.clone() };
     let mut envs = [Identity::new(0)];
     let mut trainer = Trainer::new(&mut envs, &shorter, &Seed::root(1)).unwrap();
@@ -242,7 +242,7 @@ fn normalising_learns_what_badly_scaled_numbers_keep_from_learning() {
 
 #[test]
 fn stacked_observations_let_a_policy_remember() {
-    // The target is shown in the first observation only, the action counts in the second.
+    // Only the first observation shows the target, and only the action of the second counts.
     struct Memory(Identity, bool);
     impl Env for Memory {
         fn obs_dim(&self) -> usize {
@@ -279,7 +279,7 @@ fn the_observer_can_stop() {
     assert_eq!(result, Err(TrainError::Stopped { update: 3 }));
 }
 
-/// Gives one observation or reward that is not finite.
+/// Returns one observation or reward that is not finite.
 struct Broken {
     steps: u64,
     at: u64,

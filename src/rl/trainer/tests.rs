@@ -16,7 +16,7 @@ struct Walk {
     stream: Stream,
     place: [f64; 2],
     saves: bool,
-    /// What the curriculum has told it, in order.
+    /// The shares that the curriculum has set, in order.
     widths: Vec<f64>,
 }
 

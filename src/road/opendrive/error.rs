@@ -89,14 +89,14 @@ pub enum OpenDriveProblem {
     /// A road is driven on the left.
     #[error("left-hand traffic; lanes are driven as in right-hand traffic, the wrong way")]
     LeftHandTraffic,
-    /// A link has the number of a junction where it should name a road, or the reverse.
+    /// A link names a junction by a number that a road has too, or a road by a number that a junction has too.
     #[error("`{element}` should lead to a {wanted}, but there is a {found} {id}, and CARLA takes that")]
     AmbiguousLink {
         /// The element.
         element: &'static str,
         /// What the file says it leads to.
         wanted: &'static str,
-        /// What the reader found.
+        /// What CARLA takes it for.
         found: &'static str,
         /// The number of both.
         id: String,

@@ -1,14 +1,14 @@
 use super::*;
 use crate::statistics::recorded;
 
-/// Members without any noise of episodes.
+/// Members without noise of episodes.
 fn exact(first: &[f64], second: &[f64]) -> Sample {
     let values = [first, second].concat();
     let covariance = vec![0.0; values.len() * values.len()];
     Sample { covariance, first: first.len(), values, trained: [true; 2], episodes: 1_000.into() }
 }
 
-/// Values, covariance, and who belongs to the first group, as `record_statistics.py` writes them.
+/// Values, covariance, and the members of the first group, as `record_statistics.py` writes them.
 fn unpack(case: &[f64]) -> (Sample, &[f64]) {
     let (members, first) = (case[0] as usize, case[1] as usize);
     let (values, rest) = case[3..].split_at(members);
@@ -80,7 +80,7 @@ fn where_nothing_varies_one_episode_is_the_error() {
     assert!(exact(&[1.0; 3], &[1.0; 3]).student().unwrap().p > 0.999);
 }
 
-/// How often the intervals hold the truth, in campaigns whose trainings are drawn from a known distribution.
+/// How often the intervals contain the truth, in campaigns whose trainings are drawn from a known distribution.
 #[test]
 fn intervals_hold_the_truth_as_often_as_the_readme_says() {
     const CAMPAIGNS: u64 = 200;
