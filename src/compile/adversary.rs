@@ -85,7 +85,7 @@ pub fn lower(arguments: &Arguments) -> PedestrianRole {
         _ => PedestrianBody::adult(),
     };
     let ramp = arguments.number("ramp");
-    // Who starts at once stops at once.
+    // A pedestrian that starts at once stops at once.
     let stopping = if ramp == 0.0 { f64::INFINITY } else { size.stopping };
     PedestrianRole {
         body: PedestrianBody { ramp, turning: arguments.number("turning"), stopping, ..size },

@@ -4,7 +4,7 @@ use super::{
 };
 
 impl Catalog {
-    /// What this program offers; scenarios may not start programs.
+    /// The catalogue of this program; scenarios may not start programs.
     pub fn builtin() -> Self {
         let (policies, falsifiers) = (policy::kinds(), falsifier::kinds());
         let forms = vec![

@@ -1,7 +1,7 @@
 use crate::signature::{Form, Param, Signature, Type};
 use crate::units::Dimension;
 
-/// Who can be tried.
+/// The controllers that can be evaluated.
 const PEDESTRIANS: &[&str] = &["trained", "sampled", "random", "homing", "intercept"];
 
 /// The form `campaign`.

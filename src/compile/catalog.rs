@@ -15,7 +15,7 @@ pub struct TakenKind {
     pub kind: &'static str,
 }
 
-/// Everything the language offers: forms, their kinds, and what formulas may speak about.
+/// Everything the language offers: forms, their kinds, and the names that formulas may use.
 pub struct Catalog {
     /// The forms, in the order of the reference.
     pub forms: Vec<Form>,
@@ -27,7 +27,7 @@ pub struct Catalog {
 }
 
 impl Catalog {
-    /// The same, and scenarios may start programs in this way.
+    /// The same; scenarios may start programs through this opener.
     pub fn with_opener(self, opener: Arc<dyn Opener>) -> Self {
         Self { opener: Some(opener), ..self }
     }
@@ -37,10 +37,10 @@ impl Catalog {
         self.opener.is_some()
     }
 
-    /// The same with one more kind of driving policy, which scenarios then name as they name the built-in ones.
+    /// The same with one more kind of driving policy, which scenarios name like the built-in ones.
     ///
     /// # Errors
-    /// There is a kind of this name.
+    /// A kind of this name exists.
     pub fn with_policy(mut self, kind: PolicyKind) -> Result<Self, TakenKind> {
         let form = self.forms.iter_mut().find(|form| form.name == "policy").expect("the form is built in");
         let name = kind.signature.name;

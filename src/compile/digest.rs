@@ -1,4 +1,4 @@
-//! What the files say about a cell, as a digest: results are taken up again as long as it stays the same.
+//! A digest of what the files say about a task: its results are reused as long as the digest stays the same.
 
 use super::fingerprint::Fingerprint;
 use super::lowering::Lowering;
@@ -6,7 +6,7 @@ use crate::lang::hir::{Block, Declaration};
 use crate::signature::{DeclarationId, Distribution, Formula, Value};
 
 impl Lowering<'_> {
-    /// The fingerprint of a task that depends on these declarations. Towns and policies among them have been lowered before, so that
+    /// The fingerprint of a task that depends on these declarations. Towns and policies among them have been lowered before, so
     /// the files they name are known. The empty fingerprint when none is wanted.
     pub fn fingerprint(&mut self, parts: &[DeclarationId]) -> Fingerprint {
         if !self.read.wanted() {
@@ -77,7 +77,7 @@ impl Lowering<'_> {
             Value::Text(words) => {
                 tag(out, 8);
                 text(out, words);
-                // If it names a file, what stands in it.
+                // If it names a file, its contents.
                 out.extend_from_slice(&self.read.seen(&self.beside(declaration, words)).unwrap_or_default());
             }
             Value::Point(x, y) => numbers(out, 9, &[*x, *y]),

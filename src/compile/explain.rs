@@ -13,9 +13,9 @@ impl Catalog {
     /// language (`matrix`), an event, a variable, or all `events`, `variables`, `units`.
     ///
     /// # Errors
-    /// What is not known, with the nearest that is.
+    /// The name is unknown; the error offers the nearest known one.
     pub fn explain(&self, words: &[String]) -> Result<String, String> {
-        // Settings lead to keys with points between the words.
+        // Settings name keys with points between the words.
         let point = |word: &str| if word.contains('/') { ' ' } else { '.' };
         let parts = words.iter().flat_map(|word| word.split([' ', '\t', point(word)]));
         let words: Vec<&str> = parts.filter(|word| !word.is_empty()).collect();
@@ -50,7 +50,7 @@ impl Catalog {
             }
             let heads = form.kinds.iter().map(|kind| (format!("{} name = {}(…)", form.name, kind.name), kind));
             let plain = form.plain.iter().map(|plain| (format!("{} name {{ … }}", form.name), plain));
-            // A kind's own name leads to it; otherwise the words are looked for in all that the form has.
+            // The name of a kind selects it; otherwise the words are searched in everything that the form has.
             for (head, signature) in heads.chain(plain) {
                 let inner = if signature.name == rest[0] { &rest[1..] } else { rest };
                 if let Some(text) = inside(&head, signature, inner)
@@ -82,7 +82,7 @@ impl Catalog {
         Err(unknown(&words.join(" "), &known, ""))
     }
 
-    /// Kinds and keys of that name, which may be named without their form.
+    /// Kinds and keys of that name, which may be given without their form.
     fn named(&self, words: &[&str]) -> Vec<String> {
         let Some((first, rest)) = words.split_first() else { return Vec::new() };
         let mut found = Vec::new();
@@ -103,7 +103,7 @@ impl Catalog {
         found
     }
 
-    /// The keys that take a word.
+    /// The keys that accept a word.
     fn choosing(&self, word: &str) -> Vec<String> {
         fn gather(head: &str, signature: &Signature, word: &str, found: &mut Vec<String>) {
             let takes = |ty: &Type| match ty {
@@ -129,7 +129,7 @@ impl Catalog {
         found
     }
 
-    /// All that can be explained.
+    /// Everything that can be explained.
     fn topics(&self) -> String {
         let mut page = String::from("The language; `falsify explain FORM`, `falsify explain FORM KIND`:\n\n");
         for form in &self.forms {
@@ -241,7 +241,7 @@ fn units() -> String {
     page
 }
 
-/// What a unit measures, and how large it is.
+/// What a unit measures, and its size.
 fn unit(word: &str) -> Option<String> {
     let unit = parse_unit(word).ok()?;
     let si = match unit.dimension.usual_units().first() {
@@ -256,7 +256,7 @@ fn unit(word: &str) -> Option<String> {
     Some(format!("{word} (unit)\n    {}{si}\n", unit.dimension))
 }
 
-/// What a type of parameters takes.
+/// The values that a type of parameters accepts.
 fn dimension(word: &str) -> Option<String> {
     let (name, dimension) = DIMENSIONS.iter().find(|(name, _)| *name == word)?;
     let units = match dimension.usual_units() {
@@ -269,7 +269,7 @@ fn dimension(word: &str) -> Option<String> {
     ))
 }
 
-/// What a function gives.
+/// The value of a function.
 fn function(word: &str) -> Option<String> {
     functions().find(|(name, _)| *name == word).map(|(name, doc)| format!("{name}(…)\n    {doc}\n"))
 }
@@ -280,7 +280,7 @@ fn all_functions() -> String {
         .collect()
 }
 
-/// What the standard library declares under a name.
+/// The declarations of the standard library under a name.
 fn in_library(word: &str) -> Vec<String> {
     let shown = |(file, text): (&str, &str)| format!("import \"std/{file}\"\n\n{}", indented(text.trim_end()));
     library::statements(word).map(shown).collect()

@@ -7,11 +7,11 @@ use crate::lang::hir::Declaration;
 use crate::rl::PpoConfig;
 use crate::signature::{Arguments, DeclarationId, Form, Signature, Value};
 
-/// A kind of falsifier: what it takes, and how it is made.
+/// A kind of falsifier: its keys, and how it is made.
 pub struct FalsifierKind {
-    /// What it takes.
+    /// Its keys.
     pub signature: fn() -> Signature,
-    /// Makes one from checked arguments, and from how pedestrians are trained.
+    /// Makes one from checked arguments and the settings for training pedestrians.
     pub make: fn(&Arguments, &(PpoConfig, usize)) -> Arc<dyn Falsifier>,
 }
 
@@ -66,7 +66,7 @@ pub fn lower(
 ) -> Arc<dyn Falsifier> {
     let found = kinds.iter().find(|candidate| (candidate.signature)().name == declaration.kind);
     let arguments = &declaration.block.arguments;
-    // The others do not look at it.
+    // The other kinds do not use it.
     let training = training.unwrap_or_else(|| (PpoConfig::paper(), 1));
     let number = |key: &str| match optional(arguments, key) {
         Some(Value::Integer(number)) => Some(*number),

@@ -1,10 +1,10 @@
 use std::fmt;
 
-/// A digest of all that the files say about a training, an evaluation or a search.
+/// A digest of everything that the files say about a training, an evaluation or a search.
 ///
-/// It holds the declarations that the cell hangs on, with those that they name: forms, kinds, names, values in SI, formulas, and
-/// the contents of files such as maps and models. It does not hold documentation, layout, where a declaration stands, or
-/// anything else that the files declare, so another town or reward in a campaign leaves it as it was.
+/// It holds the declarations that the task depends on, with those that they name: forms, kinds, names, values in SI, formulas, and
+/// the contents of files such as maps and models. It does not hold documentation, layout, the places of declarations, or
+/// any other declaration of the files. Another town or reward in a campaign therefore does not change it.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub struct Fingerprint(pub(super) [u8; 32]);
 

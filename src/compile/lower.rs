@@ -18,32 +18,32 @@ use crate::lang::hir::{Block, Declaration, ParamId};
 use crate::lang::{self, Reader, Unreadable, diagnostics};
 use crate::signature::DeclarationId;
 
-/// What came of a set of files.
+/// The result of compiling a set of files.
 #[derive(Debug)]
 pub struct Compiled {
-    /// What is to be run; none when a diagnostic is an error.
+    /// The plan to run; none when a diagnostic is an error.
     pub plan: Option<Plan>,
-    /// What would be run if only somebody could be placed where nobody can: good for drawing beginnings, not for running. None
-    /// when there is a plan, and when anything else is wrong.
+    /// The plan when its only errors are unsatisfiable spawns: use it to plot starts, never to run. None when there is a plan, and when
+    /// there is any other error.
     pub unplaced: Option<Plan>,
-    /// Everything that is to be said.
+    /// All diagnostics.
     pub diagnostics: Vec<Diagnostic>,
 }
 
-/// What a user gives beside the files.
+/// The user's input in addition to the files.
 #[derive(Debug, Clone, Default)]
 pub struct Overrides {
-    /// OpenDRIVE maps that take the place of the roads of towns; what the scenario places beside them is kept.
+    /// OpenDRIVE maps that replace the roads of towns; the objects that the scenario places beside them stay.
     pub maps: BTreeMap<String, PathBuf>,
     /// Values for parameters and keys: `name=value`.
     pub settings: Vec<String>,
-    /// Whether imported towns are among the plan's, too, as far as they can be built.
+    /// Whether imported towns are included in the plan, as far as they can be built.
     pub imported_towns: bool,
-    /// Whether the plan is looked at and not run: its tasks have no names and no fingerprints.
+    /// Whether the plan is only inspected and not run: its tasks have no names and no fingerprints.
     pub only_checked: bool,
 }
 
-/// Reads, checks and lowers files with all that they import.
+/// Reads, checks and lowers files with everything that they import.
 ///
 /// # Errors
 /// The first named file that cannot be read, with the reason. Everything else is a diagnostic.
@@ -56,7 +56,7 @@ pub fn compile(
     compile_with(paths, &Overrides::default(), catalog, read, sources)
 }
 
-/// Does as [`compile`], with some things replaced.
+/// Like [`compile`], with options.
 ///
 /// # Errors
 /// As [`compile`].
@@ -110,7 +110,7 @@ pub fn compile_with(
     plan.imported_campaigns = base.declarations.iter().filter(imported).map(named).collect();
     forbid_equal_names(base, &plan, &mut diagnostics);
     warn_of_unused(base, &shared.used, &mut diagnostics);
-    // One mistake may show in many cells.
+    // One mistake may be reported for many tasks.
     lang::once(&mut diagnostics);
     let errors: Vec<&Diagnostic> = diagnostics.iter().filter(|each| is_error(each)).collect();
     let (plan, unplaced) = match errors.as_slice() {
@@ -151,8 +151,8 @@ impl Lowering<'_> {
         }
     }
 
-    /// Builds what is whole where other things are wrong, only for what there is to say about it: declarations that are
-    /// faultless and refer to none that is not.
+    /// Builds the valid parts if other parts have errors, only for their diagnostics: declarations that are
+    /// valid and refer only to valid ones.
     fn as_far_as_whole(&mut self, faultless: &BTreeSet<DeclarationId>, left_out: &BTreeSet<DeclarationId>) {
         let program = self.program;
         let of_form = |form| program.of_form(form).filter(|each| reached(program, each.id).is_subset(faultless));
@@ -164,7 +164,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// Adds the towns that files import. One that cannot be built is left out: nothing wants it.
+    /// Adds the towns that files import. One that cannot be built is left out, since nothing uses it.
     fn imported_towns(&mut self, plan: &mut Plan) {
         let program = self.program;
         let imported = |each: &&Arc<Declaration>| each.form == "town" && !program.roots.contains(&each.source);
@@ -196,7 +196,7 @@ impl Lowering<'_> {
 
     pub fn policy(&mut self, id: DeclarationId) -> Option<PolicyMaker> {
         let declaration = self.program.get(id);
-        // A variant may change what is behind a name, and leave the policy as it is.
+        // A variant may change the declaration behind a name and leave the policy as it is.
         let contents: Vec<Block> =
             reached(self.program, id).into_iter().map(|each| self.program.get(each).block.clone()).collect();
         let known = self.shared.policies.get(&id).into_iter().flatten();
@@ -208,7 +208,7 @@ impl Lowering<'_> {
         made
     }
 
-    /// Notes what a campaign uses; gives what is documented of it.
+    /// Records the declarations that a campaign uses; returns the documented ones.
     fn note_used(&mut self, campaign: DeclarationId) -> Vec<Documented> {
         let seen = reached(self.program, campaign);
         let used = self.program.declarations.iter().filter(|each| each.id != campaign && seen.contains(&each.id));
@@ -225,7 +225,7 @@ impl Lowering<'_> {
     }
 }
 
-/// The name of a campaign with settings, fit for a folder.
+/// The name of a campaign with settings, suitable for a folder.
 fn named(name: &str, settings: &[String]) -> String {
     let plain = |setting: &String| -> String {
         let kept = setting.chars().filter(|c| !c.is_whitespace());

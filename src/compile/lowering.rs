@@ -13,28 +13,28 @@ use crate::lang::hir::{Block, Declaration, Program};
 use crate::road::Town;
 use crate::signature::DeclarationId;
 
-/// A town with what stands in it, ready to be shared.
+/// A town with its obstacles, ready to be shared.
 #[derive(Clone)]
 pub(super) struct BuiltTown {
     pub town: Arc<Town>,
     pub obstacles: Arc<Obstacles>,
 }
 
-/// What all variants of the files have in common.
+/// The state that all variants of the files share.
 #[derive(Default)]
 pub(super) struct Shared {
-    /// Towns that have been built, by their declaration and what it says.
+    /// Towns that have been built, by their declaration and its contents.
     pub towns: BTreeMap<DeclarationId, Vec<(Block, Option<BuiltTown>)>>,
-    /// The policies that were made, beside their own contents and those of all that they refer to.
+    /// The policies that were made, with their own contents and those of everything that they refer to.
     pub policies: BTreeMap<DeclarationId, Vec<MadePolicy>>,
     /// Declarations that campaigns use.
     pub used: BTreeSet<DeclarationId>,
 }
 
-/// What a policy and all that it refers to hold, and what was made of it.
+/// The contents of a policy and of everything that it refers to, and the policy made of them.
 pub(super) type MadePolicy = (Vec<Block>, Option<PolicyMaker>);
 
-/// What every step of the way from HIR to plan needs.
+/// The state of every step from HIR to plan.
 pub(super) struct Lowering<'a> {
     pub program: &'a Program,
     pub catalog: &'a Catalog,
@@ -45,7 +45,7 @@ pub(super) struct Lowering<'a> {
     pub digests: BTreeMap<DeclarationId, [u8; 32]>,
     /// The texts of the files.
     pub sources: &'a Sources,
-    /// What variants share.
+    /// The state that variants share.
     pub shared: &'a mut Shared,
 }
 

@@ -1,4 +1,4 @@
-//! Where language meets world: the forms and kinds that a scenario may use, and HIR → [`Plan`].
+//! From the language to the simulation: the forms and kinds that a scenario may use, and HIR → [`Plan`].
 //!
 //! Every form has a file with two functions: its [`Form`](crate::signature::Form), which the checker and the reference
 //! read, and a `lower` that turns checked values into something that runs. Kinds of driving policies own their

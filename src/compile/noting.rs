@@ -23,7 +23,7 @@ impl<'a> Noting<'a> {
         self.wanted
     }
 
-    /// Remembers a digest of what a text names that is not read here.
+    /// Records a digest of something that a text names and that is not read here.
     pub fn note(&self, name: PathBuf, digest: [u8; 32]) {
         self.seen.borrow_mut().insert(name, digest);
     }

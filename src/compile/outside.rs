@@ -1,4 +1,4 @@
-//! Kinds of driving policies that are made of more than their arguments: of a program, or of a file.
+//! Kinds of driving policies that need a program or a file in addition to their arguments.
 
 use std::sync::Arc;
 
@@ -10,15 +10,15 @@ use crate::lang::hir::Declaration;
 use crate::lang::{Reader, diagnostics, reason};
 use crate::signature::Signature;
 
-/// A kind of driving policy from outside: what it takes, and how a maker of it comes to be.
+/// A kind of driving policy with a program or a file: its keys, and how its maker is built.
 pub struct OutsideKind {
-    /// What it takes.
+    /// Its keys.
     pub signature: fn() -> Signature,
-    /// Gets ready to make some; none after saying what is wrong.
+    /// Builds a maker; none after reporting what is wrong.
     pub lower: fn(&Declaration, &mut Lowering<'_>) -> Option<PolicyMaker>,
 }
 
-/// All kinds from outside; a new one is a line here.
+/// All such kinds; a new one is a line here.
 pub fn kinds() -> Vec<OutsideKind> {
     vec![
         OutsideKind { signature: External::signature, lower: external },
@@ -26,7 +26,7 @@ pub fn kinds() -> Vec<OutsideKind> {
     ]
 }
 
-/// A program, if the user allows to start any. It is not started here.
+/// A program, if the user allows programs. It is not started here.
 fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
     let arguments = &declaration.block.arguments;
     let place = declaration.block.place("command");
@@ -46,7 +46,7 @@ fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<Po
         lowering.said.push(diagnostics::unusable_command(place, command, &reason));
         return None;
     }
-    // What the files of a command hold belongs to what the scenario says.
+    // The contents of a command's files are part of the scenario.
     lowering.read.note(lowering.beside(declaration, command), opener.digest(&program));
     let settings = Settings::new(arguments);
     Some(Arc::new(move || Box::new(External::new(program.clone(), settings, opener.clone()))))

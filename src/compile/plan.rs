@@ -10,7 +10,7 @@ use crate::rl::PpoConfig;
 use crate::road::Town;
 use crate::signature::Arguments;
 
-/// Everything that is to be run.
+/// Everything that is run.
 #[derive(Debug, Clone, Default)]
 pub struct Plan {
     /// The campaigns of the files the user named, in order.
@@ -22,7 +22,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Why nothing is to be run, and what to do about it.
+    /// Why there is nothing to run, and what to do about it.
     pub fn without_campaigns(&self) -> String {
         match self.imported_campaigns.as_slice() {
             [] => "the files hold no campaign; write `campaign NAME { … }` to say what is to be run".into(),
@@ -56,14 +56,14 @@ impl Campaign {
     }
 }
 
-/// A campaign: trainings, and evaluations of what they bring forth.
+/// A campaign: trainings, evaluations of their results, and searches.
 #[derive(Debug, Clone)]
 pub struct Campaign {
     /// Its name.
     pub name: String,
     /// Its documentation, one string a line.
     pub docs: Vec<String>,
-    /// What was set from outside the files, and the combination of its `matrix`, as `name = value`.
+    /// The settings from outside the files, and the combination of its `matrix`, as `name = value`.
     pub settings: Vec<String>,
     /// The documented declarations that it uses, in the order of the files.
     pub words: Vec<Documented>,
@@ -77,7 +77,7 @@ pub struct Campaign {
     pub evaluations: Vec<Evaluation>,
     /// The searches, in order of block, town, policy, falsifier, run.
     pub searches: Vec<Search>,
-    /// What others have published, to stand beside its figures.
+    /// Published results, to be compared with its figures.
     pub published: Vec<Published>,
 }
 
@@ -86,15 +86,15 @@ pub struct Campaign {
 pub struct Published {
     /// Where it is from.
     pub source: String,
-    /// What its `///` lines say: why ours differ, perhaps.
+    /// Its `///` lines; they may explain why our figures differ.
     pub docs: String,
-    /// How many trainings its figures are averaged over.
+    /// The number of trainings its figures are averaged over.
     pub runs: u32,
     /// Its cells.
     pub cells: Vec<PublishedCell>,
 }
 
-/// A cell of a published table: it stands beside every cell of ours with one of these rewards, towns and policies.
+/// A cell of a published table: it is compared with every cell of ours with one of these rewards, towns and policies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PublishedCell {
     /// Names of rewards.
@@ -125,7 +125,7 @@ pub struct Documented {
     pub form: &'static str,
     /// Its name.
     pub name: String,
-    /// What its `///` lines say.
+    /// Its `///` lines.
     pub docs: String,
 }
 
@@ -138,18 +138,18 @@ pub struct NamedTown {
     pub town: Arc<Town>,
 }
 
-/// What a driver is, for those who read its numbers.
+/// The description of a driver in reports.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Driver {
     /// The name that the files give it.
     pub name: String,
     /// Its kind.
     pub kind: &'static str,
-    /// Its keys with their values, but for `sensors`.
+    /// Its keys with their values, except `sensors`.
     pub settings: Arguments,
-    /// The name of its sensors, if it has any.
+    /// The name of its sensors, if any.
     pub sensors: Option<String>,
-    /// What they are, if it has any.
+    /// The model of its sensors, if any.
     pub sensor_model: Option<Arc<SensorModel>>,
     /// See [`Signature::surrogate`](crate::signature::Signature::surrogate).
     pub surrogate: &'static str,
@@ -169,7 +169,7 @@ pub struct TrainingKey {
 }
 
 impl TrainingKey {
-    /// Whether another training differs in its run alone.
+    /// Whether another training differs only in its run.
     pub fn is_of_same_cell(&self, other: &Self) -> bool {
         (&self.reward, &self.town, &self.policy) == (&other.reward, &other.town, &other.policy)
     }
@@ -189,20 +189,20 @@ pub struct Training {
     pub key: TrainingKey,
     /// What is trained in.
     pub scenario: Arc<Scenario>,
-    /// How.
+    /// Its settings.
     pub config: PpoConfig,
-    /// In how many environments.
+    /// The number of environments.
     pub environments: usize,
-    /// What the files say about it.
+    /// The digest of what the files say about it.
     pub fingerprint: Fingerprint,
 }
 
 /// What controls the pedestrian of an evaluation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum ControllerKind {
-    /// The result of a training, which takes the mean of its policy: the training's place in [`Campaign::trainings`].
+    /// The mean of a trained policy: the training's index in [`Campaign::trainings`].
     Trained(usize),
-    /// The same, which draws its commands from its policy, as in training.
+    /// The same policy, with commands drawn from it as in training.
     Sampled(usize),
     /// Draws every command uniformly from its range.
     Random,
@@ -225,14 +225,14 @@ impl ControllerKind {
     }
 }
 
-/// One pedestrian tried in one town against one policy.
+/// One controller evaluated in one town against one policy.
 #[derive(Debug, Clone)]
 pub struct Evaluation {
     /// Its short name.
     pub id: RunId,
     /// What controls the pedestrian.
     pub controller: ControllerKind,
-    /// What it was trained in; for the untrained ones, whose reward and run these rows are compared with.
+    /// Its training; for an untrained controller, the reward and run that its rows are compared with.
     pub trained: Arc<TrainingKey>,
     /// Name of the town.
     pub town: Arc<str>,
@@ -240,17 +240,17 @@ pub struct Evaluation {
     pub policy: Arc<str>,
     /// Name of the vehicle.
     pub vehicle: Arc<str>,
-    /// Name of the adversary, whose body and reading of states and actions the pedestrian takes over.
+    /// Name of the adversary, which gives the pedestrian's body and its states and actions.
     pub adversary: Arc<str>,
     /// Number of the `evaluate` block in its campaign, from 0.
     pub block: u32,
-    /// What is tried.
+    /// The scenario of the evaluation.
     pub scenario: Arc<Scenario>,
-    /// How many episodes, at most when there is a half-width.
+    /// The number of episodes; the greatest number if there is a half-width.
     pub episodes: u32,
-    /// What the files say about it, without how its pedestrian was trained.
+    /// The digest of what the files say about it, without the training of its pedestrian.
     pub fingerprint: Fingerprint,
-    /// The half-width of the collision rate's 95 % interval at which it ends before that.
+    /// The evaluation ends early when the half-width of the collision rate's 95 % interval falls to this.
     pub halfwidth: Option<f64>,
 }
 
@@ -263,7 +263,7 @@ pub struct SearchKey {
     pub falsifier: String,
     /// Its kind.
     pub method: &'static str,
-    /// Name of the reward that it maximises; empty for those that know none.
+    /// Name of the reward that it maximises; empty for falsifiers without one.
     pub reward: String,
     /// Name of the town.
     pub town: String,
@@ -276,7 +276,7 @@ pub struct SearchKey {
 }
 
 impl SearchKey {
-    /// Whether another search differs in its run alone.
+    /// Whether another search differs only in its run.
     pub fn is_of_same_cell(&self, other: &Self) -> bool {
         (&self.falsifier, &self.town, &self.policy, self.block)
             == (&other.falsifier, &other.town, &other.policy, other.block)
@@ -295,14 +295,14 @@ impl fmt::Display for SearchKey {
 pub struct Search {
     /// What it is.
     pub key: SearchKey,
-    /// What is searched.
+    /// The scenario of the search.
     pub scenario: Arc<Scenario>,
-    /// By whom.
+    /// The falsifier.
     pub falsifier: Arc<dyn Falsifier>,
-    /// How many simulator ticks it may use.
+    /// The number of simulator ticks it may use.
     pub budget: u64,
-    /// In how many fresh episodes the pedestrian that it ends up with is tried, if it has one.
+    /// The number of fresh episodes in which its final pedestrian is evaluated, if it has one.
     pub tries: u32,
-    /// What the files say about it.
+    /// The digest of what the files say about it.
     pub fingerprint: Fingerprint,
 }

@@ -30,7 +30,7 @@ pub fn kinds() -> Vec<PolicyKind> {
     ]
 }
 
-/// The form `policy`. Every kind takes `sensors` beside what its own signature says.
+/// The form `policy`. Every kind takes `sensors` in addition to the keys of its own signature.
 pub fn form(kinds: &[PolicyKind], outside: &[OutsideKind]) -> Form {
     let own = kinds.iter().map(|kind| kind.signature.clone());
     let others = outside.iter().map(|kind| (kind.signature)());
@@ -43,7 +43,7 @@ pub fn form(kinds: &[PolicyKind], outside: &[OutsideKind]) -> Form {
     }
 }
 
-/// A maker of fresh drivers, behind their sensors; none after saying what is wrong.
+/// A maker of new drivers with their sensors; none after reporting what is wrong.
 pub fn lower(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
     let make = driver(declaration, lowering)?;
     let arguments = &declaration.block.arguments;
@@ -61,7 +61,7 @@ pub fn signature<'a>(declaration: &Declaration, catalog: &'a Catalog) -> Option<
     policies.flat_map(|form| &form.kinds).find(|kind| kind.name == declaration.kind)
 }
 
-/// What a driver is, for reports.
+/// The description of a driver, for reports.
 pub fn describe(declaration: &Declaration, lowering: &Lowering<'_>) -> Driver {
     let kind = signature(declaration, lowering.catalog);
     let arguments = &declaration.block.arguments;

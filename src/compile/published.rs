@@ -5,7 +5,7 @@ use crate::lang::hir::{Block, Declaration, Program};
 use crate::signature::{DeclarationId, Form, Param, Signature, Type};
 use crate::units::Dimension;
 
-/// The figures that can stand beside ours: the column of `cells`, the keys of mean and spread, and what it is.
+/// The published figures that can be compared with ours: the column of `cells`, the keys of mean and spread, and its description.
 const FIGURES: [(&str, &str, &str, &str); 6] = [
     ("collision_rate", "collision", "collision_sd", "Collisions of all episodes."),
     ("front_rate", "front", "front_sd", "Frontal collisions of all collisions."),
@@ -14,7 +14,7 @@ const FIGURES: [(&str, &str, &str, &str); 6] = [
     ("episode_length_s", "length", "length_sd", "Length of an episode (s)."),
     ("impact_speed_mps", "impact_speed", "impact_speed_sd", "Speed of the car at a collision (m/s)."),
 ];
-/// What the spreads are called in the reference.
+/// The description of the spreads in the reference.
 const SPREAD: &str = "Sample standard deviation of that over the published runs.";
 
 /// The columns of `cells`, without `_mean`, that published figures can be compared with.

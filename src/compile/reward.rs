@@ -23,7 +23,7 @@ fn potential() -> Param {
     )
 }
 
-/// The rule. A clause for `hit` without a word holds for every zone that has no clause of its own.
+/// The rule. A clause for `hit` without a word applies to every zone that has no clause of its own.
 pub fn lower(block: &Block) -> RewardRule {
     let find = |event: &str, word: Option<&str>| {
         let found = block.clauses.iter().find(|clause| clause.event == event && clause.word == word);

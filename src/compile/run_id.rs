@@ -3,13 +3,13 @@ use std::str::FromStr;
 
 /// The short name of a run or of a search: 32 bits of BLAKE3 over its names, in tables eight hexadecimal digits.
 ///
-/// It is the same in every report of the same campaign, whatever else the campaign holds. Episode 17 of run `1a2b3c4d` is called
-/// `1a2b3c4d:17`.
+/// It is the same in every report of the same campaign, whatever else the campaign contains. Episode 17 of run `1a2b3c4d` is
+/// called `1a2b3c4d:17`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct RunId(u32);
 
 impl RunId {
-    /// Names something; `again` counts up where others have had the same name by chance.
+    /// Makes a name; `again` counts up if the name is already taken by chance.
     pub(super) fn new(names: &str, again: u32) -> Self {
         let hash = match again {
             0 => blake3::hash(names.as_bytes()),

@@ -1,14 +1,14 @@
-//! Names the runs and searches of a campaign, each with a name of its own.
+//! Names the runs and searches of a campaign, each with a unique name.
 
 use std::collections::BTreeMap;
 
 use super::plan::Campaign;
 use super::run_id::RunId;
 
-/// Bytes that the names of most runs take together.
+/// The number of bytes that the names of most runs take together.
 const TYPICAL: usize = 128;
 
-/// Names that are given out, each to one owner.
+/// Names that are in use, each by one owner.
 #[derive(Default)]
 struct Register {
     owners: BTreeMap<RunId, String>,

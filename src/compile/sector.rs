@@ -1,27 +1,27 @@
-//! Conditions of a spawn that can be turned into sampling are; those that contradict it are found.
+//! Turns conditions of a spawn into sampling where possible, and finds contradictions between them.
 //!
-//! `distance > 10 m` cuts the distribution of the distance, which draws the same as rejecting would. Whatever else is required
-//! is evaluated over the bounds of its variables: what never holds is a contradiction, what always holds is dropped, and only
-//! the rest is left to rejection, unless ever smaller boxes of beginnings show that it never holds together.
+//! `distance > 10 m` cuts the distribution of the distance, which gives the same draws as rejection. Every other condition
+//! is evaluated over the bounds of its variables. A condition that is never true is a contradiction, and one that is always true
+//! is dropped. The rest is left to rejection, unless ever smaller boxes of starts show that it is never true together.
 
 use crate::diagnostic::{Diagnostic, Label, Span};
 use crate::lang::diagnostics;
 use crate::signature::{BinaryOperator, Bounds, Distribution, Formula, VariableId, Vocabulary};
 use crate::units::Dimension;
 
-/// A quantity that is drawn on its own.
+/// A quantity that is drawn independently.
 #[derive(Debug, Clone)]
 pub(super) struct Drawn {
     variable: &'static str,
     dimension: Dimension,
-    /// What it is drawn from.
+    /// Its distribution.
     pub distribution: Distribution,
-    /// Where its least and its greatest value come from.
+    /// The places in the file that set its least and its greatest value.
     low: Span,
     high: Span,
 }
 
-/// The quantities that a beginning is drawn from.
+/// The quantities that a start is drawn from.
 #[derive(Debug, Clone)]
 pub(super) struct Sector<'a> {
     vocabulary: &'a Vocabulary,
@@ -29,7 +29,7 @@ pub(super) struct Sector<'a> {
 }
 
 impl<'a> Sector<'a> {
-    /// Begins with what the keys say, each with the place of its value.
+    /// Starts with the values of the keys, each with its place.
     pub fn new(
         vocabulary: &'a Vocabulary,
         bearing: (&Distribution, Span),
@@ -51,15 +51,15 @@ impl<'a> Sector<'a> {
         Self { vocabulary, drawn }
     }
 
-    /// What the bearing, the distance and the ego's speed are drawn from.
+    /// The distributions of the bearing, the distance and the ego's speed.
     pub fn into_distributions(self) -> [Distribution; 3] {
         self.drawn.map(|drawn| drawn.distribution)
     }
 
-    /// Takes a condition into the distributions as far as that goes; gives what is left of it.
+    /// Applies a condition to the distributions as far as possible; returns the part that remains.
     ///
     /// # Errors
-    /// That it never holds.
+    /// The condition is never true.
     pub fn require(&mut self, condition: &Formula, span: Span) -> Result<Option<Formula>, Box<Diagnostic>> {
         let (low, high) = condition.bounds(&|id| self.bounds(id));
         if low == 0.0 && high == 0.0 {
@@ -95,7 +95,7 @@ impl<'a> Sector<'a> {
         Ok(None)
     }
 
-    /// `variable < constant`, one way round or the other, for a quantity that is drawn.
+    /// `variable < constant` in either order, for a quantity that is drawn.
     fn cut(&self, condition: &Formula) -> Option<(usize, BinaryOperator, f64)> {
         use BinaryOperator::{Greater, GreaterEqual, Less, LessEqual};
         let Formula::Binary(operator, left, right) = condition else { return None };
@@ -125,10 +125,10 @@ impl<'a> Sector<'a> {
         }
     }
 
-    /// Conditions that never hold together, none of which could be left out; the last one first. Nothing when that cannot be told.
+    /// Checks that conditions can be true together, as far as that can be decided.
     ///
     /// # Errors
-    /// That they never do.
+    /// A minimal set of conditions that are never true together, the last one first.
     pub fn require_together(&self, conditions: &[(Formula, Span)]) -> Result<(), Box<Diagnostic>> {
         let mut clash: Vec<&(Formula, Span)> = conditions.iter().collect();
         if clash.is_empty() || !self.excludes(&clash) {
@@ -153,7 +153,7 @@ impl<'a> Sector<'a> {
         Err(diagnostic.into())
     }
 
-    /// Whether no beginning satisfies all of these conditions, as far as ever smaller boxes of beginnings tell.
+    /// Whether no start satisfies all of these conditions, as far as ever smaller boxes of starts can show it.
     fn excludes(&self, conditions: &[&(Formula, Span)]) -> bool {
         let mut named = Vec::new();
         conditions.iter().for_each(|(condition, _)| variables(condition, &mut named));
@@ -215,7 +215,7 @@ impl<'a> Sector<'a> {
             if names.contains(&drawn.variable) || through {
                 let (low, high) = drawn.distribution.support();
                 let (low, high) = (shown(low, drawn.dimension), shown(high, drawn.dimension));
-                // A key that one condition has narrowed says no more than the other end.
+                // If one condition has narrowed a key, the key only gives the other end.
                 diagnostic = match drawn.low == drawn.high {
                     true => diagnostic.label(drawn.low, format!("{} is {low} .. {high}", drawn.variable)),
                     false => diagnostic
@@ -236,15 +236,15 @@ impl<'a> Sector<'a> {
     }
 }
 
-/// Most boxes that are looked at to find out whether conditions hold together.
+/// The greatest number of boxes to examine for whether conditions can be true together.
 const MOST_REGIONS: usize = 2048;
 
-/// A box of beginnings.
+/// A box of starts.
 #[derive(Debug, Clone, Copy)]
 struct Region {
-    /// Bounds of what is drawn: bearing, distance, speed of the ego.
+    /// Bounds of the drawn quantities: bearing, distance, speed of the ego.
     drawn: [Bounds; 3],
-    /// Bounds of where the pedestrian faces.
+    /// Bounds of the pedestrian's facing.
     facing: Bounds,
 }
 
@@ -277,7 +277,7 @@ impl Region {
 
     /// Its halves along the longest of these sides; none when all are short.
     fn halves(mut self, splits: &[usize]) -> Option<[Self; 2]> {
-        /// What counts as long as another: an angle of 1 rad, 10 m, 10 m/s.
+        /// Sides that count as equally long: an angle of 1 rad, 10 m, 10 m/s.
         const SCALE: [f64; 4] = [1.0, 10.0, 10.0, 1.0];
         const SHORTEST: f64 = 1e-3;
         let sides = self.sides().map(|side| *side);
@@ -306,7 +306,7 @@ fn cosine((low, high): (f64, f64)) -> (f64, f64) {
     (if holds(PI) { -1.0 } else { a.min(b) }, if holds(0.0) { 1.0 } else { a.max(b) })
 }
 
-/// Bounds with room for what is lost in counting: the cosine of a right angle is not quite 0.
+/// Bounds with room for rounding: the computed cosine of a right angle is not exactly 0.
 fn rounded((low, high): Bounds) -> Bounds {
     const LOST: f64 = 1e-9;
     (low - LOST, high + LOST)

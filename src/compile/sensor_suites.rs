@@ -1,6 +1,6 @@
-//! Sensor suites of published drivers, as defaults of the keys of `sensors`. Nothing here was fitted to any outcome.
+//! Sensor suites of published drivers, as defaults of the keys of `sensors`. None of the figures was fitted to an outcome.
 //!
-//! "Documented" figures stand in the agent's code or configuration. "Prior" ones are guesses with a stated basis; no measured
+//! "Documented" figures are in the agent's code or configuration. "Prior" ones are guesses with a stated basis; no measured
 //! curve of either network's misses was found.
 
 use std::f64::consts::PI;
@@ -15,9 +15,9 @@ pub struct Suite {
     pub doc: &'static str,
     /// Keys that differ from the form's defaults: the value, and the sentence for the reference with its source.
     pub figures: &'static [(&'static str, &'static str, &'static str)],
-    /// What is covered.
+    /// The covered sectors.
     pub sectors: &'static [Sector],
-    /// Where more is missed.
+    /// The directions in which more is missed.
     pub seams: &'static [Seam],
 }
 

@@ -7,9 +7,9 @@ use crate::lang::hir::Block;
 use crate::signature::{Form, LEAST, MOST, Param, Signature, Type};
 use crate::units::Dimension;
 
-/// Most length and width of what a pedestrian is taken for (m): more than any vehicle has.
+/// Greatest length and width of what a pedestrian is mistaken for (m): larger than any vehicle.
 const LONGEST_CONFUSED: f64 = 30.0;
-/// Where misses begin to change with the distance, and where they end to.
+/// The keys of the distances at which misses start and stop to change.
 const RISING: &[&str] = &["near", "far"];
 
 /// The form `sensors`.

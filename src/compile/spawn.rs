@@ -92,7 +92,7 @@ pub fn form() -> Form {
     }
 }
 
-/// The rule; none when its constraints contradict each other, which is said.
+/// The rule; none after reporting that its constraints contradict each other.
 pub fn lower(
     name: &str,
     block: &Block,
@@ -121,7 +121,7 @@ pub fn lower(
     let mut sector = Sector::new(vocabulary, bearing, distance, speed);
     let conditions = arguments.conditions("require").into_iter().cloned();
     let mut left: Vec<_> = conditions.zip(block.members("require").iter().copied()).collect();
-    // What one condition leaves of the sector may contradict another, whichever comes first.
+    // The part of the sector that one condition leaves may contradict another condition, in either order.
     for _ in 0..2 {
         let mut kept = Vec::new();
         for (condition, span) in left {

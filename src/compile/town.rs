@@ -16,15 +16,15 @@ use crate::lang::Reader;
 const SAME_NODE: f64 = 0.01;
 /// Half size of the box in which a speed sign takes effect (m): 0.35 of CARLA's lanes.
 const SIGN_HALF_SIZE: f64 = 1.4;
-/// Who stands farther than this from all streets is neither met nor seen (m).
+/// An object farther than this from all streets is neither met nor seen (m).
 const FAR: f64 = 500.0;
-/// Most trees of a grove.
+/// The greatest number of trees of a grove.
 const MOST_TREES: f64 = 20_000.0;
-/// Step with which the ground under an obstacle is searched for lanes (m).
+/// Step of the search for lanes under an obstacle (m).
 const UNDER_STEP: f64 = 1.0;
-/// Most steps along one side of an obstacle.
+/// The greatest number of steps along one side of an obstacle.
 const MOST_STEPS: f64 = 1e9;
-/// What is allowed for the difference between a lane and the straight pieces that it is looked for by (m).
+/// Allowance for the difference between a lane and the straight pieces that the search uses (m).
 const UNDER_SLACK: f64 = 5.0;
 
 /// The form `town`.
@@ -46,7 +46,7 @@ pub fn form() -> Form {
 }
 
 fn designed() -> Signature {
-    // As `road::design` has them.
+    // As in `road::design`.
     let length = |min, max| Type::Quantity { dimension: Dimension::LENGTH, min, max };
     let street = Signature::new(
         "street",
@@ -114,7 +114,7 @@ fn designed() -> Signature {
     }
 }
 
-/// What may stand in a town of either kind.
+/// The obstacles of a town of either kind.
 fn obstacles() -> Vec<Signature> {
     let length = || Type::positive(Dimension::LENGTH);
     let corner = || Param::required("corner", Type::Point, "One corner.");
@@ -175,7 +175,7 @@ fn obstacles() -> Vec<Signature> {
     ]
 }
 
-/// Builds a town, saying what is wrong with it. A map given here takes the place of its own roads and signs.
+/// Builds a town and reports what is wrong with it. A map given here replaces its own roads and signs.
 pub fn lower(
     declaration: &Declaration,
     map: Option<&Path>,
@@ -212,7 +212,7 @@ pub fn lower(
         said.push(diagnostics::contradiction(second.head, "this town has `row_houses` already".into()));
     }
     let standing = standing(block, said);
-    // Rows of houses give way to what is placed by hand.
+    // Rows of houses leave out houses that would stand where an obstacle is placed by hand.
     parts.obstacles.retain(|row| !standing.iter().any(|(_, own)| own.overlaps(row)));
     parts.obstacles.extend(standing.iter().map(|(_, own)| *own));
     // A real map has signs of its own.
@@ -222,14 +222,14 @@ pub fn lower(
         parts.speed_signs.push(SpeedSign { limit: sign.arguments.number("limit"), trigger });
     }
     if map.is_some() {
-        // What was placed beside the outline of a street may reach into the real one.
+        // An obstacle beside the outline of a street may reach into the street of the map.
         let roads = Town::new(TownParts { obstacles: Vec::new(), ..parts.clone() });
         parts.obstacles.retain(|own| road_under(&roads, own).is_none());
         return Some(Town::new(parts));
     }
     let town = Town::new(parts);
     let drawn = declaration.kind != "opendrive";
-    // The first question for a lane is dear, and in a town of one's own most things stand far from every street.
+    // The first look-up of a lane is expensive, and in a described town most objects stand far from every street.
     let reach = UNDER_SLACK + if drawn { profile(block).half_width() } else { f64::INFINITY };
     let near = |own: &OrientedBox| town.roads.iter().any(|road| comes_near(road, own, reach));
     for (place, own) in standing.iter().filter(|(_, own)| near(own)) {
@@ -246,7 +246,7 @@ pub fn lower(
     whole.then_some(town)
 }
 
-/// Says what stands where it has no effect.
+/// Reports objects that have no effect where they stand.
 fn idle(town: &Town, block: &Block, standing: &[(Span, OrientedBox)]) -> Vec<Diagnostic> {
     let far = |own: &OrientedBox| !town.roads.iter().any(|road| comes_near(road, own, FAR));
     let lost = standing.iter().filter(|(_, own)| far(own)).map(|(place, _)| diagnostics::far_from_streets(*place, FAR));
@@ -261,7 +261,7 @@ fn idle(town: &Town, block: &Block, standing: &[(Span, OrientedBox)]) -> Vec<Dia
     lost.chain(passed_by_none).collect()
 }
 
-/// Says what is wrong with a design where its street, its corner or its measure stands.
+/// Reports a fault of a design at its street, its corner or its measure.
 fn unbuildable(fault: &DesignError, block: &Block) -> Diagnostic {
     if let DesignError::Measure { what, .. } = fault {
         // `setback of buildings` is the key `setback` of `row_houses`, `lane width` that of the town.
@@ -309,7 +309,7 @@ fn node_name(x: f64, y: f64) -> String {
     format!("({} m, {} m)", short(x), short(y))
 }
 
-/// Reads a map; `shown` is its path as the user knows it, and what that is relative to.
+/// Reads a map; `shown` is its path in messages, and what that is relative to.
 fn read_map(
     declaration: &Declaration,
     file: &Path,
@@ -340,7 +340,7 @@ fn read_map(
     }
 }
 
-/// Everything that stands in the town, each with the place where it is declared.
+/// All objects of the town, each with the place of its declaration.
 fn standing(block: &Block, said: &mut Vec<Diagnostic>) -> Vec<(Span, OrientedBox)> {
     let mut all = Vec::new();
     for child in &block.children {
@@ -396,10 +396,10 @@ fn standing(block: &Block, said: &mut Vec<Diagnostic>) -> Vec<(Span, OrientedBox
     all
 }
 
-/// Whether the middle of a road may come so near to a box (m); it may where that cannot be told at once.
+/// Whether the middle of a road may be this near to a box (m); true if that cannot be decided quickly.
 fn comes_near(road: &Road, own: &OrientedBox, reach: f64) -> bool {
     road.plan_view.pieces().iter().any(|piece| {
-        // How far the piece strays from the straight line between its ends.
+        // How far the piece deviates from the straight line between its ends.
         let sag = match piece.shape {
             Shape::Line => 0.0,
             Shape::Arc(curvature) => curvature.abs() * piece.length * piece.length / 8.0,
@@ -410,8 +410,8 @@ fn comes_near(road: &Road, own: &OrientedBox, reach: f64) -> bool {
     })
 }
 
-/// The road on one of whose driving lanes a box stands: places less than a metre apart are asked, beginning with whole parts of
-/// the box that lie far from all lanes.
+/// The road on one of whose driving lanes a box stands. It checks places less than a metre apart, after whole parts of the
+/// box that lie far from all lanes have been excluded.
 fn road_under<'a>(town: &'a Town, own: &OrientedBox) -> Option<&'a Road> {
     let steps = (own.half * 2.0 / UNDER_STEP).map(|steps| steps.ceil().clamp(1.0, MOST_STEPS));
     let far = town.widest_driving_lane() / 2.0 + UNDER_SLACK;
@@ -496,7 +496,7 @@ fn design(declaration: &Declaration) -> TownDesign {
     }
 }
 
-/// How many pieces of street meet at a node.
+/// The number of pieces of street that meet at a node.
 fn legs(streets: &[Street], node: usize) -> usize {
     let pieces = streets.iter().flat_map(|street| street.nodes.windows(2));
     pieces.map(|ends| ends.iter().filter(|end| **end == node).count()).sum()

@@ -137,7 +137,7 @@ pub fn lower(arguments: &Arguments) -> (PpoConfig, usize) {
         total_steps: arguments.integer("steps") as u64,
         rollout_steps: count("steps_per_update"),
         epochs: count("epochs"),
-        // Never larger than what there is to draw from.
+        // Never larger than the number of samples.
         batch_size: count("batch_size").min(count("steps_per_update").saturating_mul(count("environments"))),
         learning_rate: arguments.number("learning_rate"),
         gamma: arguments.number("gamma"),

@@ -1,4 +1,4 @@
-//! The files as they are, and once for each combination of each matrix.
+//! The files as written, and once for each combination of each matrix.
 
 use std::collections::BTreeSet;
 
@@ -13,17 +13,17 @@ use crate::signature::DeclarationId;
 pub(super) struct Variant {
     /// The checked program.
     pub program: Program,
-    /// The campaign that a matrix multiplies; none for the files as they are.
+    /// The campaign that a matrix multiplies; none for the files as written.
     pub multiplied: Option<DeclarationId>,
     /// Campaigns that belong to other variants.
     pub left_out: BTreeSet<DeclarationId>,
     /// The combination, as `name = value`.
     pub settings: Vec<String>,
-    /// Declarations with which nothing was wrong in this variant or one before.
+    /// Declarations without errors in this variant or an earlier one.
     pub faultless: BTreeSet<DeclarationId>,
 }
 
-/// Carries settings out and checks the files, as they are and with each combination of each matrix.
+/// Applies settings and checks the files, as written and with each combination of each matrix.
 pub(super) fn understand(
     mut loaded: lang::Loaded,
     settings: &[lang::Setting],
@@ -38,7 +38,7 @@ pub(super) fn understand(
     (variants, diagnostics)
 }
 
-/// The files as they are, and once for each combination of each matrix.
+/// The files as written, and once for each combination of each matrix.
 fn variants(
     loaded: &lang::Loaded,
     matrices: &[Matrix],

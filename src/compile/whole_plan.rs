@@ -1,4 +1,4 @@
-//! What can only be checked of all files together: names of reports, and what has no effect.
+//! Checks that need all files together: names of reports, and declarations without effect.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,10 +8,10 @@ use crate::lang::diagnostics;
 use crate::lang::hir::{Declaration, Program};
 use crate::signature::DeclarationId;
 
-/// The longest name of a combination (bytes): folders and files are named after it.
+/// The longest name of a combination (bytes); folders and files get this name.
 const LONGEST_CAMPAIGN: usize = 150;
 
-/// Campaigns of different files may share a name as far as the language goes, but their reports may not.
+/// Reports campaigns of different files with the same name. The language allows them, but their reports would collide.
 pub(super) fn forbid_equal_names(program: &Program, plan: &Plan, said: &mut Vec<Diagnostic>) {
     let mut seen: BTreeMap<&str, &Declaration> = BTreeMap::new();
     for campaign in program.of_form("campaign") {
@@ -41,7 +41,7 @@ pub(super) fn forbid_equal_names(program: &Program, plan: &Plan, said: &mut Vec<
 
 /// Warns of declarations and parameters without effect, in files that hold a campaign.
 pub(super) fn warn_of_unused(program: &Program, used: &BTreeSet<DeclarationId>, said: &mut Vec<Diagnostic>) {
-    // A file without a campaign is a library: nothing in it is unused.
+    // A file without a campaign is a library, in which no declaration counts as unused.
     let with_campaign: BTreeSet<_> = program.of_form("campaign").map(|campaign| campaign.source).collect();
     for declaration in &program.declarations {
         if with_campaign.contains(&declaration.source) && !used.contains(&declaration.id) {

@@ -1,19 +1,19 @@
 use super::Span;
 
-/// Where the lines of a text begin, to find lines and columns without counting each time from the top.
+/// The starts of the lines of a text, to find lines and columns without counting from the top each time.
 #[derive(Debug, Clone)]
 pub struct Lines<'a> {
     text: &'a str,
     starts: Vec<usize>,
-    /// How many characters and units of UTF-16 stand before each [`BLOCK`], so that a long line need not be counted through.
+    /// The number of characters and of UTF-16 units before each [`BLOCK`], so that a long line need not be counted as a whole.
     blocks: Vec<(usize, usize)>,
 }
 
-/// How many bytes are counted anew at most.
+/// The greatest number of bytes that are counted again.
 const BLOCK: usize = 1024;
 
 impl<'a> Lines<'a> {
-    /// Looks a text through once.
+    /// Scans a text once.
     pub fn new(text: &'a str) -> Self {
         let starts = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect();
         let (mut blocks, mut before) = (Vec::new(), (0, 0));
@@ -26,7 +26,7 @@ impl<'a> Lines<'a> {
         Self { text, starts, blocks }
     }
 
-    /// The line of a byte, and how many characters and units of UTF-16 stand in it before the byte; lines count from 0.
+    /// The line of a byte, and the number of characters and of UTF-16 units in it before the byte; lines count from 0.
     fn before(&self, byte: usize) -> (usize, (usize, usize)) {
         let byte = self.floor(byte);
         let line = self.starts.partition_point(|start| *start <= byte) - 1;
@@ -34,14 +34,14 @@ impl<'a> Lines<'a> {
         (line, (last.0 - first.0, last.1 - first.1))
     }
 
-    /// How many characters and units of UTF-16 begin before a byte of the text.
+    /// The number of characters and of UTF-16 units that start before a byte of the text.
     fn above(&self, byte: usize) -> (usize, usize) {
         let block = byte / BLOCK;
         let (characters, units) = count(&self.text.as_bytes()[block * BLOCK..byte]);
         (self.blocks[block].0 + characters, self.blocks[block].1 + units)
     }
 
-    /// The nearest byte at or before this one where a character begins.
+    /// The nearest byte at or before this one that starts a character.
     fn floor(&self, byte: usize) -> usize {
         self.text.floor_char_boundary(byte)
     }
@@ -52,13 +52,13 @@ impl<'a> Lines<'a> {
         (line + 1, characters + 1)
     }
 
-    /// Line and column of a byte, both from 0; the column counts units of UTF-16, as editors do.
+    /// Line and column of a byte, both from 0; the column counts UTF-16 units, as editors do.
     pub fn utf16(&self, byte: usize) -> (u32, u32) {
         let (line, (_, units)) = self.before(byte);
         (line as u32, units as u32)
     }
 
-    /// The byte at a line and a UTF-16 column, both from 0; the nearest there is when there is none.
+    /// The byte at a line and a UTF-16 column, both from 0; the nearest existing one if there is none.
     pub fn byte(&self, line: u32, column: u32) -> usize {
         let Some(start) = self.starts.get(line as usize).copied() else { return self.text.len() };
         let mut left = column as usize;
@@ -79,9 +79,9 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// How many characters and units of UTF-16 begin in some bytes of a text.
+/// The number of characters and of UTF-16 units that start in some bytes of a text.
 fn count(bytes: &[u8]) -> (usize, usize) {
-    // A character begins with a byte that goes on with none; one of four bytes takes two units.
+    // A continuation byte starts no character; a character of four bytes takes two units.
     let characters = bytes.iter().filter(|byte| **byte & 0xc0 != 0x80).count();
     (characters, characters + bytes.iter().filter(|byte| **byte >= 0xf0).count())
 }

@@ -1,6 +1,6 @@
 //! Messages to a user about a file: sources, spans, diagnostics, and how they are drawn.
 //!
-//! A [`Diagnostic`] is plain data. [`render()`] is the only code that draws source lines and carets; other forms (JSON,
+//! A [`Diagnostic`] is plain data. Only [`render()`] draws source lines and carets; other forms (JSON,
 //! SARIF, an editor) are made from the same data.
 
 mod source;

@@ -4,16 +4,16 @@ use serde::Serialize;
 
 use super::{Diagnostic, Label, Lines, Severity, SourceId, Sources, Span};
 
-/// A diagnostic as programs read it.
+/// A diagnostic in a form for programs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Record {
     /// `error` or `warning`.
     pub severity: Severity,
-    /// The word code.
+    /// The code, a word.
     pub code: &'static str,
     /// What is wrong, in one line.
     pub message: String,
-    /// Where.
+    /// Where it is wrong.
     #[serde(flatten)]
     pub place: Place,
     /// The message at that place; may be empty.
@@ -22,7 +22,7 @@ pub struct Record {
     pub labels: Vec<PlacedText>,
     /// Advice.
     pub help: Vec<String>,
-    /// Texts that would repair the file where they stand instead.
+    /// Texts that would repair the file at their places.
     pub fixes: Vec<PlacedText>,
 }
 

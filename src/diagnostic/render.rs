@@ -77,17 +77,17 @@ fn snippet<'a>(
     snippet
 }
 
-/// The lines of a source that a drawing needs: looking through all of a large file for each message takes long.
+/// The lines of a source that a drawing needs: scanning a whole large file for each message takes long.
 struct Excerpt<'a> {
     text: &'a str,
     /// The number of its first line, from 1.
     line: usize,
-    /// Where it begins in the source.
+    /// Where it starts in the source.
     start: usize,
 }
 
 impl<'a> Excerpt<'a> {
-    /// The lines from one before the first span to the one after the last.
+    /// The lines from the one before the first span to the one after the last.
     fn new(sources: &'a Sources, id: SourceId, spans: &[Span]) -> Self {
         let text = sources.get(id).text.as_ref();
         let first = spans.iter().map(|span| span.start).min().unwrap_or(0);

@@ -1,16 +1,16 @@
 use super::Span;
 
-/// How bad it is.
+/// The severity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
-    /// Nothing is run.
+    /// The file is not run.
     Error,
-    /// The file runs, but probably not as meant.
+    /// The file runs, but probably not as intended.
     Warning,
 }
 
-/// A place in a source and what is to be said about it.
+/// A place in a source and its message.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Label {
     /// The place.
@@ -19,10 +19,10 @@ pub struct Label {
     pub text: String,
 }
 
-/// A text that would repair the files when it stands at its place.
+/// A text that would repair the file at its place.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fix {
-    /// The place; empty where the text is to be added.
+    /// The place; empty for a text that is inserted.
     pub span: Span,
     /// The text.
     pub text: String,
@@ -43,7 +43,7 @@ pub struct Diagnostic {
     pub labels: Vec<Label>,
     /// What to do about it.
     pub help: Vec<String>,
-    /// Repairs, each of which would do; most are at the primary place.
+    /// Alternative repairs; most are at the primary place.
     pub fixes: Vec<Fix>,
 }
 
@@ -73,13 +73,13 @@ impl Diagnostic {
         Self { severity: Severity::Warning, ..Self::error(code, span, message) }
     }
 
-    /// Says something at the primary place.
+    /// Sets the text at the primary place.
     pub fn here(mut self, text: impl Into<String>) -> Self {
         self.primary.text = text.into();
         self
     }
 
-    /// Shows another place.
+    /// Adds another place.
     pub fn label(mut self, span: Span, text: impl Into<String>) -> Self {
         self.labels.push(Label { span, text: text.into() });
         self
@@ -103,7 +103,7 @@ impl Diagnostic {
         self
     }
 
-    /// The repairs in words; none when there are none.
+    /// The repairs in words; none without repairs.
     pub fn offer(&self) -> Option<String> {
         match self.fixes.as_slice() {
             [] => None,

@@ -119,7 +119,7 @@ struct Replacement {
     inserted_content: Message,
 }
 
-/// Makes a log of records; `rules` are all codes there are with a sentence each, in the order they are to have.
+/// Makes a log of records; `rules` are all codes with a sentence each, in the order of the output.
 pub fn sarif(records: &[Record], rules: &[(&str, &str)]) -> Log {
     let find = |code: &str| rules.iter().position(|(known, _)| *known == code).expect("every code is among the rules");
     let results = records.iter().map(|record| finding(record, find(record.code))).collect();
@@ -185,7 +185,7 @@ fn region(place: &Place) -> Region {
     }
 }
 
-/// A path as a reference: what is neither letter nor digit nor plain sign is written as its bytes.
+/// A path as a reference: characters other than letters, digits and plain signs are percent-encoded.
 pub fn uri(path: &str) -> String {
     let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-._~/".contains(&byte);
     let encoded: String =

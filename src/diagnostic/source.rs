@@ -17,7 +17,7 @@ pub struct Span {
 }
 
 impl Span {
-    /// The smallest span that holds both; the other must lie in the same source.
+    /// The smallest span that contains both; the other must be in the same source.
     pub fn to(self, other: Span) -> Span {
         Span { source: self.source, start: self.start.min(other.start), end: self.end.max(other.end) }
     }
@@ -26,7 +26,7 @@ impl Span {
 /// A text with the name it is shown under.
 #[derive(Debug, Clone)]
 pub struct Source {
-    /// Where it came from, as the user wrote it; imports are relative to its folder.
+    /// Its path, as the user wrote it; imports are relative to its folder.
     pub path: PathBuf,
     /// The whole text, without a byte order mark.
     pub text: Cow<'static, str>,
@@ -34,7 +34,7 @@ pub struct Source {
     pub mark: usize,
 }
 
-/// What some editors begin files with.
+/// The mark at which some editors start files.
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
 /// All texts of one run of the front end.
@@ -49,7 +49,7 @@ impl Sources {
         self.push(path.as_ref(), Cow::Owned(text.into()), 0)
     }
 
-    /// Adds the text of a file, which may begin with a byte order mark.
+    /// Adds the text of a file, which may start with a byte order mark.
     pub fn add_file(&mut self, path: impl AsRef<Path>, mut text: String) -> SourceId {
         let mark = if text.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len_utf8() } else { 0 };
         text.drain(..mark);

@@ -1,4 +1,4 @@
-//! The untyped tree: what was written, with a span on every node. No name is resolved at this stage.
+//! The untyped tree: the statements as written, with a span on every node. No name is resolved at this stage.
 
 use std::sync::Arc;
 
@@ -28,9 +28,9 @@ pub struct File {
     pub params: Vec<Param>,
     /// The names of statements that could not be read.
     pub unread: Vec<String>,
-    /// Whether the file declares more than could be read; its names are unknown.
+    /// Whether the file contains declarations that could not be read; their names are unknown.
     pub torn: bool,
-    /// Its declarations, in order; variants of a file share what they have in common.
+    /// Its declarations, in order; variants of a file share equal ones.
     pub declarations: Vec<Arc<Declaration>>,
 }
 
@@ -43,7 +43,7 @@ pub struct Import {
     pub path: String,
     /// The place of the path.
     pub span: Span,
-    /// The file it led to, once loaded.
+    /// The file it refers to, once loaded.
     pub source: Option<SourceId>,
 }
 
@@ -58,7 +58,7 @@ pub struct Param {
     pub ty: Name,
     /// Its value.
     pub value: Expression,
-    /// Where it is set to that, if not where it is declared.
+    /// Where it is set to that value, if not in its declaration.
     pub setting: Option<Span>,
     /// All of it, with its documentation.
     pub span: Span,
@@ -169,7 +169,7 @@ pub enum ExpressionKind {
     Group(Vec<Expression>),
     /// `[a, b]`
     List(Vec<Expression>),
-    /// What a parameter stands for; no text is read as this.
+    /// The value of a parameter; the parser never makes this node.
     Known(Known),
 }
 
@@ -178,11 +178,11 @@ pub enum ExpressionKind {
 pub enum Known {
     /// A quantity in SI.
     Quantity(f64, Dimension),
-    /// What to draw a quantity of this dimension from, in SI.
+    /// A distribution of a quantity of this dimension, in SI.
     Distribution(Distribution, Dimension),
     /// A declaration of this form.
     Declaration(&'static str, DeclarationId),
-    /// The parameter is wrong itself, which has been said.
+    /// The parameter itself is wrong, which has been reported.
     Wrong,
 }
 

@@ -1,4 +1,4 @@
-//! Finds unbalanced brackets before parsing: the parser could only complain far from the cause.
+//! Finds unbalanced brackets before parsing; the parser could only report them far from the cause.
 
 use std::ops::Range;
 
@@ -9,12 +9,12 @@ use crate::diagnostic::{Diagnostic, SourceId, Span};
 /// How deep brackets may nest.
 pub const MAX_DEPTH: usize = 64;
 
-/// Most statements that are left out of a file because of their brackets; a file with more of them is no scenario.
+/// The greatest number of statements that are left out because of their brackets; a file with more of them is not a scenario.
 const MOST_UNBALANCED: usize = 16;
 
-/// A text whose brackets are balanced, and what was left out of it.
+/// A text whose brackets are balanced, and the parts that were left out.
 pub struct Balanced {
-    /// The text, of the same length: what was left out is blank. None when too much would be.
+    /// The text, of the same length, with blanks for the parts that were left out. None when too much would be left out.
     pub text: Option<String>,
     /// What is wrong with it.
     pub diagnostics: Vec<Diagnostic>,
@@ -22,7 +22,7 @@ pub struct Balanced {
     pub left_out: Vec<Range<usize>>,
 }
 
-/// Leaves out of a text the statements whose brackets are not balanced.
+/// Leaves out the statements of a text whose brackets are not balanced.
 pub fn balance(source: SourceId, text: &str, first: Diagnostic) -> Balanced {
     let mut balanced = Balanced { text: None, diagnostics: Vec::new(), left_out: Vec::new() };
     let mut rest = text.as_bytes().to_vec();
@@ -39,7 +39,7 @@ pub fn balance(source: SourceId, text: &str, first: Diagnostic) -> Balanced {
                     found = diagnostics::missing_brace(Span { start: head.start, end: head.end, ..place });
                     part
                 }
-                // What closes nothing else does no harm but for itself.
+                // A closing bracket without a partner affects nothing else, so only it is left out.
                 None => place.start..place.end,
             },
             "unclosed-comment" => statement(text, place.start).start..text.len(),
@@ -61,8 +61,8 @@ pub fn balance(source: SourceId, text: &str, first: Diagnostic) -> Balanced {
     balanced
 }
 
-/// A statement without the opening brace that the brace at this byte would close, and the end of its first line after the last
-/// word: a colon or nothing.
+/// A statement without the opening brace that the brace at this byte would close, and the range after the last word of its
+/// first line: a colon or nothing.
 fn unopened(text: &str, byte: usize) -> Option<(Range<usize>, Range<usize>)> {
     if text.as_bytes()[byte] != b'}' {
         return None;
@@ -74,7 +74,7 @@ fn unopened(text: &str, byte: usize) -> Option<(Range<usize>, Range<usize>)> {
     Some((whole.start..byte + 1, head))
 }
 
-/// The end of a declaration's head without its brace, after the last word: a colon or nothing.
+/// The range at the end of a declaration's head without its brace, after the last word: a colon or nothing.
 pub(super) fn unbraced(line: &str) -> Option<Range<usize>> {
     let head = line.split("//").next()?.trim_end();
     let named = head.strip_suffix(':').map_or(head, str::trim_end);
@@ -83,7 +83,7 @@ pub(super) fn unbraced(line: &str) -> Option<Range<usize>> {
     (fine && declares).then_some(named.len()..head.len())
 }
 
-/// The statement of a byte: from the last line that begins with a letter to the next one or its documentation.
+/// The statement of a byte: from the last line that starts with a letter to the next one or its documentation.
 fn statement(text: &str, byte: usize) -> Range<usize> {
     let starts = |line: &str| line.starts_with(|first: char| first.is_ascii_alphabetic()) || line.starts_with("///");
     let begins = |at: &usize| starts(&text[*at..]);
@@ -100,9 +100,9 @@ fn statement(text: &str, byte: usize) -> Range<usize> {
 pub fn scan(source: SourceId, text: &str) -> Result<(), Box<Diagnostic>> {
     let at = |start: usize| Span { source, start, end: start + 1 };
     let mut open: Vec<(char, usize)> = Vec::new();
-    // The last text that does not end on its line, which may have swallowed a bracket.
+    // The last text that does not end on its line; it may have swallowed a bracket.
     let mut unended = None;
-    // The last comment that holds a closing bracket.
+    // The last comment that contains a closing bracket.
     let mut commented: Option<Span> = None;
     for token in tokens(text) {
         match token.kind {

@@ -18,38 +18,38 @@ use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
 use crate::signature::{Arguments, DeclarationId, Form, Param, Signature, Type, Value, Vocabulary};
 use crate::units::Dimension;
 
-/// What has been checked, for further variants of the same files: the same files with other settings.
+/// The results of checking, reused for further variants of the same files, which differ only in their settings.
 #[derive(Debug)]
 pub struct Checked<'f> {
     defaults: Defaults<'f>,
-    /// Declarations with nothing wrong.
+    /// Declarations without errors.
     faultless: BTreeMap<DeclarationId, Faultless>,
 }
 
 /// The longest name of a declaration (bytes): files are named after several of them.
 const LONGEST_NAME: usize = 50;
 
-/// A declaration with nothing wrong, and what came of it.
+/// A declaration without errors, and its result.
 #[derive(Debug)]
 struct Faultless {
     written: Arc<ast::Declaration>,
-    /// The parameters that stand in it, with what they stood for.
+    /// The parameters that it names, with their values.
     params: Vec<(ParamId, Option<ExpressionKind>)>,
     checked: Arc<Declaration>,
 }
 
 impl<'f> Checked<'f> {
-    /// Begins with none.
+    /// Starts with none.
     pub fn new(vocabulary: &'f Vocabulary) -> Self {
         Self { defaults: Defaults::new(vocabulary), faultless: BTreeMap::new() }
     }
 
-    /// The declarations with which nothing was wrong, nor with the parameters in them.
+    /// The declarations that had no errors, nor any in their parameters.
     pub fn faultless(&self) -> impl Iterator<Item = DeclarationId> {
         self.faultless.keys().copied()
     }
 
-    /// What came of the same declaration before, when its parameters stood for the same.
+    /// The earlier result of the same declaration, if its parameters had the same values.
     fn find(&self, id: DeclarationId, written: &Arc<ast::Declaration>, now: &mut Params) -> Option<Arc<Declaration>> {
         let before = self.faultless.get(&id).filter(|before| Arc::ptr_eq(&before.written, written))?;
         now.are_still(&before.params).then(|| Arc::clone(&before.checked))
@@ -58,7 +58,7 @@ impl<'f> Checked<'f> {
 
 /// Checks all files against what the language offers.
 ///
-/// Gives the program and everything that is wrong with it; the program may only be compiled when no diagnostic is an
+/// Returns the program and all diagnostics; the program may only be compiled when no diagnostic is an
 /// error.
 pub fn check<'f>(
     loaded: &Loaded,
@@ -108,13 +108,13 @@ pub fn check<'f>(
     (program, diagnostics)
 }
 
-/// Drops what has been said before.
+/// Drops repeated diagnostics.
 pub fn once(diagnostics: &mut Vec<Diagnostic>) {
     let mut said = BTreeSet::new();
     diagnostics.retain(|each| said.insert((each.primary.span, each.code, each.message.clone())));
 }
 
-/// Where a key stands that a signature has not: in one of its blocks, or else in another form.
+/// Where a key belongs that a signature does not have: in one of its blocks, or else in another form.
 fn key_of<'f>(word: &str, signature: &'f Signature, forms: &'f [Form]) -> Option<KeyOf<'f>> {
     let has = |signature: &Signature| signature.params.iter().any(|param| param.name == word);
     if let Some(block) = signature.children.iter().find(|child| has(child)) {
@@ -143,7 +143,7 @@ fn number_declarations(files: &[ast::File]) -> BTreeMap<SourceId, Vec<Declaratio
 }
 
 struct Checker<'a, 'b, 'f> {
-    /// Whether every value was understood until now; one that was not need not have been reported.
+    /// Whether every value up to now was understood; one that was not need not have been reported.
     whole: bool,
     context: &'a Context<'a>,
     defaults: &'b mut Defaults<'f>,
@@ -226,7 +226,7 @@ impl<'f> Checker<'_, '_, 'f> {
         let mut children = Vec::new();
         let mut clauses: Vec<Clause> = Vec::new();
         let mut named: BTreeMap<(&str, &str), Span> = BTreeMap::new();
-        // Keys that were probably meant, which has been said: nothing more is to be said of their absence.
+        // Keys with a reported suggestion: their absence is not reported again.
         let mut meant: BTreeSet<String> = BTreeSet::new();
         // Keys that are not given, for suggestions.
         let left = LazyCell::new(|| {
@@ -237,7 +237,7 @@ impl<'f> Checker<'_, '_, 'f> {
             let given: BTreeSet<&str> = written.entries.iter().filter_map(key).collect();
             keys.iter().copied().filter(|key| !given.contains(key)).collect::<Vec<&str>>()
         });
-        // Where the values end that have been told of as one.
+        // The ends of values that have been reported as one.
         let mut told = 0;
         for (place, entry) in written.entries.iter().enumerate() {
             match entry {
@@ -293,7 +293,7 @@ impl<'f> Checker<'_, '_, 'f> {
                 },
                 Entry::Bare(expression) if expression.span.start < told => {}
                 Entry::Bare(expression) => {
-                    // It may be the value of any key that is missing.
+                    // It may be the value of any missing key.
                     meant.extend(keys.iter().map(|key| (*key).to_string()));
                     let text = self.context.sources.text(expression.span);
                     let of_kind = type_of(text)
@@ -380,8 +380,8 @@ impl<'f> Checker<'_, '_, 'f> {
         Block { word: signature.name, name, arguments, places, members, children, clauses, head: written.head }
     }
 
-    /// Reports a value that goes on in the values after it, which have no key: a number with commas, a list without brackets. Gives
-    /// where that ends.
+    /// Reports a value that continues in the values after it, which have no key: a number with commas, or a list without brackets.
+    /// Returns where it ends.
     fn torn(&mut self, value: Span, mut bare: impl Iterator<Item = Span>, param: &Param) -> Option<usize> {
         let text = &self.context.sources.get(value.source).text;
         let first = bare.next()?;
@@ -439,7 +439,7 @@ impl<'f> Checker<'_, '_, 'f> {
     }
 }
 
-/// A number written with commas, of which `text` begins with the digits behind the first: how many bytes stand before and behind.
+/// A number written with commas; `text` starts with the digits after the first comma. Returns its bytes before and after it.
 fn decimal_comma(before: &str, text: &str) -> Option<(usize, usize)> {
     let digits = |text: &mut dyn Iterator<Item = u8>| text.take_while(u8::is_ascii_digit).count();
     let whole = digits(&mut before.strip_suffix(',')?.bytes().rev());

@@ -10,19 +10,19 @@ use super::value::{Context, value};
 use crate::diagnostic::Sources;
 use crate::signature::{Param, Type, Value, Vocabulary};
 
-/// What the language offers formulas, and the defaults that have been read with it.
+/// The names that formulas may use, and the defaults that have been read with them.
 #[derive(Debug)]
 pub struct Defaults<'f> {
     vocabulary: &'f Vocabulary,
     sources: Sources,
-    /// By their text, of which many keys have the same.
+    /// By their text, which many keys share.
     written: BTreeMap<&'static str, Expression>,
-    /// By the address of the parameter, which is borrowed as long.
+    /// By the address of the parameter, which is borrowed for as long.
     known: BTreeMap<*const Param, Value>,
 }
 
 impl<'f> Defaults<'f> {
-    /// Begins with none.
+    /// Starts with none.
     pub fn new(vocabulary: &'f Vocabulary) -> Self {
         Self { vocabulary, sources: Sources::default(), written: BTreeMap::new(), known: BTreeMap::new() }
     }
@@ -34,7 +34,7 @@ impl<'f> Defaults<'f> {
     /// The default `text` of a key, for a file that sees these names.
     pub(super) fn value(&mut self, param: &'f Param, text: &'static str, names: &Names, sources: &Sources) -> Value {
         if let Type::Reference(form) = param.ty {
-            // A default declaration is one of the standard library's, and may not be imported. What a user gives its name is another.
+            // A default declaration is in the standard library, and may not be imported. A user's declaration of that name is another.
             let found = names.find_with_place(form, text);
             let found = found.filter(|(_, place)| library::holds(&sources.get(place.source).path));
             return found.map_or(Value::Absent, |(id, _)| Value::Reference(id));

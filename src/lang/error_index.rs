@@ -1,4 +1,4 @@
-//! What every diagnostic code means, with examples: `grammar/mistakes.md`, taken apart.
+//! The meaning of every diagnostic code, with examples: the sections of `grammar/mistakes.md`.
 
 /// A section of the page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -7,13 +7,13 @@ pub struct Mistake {
     pub code: &'static str,
     /// What it means.
     pub text: &'static str,
-    /// A file that raises it. A `…` stands for very much more of the same.
+    /// A file that raises it. A `…` abbreviates a very long repetition of the text before it.
     pub bad: &'static str,
     /// The file repaired.
     pub good: &'static str,
 }
 
-/// All codes that there are, in the order of the page.
+/// All codes, in the order of the page.
 pub fn mistakes() -> Vec<Mistake> {
     include_str!("../../grammar/mistakes.md").split("\n## ").skip(1).map(section).collect()
 }
@@ -25,7 +25,7 @@ fn section(text: &'static str) -> Mistake {
     Mistake { code, text, bad: fenced(bad), good: fenced(good) }
 }
 
-/// What stands between the lines of a fence.
+/// The text between the lines of a fence.
 fn fenced(text: &'static str) -> &'static str {
     let inner = text.trim().trim_end_matches("```");
     inner.split_once('\n').map_or("", |(_, inner)| inner)

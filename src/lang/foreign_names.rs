@@ -1,6 +1,6 @@
-//! Words of other languages and libraries, and what they are called here.
+//! Words of other languages and libraries, and their equivalents in this language.
 
-/// What a word of other languages and libraries is called here: of stable-baselines3, Scenic, OpenSCENARIO, Python, C.
+/// The equivalent of a word of another language or library: of stable-baselines3, Scenic, OpenSCENARIO, Python, C.
 pub(super) fn own_word(word: &str) -> Option<&'static str> {
     Some(match word {
         "n_steps" => "steps_per_update",
@@ -47,7 +47,7 @@ pub(super) fn own_word(word: &str) -> Option<&'static str> {
     })
 }
 
-/// The unit that a word in full stands for, or an abbreviation that other languages have.
+/// The unit for its full name, or for an abbreviation of another language.
 pub(super) fn own_unit(word: &str) -> Option<&'static str> {
     let lower = word.to_lowercase();
     match lower.as_str() {

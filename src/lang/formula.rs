@@ -7,7 +7,7 @@ use crate::diagnostic::{Diagnostic, Span};
 use crate::signature::{BinaryOperator, Bounds, Formula, Function, VariableId, Vocabulary};
 use crate::units::{Dimension, UNIT_NAMES, Unit, UnitError, parse_unit};
 
-/// What a formula gives.
+/// The type of a formula's value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Sort {
     /// A quantity.
@@ -22,13 +22,13 @@ pub(super) struct Scope<'a> {
     /// The event, for messages, and the variables that have a value then.
     pub available: &'a [&'static str],
     pub event: &'a str,
-    /// The names that can be seen, for suggestions: what is no variable may be a parameter.
+    /// The visible names, for suggestions: a word that is not a variable may be a parameter.
     pub names: &'a Names<'a>,
-    /// Whether every part must have a value, whatever the variables are within their bounds.
+    /// Whether every part must have a value, for all values of the variables within their bounds.
     pub whole: bool,
 }
 
-/// The names of the functions that formulas may call, and what they give.
+/// The names of the functions that formulas may call, and their values.
 pub fn functions() -> impl Iterator<Item = (&'static str, &'static str)> {
     FUNCTIONS.iter().map(|(name, _, doc)| (*name, *doc))
 }
@@ -51,7 +51,7 @@ pub(super) fn is_function(name: &str) -> bool {
     FUNCTIONS.iter().any(|(known, ..)| *known == name)
 }
 
-/// Checks an expression as a formula; `None` when something was wrong and has been said.
+/// Checks an expression as a formula; `None` when something was wrong and has been reported.
 pub(super) fn formula(
     expression: &Expression,
     scope: &Scope,
@@ -66,7 +66,7 @@ pub(super) fn formula(
     Some((part.formula, part.sort))
 }
 
-/// Reads a unit, saying what is wrong with it.
+/// Reads a unit and reports what is wrong with it.
 pub(super) fn unit(name: &Name, diagnostics: &mut Vec<Diagnostic>) -> Option<Unit> {
     let names = || -> Vec<&str> { UNIT_NAMES.iter().map(|(name, _)| *name).collect() };
     match parse_unit(&name.text) {
@@ -86,7 +86,7 @@ pub(super) fn unit(name: &Name, diagnostics: &mut Vec<Diagnostic>) -> Option<Uni
     }
 }
 
-/// Leaves of the units that a number may lack that of the number beside it, if there is one.
+/// Keeps, of the units that a number may lack, that of the number on the other side, if there is one.
 fn as_other(mut said: Diagnostic, beside: &Expression) -> Diagnostic {
     if let ExpressionKind::Number { unit: Some(unit), .. } = &beside.kind {
         let ends = format!(" {}", unit.text);
@@ -101,7 +101,7 @@ fn as_other(mut said: Diagnostic, beside: &Expression) -> Diagnostic {
 struct Part {
     formula: Formula,
     sort: Sort,
-    /// What its value lies between.
+    /// The bounds of its value.
     bounds: Bounds,
 }
 
@@ -118,7 +118,7 @@ struct Quantity {
     bounds: Bounds,
 }
 
-/// The message for a part that may grow without bound, and what to do about it.
+/// The message for a part that may grow without bound, and the advice.
 const GROWS: &str = "this may grow beyond all numbers";
 const HOLD: &str = "hold what it is made of below some number: `min(…, 100)`";
 
@@ -126,7 +126,7 @@ fn is_finite((low, high): Bounds) -> bool {
     low.is_finite() && high.is_finite()
 }
 
-/// The number that stands here, without a unit.
+/// The number of this expression, without a unit.
 fn plain(expression: &Expression) -> Option<f64> {
     match &expression.kind {
         ExpressionKind::Number { value, unit: None } => Some(*value),
@@ -137,7 +137,7 @@ fn plain(expression: &Expression) -> Option<f64> {
 struct Checker<'a> {
     scope: &'a Scope<'a>,
     diagnostics: &'a mut Vec<Diagnostic>,
-    /// The first part that may grow beyond all numbers.
+    /// The first part that may grow without bound.
     grows: Option<Span>,
 }
 
@@ -277,7 +277,7 @@ impl Checker<'_> {
                     }
                 }
             }
-            // A number without a unit most likely lacks it where it is compared; rewards count quantities on purpose.
+            // A number without a unit most likely lacks it in a comparison; rewards use the plain numbers of quantities on purpose.
             _ if a.dimension != b.dimension && (compares(operator) || !self.scope.whole) => {
                 return match (plain(left), plain(right)) {
                     (Some(number), _) if a.dimension == Dimension::RATIO => {
@@ -303,7 +303,7 @@ impl Checker<'_> {
         }
         let bounds = operator.bounds_between(&a.formula, a.bounds, &b.formula, b.bounds);
         let zero = |(low, high): Bounds| low <= 0.0 && high >= 0.0;
-        // What is beyond all numbers less as much, over as much, or times nothing, is no number.
+        // Infinity minus infinity, infinity over infinity, and infinity times 0 are not numbers.
         let lost = match operator {
             Add | Subtract | Divide => !is_finite(a.bounds) && !is_finite(b.bounds),
             Multiply => !is_finite(a.bounds) && zero(b.bounds) || !is_finite(b.bounds) && zero(a.bounds),
@@ -313,7 +313,7 @@ impl Checker<'_> {
         self.counted(Part { formula, sort, bounds }, lost, span)
     }
 
-    /// Makes sure that a divisor is not 0.
+    /// Checks that a divisor is not 0.
     fn away_from_zero(&mut self, span: Span, divisor: &Quantity) -> Option<()> {
         match divisor.bounds {
             (0.0, 0.0) => self.say(diagnostics::not_finite(span, "nothing can be divided by 0")),
@@ -327,8 +327,8 @@ impl Checker<'_> {
         }
     }
 
-    /// A part of a formula, unless it is no number, or may be none where it must: `lost` when it may. One that may grow beyond
-    /// all numbers is remembered, since what it is a part of may still have a value.
+    /// Returns a part of a formula. None if it is not a number, or if it must be one and may fail to be (`lost`). A part that may
+    /// grow without bound is remembered, since the whole may still have a value.
     fn counted(&mut self, part: Part, lost: bool, span: Span) -> Option<Part> {
         let (low, high) = part.bounds;
         if low == high && !low.is_finite() {
@@ -351,7 +351,7 @@ impl Checker<'_> {
         };
         let before = self.diagnostics.len();
         let checked: Vec<Option<Quantity>> = arguments.iter().map(|each| self.quantity(each)).collect();
-        // AcrossRuns two arguments a comma is missing rather than a sign.
+        // Between two arguments a comma is missing rather than a sign.
         if let ([_], Function::Min | Function::Max) = (arguments, function)
             && let Some(said) = self.diagnostics[before..].iter_mut().find(|said| diagnostics::lacks_sign(said))
         {

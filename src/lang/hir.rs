@@ -8,7 +8,7 @@ use crate::signature::{Arguments, DeclarationId, Formula};
 /// All declarations of all files.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Program {
-    /// The declarations; a [`DeclarationId`] is an index into them. Variants of a program share what they have in common.
+    /// The declarations; a [`DeclarationId`] is an index into them. Variants of a program share equal ones.
     pub declarations: Vec<Arc<Declaration>>,
     /// The files the user named.
     pub roots: Vec<SourceId>,
@@ -16,7 +16,7 @@ pub struct Program {
     pub params: Vec<Param>,
 }
 
-/// Names a parameter: its file, and its place among the parameters there.
+/// Names a parameter: its file, and its index among the parameters there.
 pub type ParamId = (SourceId, usize);
 
 /// A parameter.
@@ -32,7 +32,7 @@ pub struct Param {
     pub docs: Vec<String>,
     /// Its value as written.
     pub value: String,
-    /// Whether anything uses it.
+    /// Whether it is used.
     pub used: bool,
     /// The place of its name.
     pub span: Span,
@@ -44,7 +44,7 @@ impl Program {
         &self.declarations[id.0]
     }
 
-    /// The declaration at a place of a file.
+    /// The declaration at an index of a file.
     pub fn place(&self, source: SourceId, index: usize) -> DeclarationId {
         // They are in the order of the files.
         let first = self.declarations.partition_point(|declaration| declaration.source < source);
@@ -63,7 +63,7 @@ impl Program {
 pub struct Declaration {
     /// Its id.
     pub id: DeclarationId,
-    /// The file it stands in.
+    /// The file that contains it.
     pub source: SourceId,
     /// Its form.
     pub form: &'static str,
@@ -88,25 +88,25 @@ pub struct Block {
     pub name: Option<String>,
     /// A value for every key.
     pub arguments: Arguments,
-    /// Where the given keys' values stand.
+    /// The places of the given keys' values.
     pub places: Vec<(&'static str, Span)>,
-    /// Where the members of given lists stand.
+    /// The places of the members of given lists.
     pub members: Vec<(&'static str, Vec<Span>)>,
     /// Nested blocks, in order.
     pub children: Vec<Block>,
     /// `on` clauses, in order.
     pub clauses: Vec<Clause>,
-    /// Where the block begins.
+    /// Where the block starts.
     pub head: Span,
 }
 
 impl Block {
-    /// Where a key's value stands, or the block's head when the default holds.
+    /// The place of a key's value, or the block's head for a default.
     pub fn place(&self, key: &str) -> Span {
         self.places.iter().find(|(name, _)| *name == key).map_or(self.head, |(_, span)| *span)
     }
 
-    /// Where the members of a key's list stand; nothing when the default holds.
+    /// The places of the members of a key's list; empty for a default.
     pub fn members(&self, key: &str) -> &[Span] {
         self.members.iter().find(|(name, _)| *name == key).map_or(&[], |(_, spans)| spans)
     }
@@ -124,7 +124,7 @@ pub struct Clause {
     pub event: &'static str,
     /// The word in parentheses.
     pub word: Option<&'static str>,
-    /// What it is worth.
+    /// Its formula.
     pub formula: Formula,
     /// The event's place.
     pub span: Span,

@@ -1,4 +1,4 @@
-//! What the words of the language itself mean: those that are no form, kind or key.
+//! The meaning of the language's own words: those that are not a form, kind or key.
 
 /// A word that every file may use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

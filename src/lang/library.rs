@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use super::parse;
 use crate::diagnostic::{Sources, Span};
 
-/// The folder under which its files are shown and know each other; no file system has it.
+/// The folder in which its files are shown and import each other; it exists in no file system.
 const FOLDER: &str = "<std>";
 
 /// Its files.
@@ -26,11 +26,11 @@ struct Statement {
     /// The form; `param` of a parameter.
     form: String,
     name: String,
-    /// It, with its documentation.
+    /// Its text, with its documentation.
     text: &'static str,
 }
 
-/// All statements with a name, by file. They are needed only for messages and explanations, so they are read once, on demand.
+/// All statements with a name, by file. Only messages and explanations need them, so they are read once, on demand.
 static STATEMENTS: LazyLock<Vec<Statement>> = LazyLock::new(|| {
     let read = |(file, text): &(&'static str, &'static str)| {
         let tree = parse(Sources::default().add(file, *text), text).0;
@@ -59,7 +59,7 @@ pub fn statements(name: &str) -> impl Iterator<Item = (&'static str, &'static st
     STATEMENTS.iter().filter(move |each| each.name == name).map(|each| (each.file, each.text))
 }
 
-/// The names of its files, as they stand after `std/` in an import.
+/// The names of its files, as written after `std/` in an import.
 pub fn names() -> impl Iterator<Item = &'static str> {
     FILES.iter().map(|(name, _)| *name)
 }

@@ -7,15 +7,15 @@ use super::ast::File;
 use super::{diagnostics, library, parse};
 use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
 
-/// Reads files; the only way in which the front end reaches the outside. A function that gives a file's text is one.
+/// Reads files; the front end's only access to the outside. A function that returns a file's text is a reader.
 pub trait Reader {
     /// The text of a file.
     ///
     /// # Errors
-    /// It cannot be read, or is no text.
+    /// It cannot be read, or is not text.
     fn text(&self, path: &Path) -> std::io::Result<String>;
 
-    /// The bytes of a file that is no text.
+    /// The bytes of a file that is not text.
     ///
     /// # Errors
     /// It cannot be read.
@@ -36,7 +36,7 @@ impl<F: Fn(&Path) -> std::io::Result<String>> Reader for F {
 pub struct Unreadable {
     /// The file.
     pub path: PathBuf,
-    /// Why.
+    /// The reason.
     pub source: std::io::Error,
 }
 
@@ -47,7 +47,7 @@ pub struct Loaded {
     pub files: Vec<File>,
     /// The files that the user named, as opposed to imported ones.
     pub roots: Vec<SourceId>,
-    /// What was found wrong.
+    /// The diagnostics.
     pub diagnostics: Vec<Diagnostic>,
 }
 
@@ -70,7 +70,7 @@ pub fn load(paths: &[PathBuf], read: &dyn Reader, sources: &mut Sources) -> Resu
     Ok(Loaded { files, roots, diagnostics })
 }
 
-/// How many files may import each other in a row.
+/// The greatest length of a chain of imports (files).
 const LONGEST_CHAIN: usize = 256;
 
 struct Loader<'a> {
@@ -118,7 +118,7 @@ impl Loader<'_> {
                 true => Err(std::io::ErrorKind::NotFound.into()),
                 false => self.file(&place, importers),
             };
-            // A file of one's own goes before the library's.
+            // A file of the user's has precedence over the library's.
             if let (Err(error), Some(place)) = (&found, library::place(&import.path))
                 && error.kind() == std::io::ErrorKind::NotFound
             {
@@ -141,7 +141,7 @@ impl Loader<'_> {
     }
 }
 
-/// Says in words why a file cannot be read.
+/// The reason in words why a file cannot be read.
 pub fn reason(error: &std::io::Error) -> String {
     match error.kind() {
         std::io::ErrorKind::NotFound => "there is no such file".into(),

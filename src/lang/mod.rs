@@ -7,8 +7,8 @@
 //! | lay out | [`format()`] | text → the same text in its canonical layout |
 //! | check | [`check`] | files, [`Form`](crate::signature::Form)s, vocabulary → [`hir::Program`] |
 //!
-//! Every phase returns what it could build **and** all it has to say; nothing stops at the first mistake. The language
-//! knows no form, kind or key by name: those are handed in as signatures.
+//! Every phase returns what it could build **and** all its diagnostics; no phase stops at the first mistake. The language
+//! itself contains no form, kind or key: they are passed in as signatures.
 
 mod load;
 pub mod library;

@@ -1,4 +1,4 @@
-//! What a file can see: its own declarations and parameters, and those of the files it imports.
+//! The names that a file can see: its own declarations and parameters, and those of the files it imports.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Bound;
@@ -18,11 +18,11 @@ pub(super) struct Names<'a> {
     params: BTreeMap<&'a str, (ParamId, Span)>,
     /// Names of statements that could not be read.
     unread: BTreeSet<&'a str>,
-    /// Whether there may be any other name as well, in what could not be read.
+    /// Whether there may be other names, in statements that could not be read.
     torn: bool,
-    /// Behind which word an import would stand; none for what is no file.
+    /// The word after which an import would be added; none for a text that is not a file.
     imports: Option<Span>,
-    /// The paths of which single names are imported, with the place of the last of them.
+    /// The paths from which single names are imported, with the place of the last name of each.
     selective: BTreeMap<&'a str, Span>,
 }
 
@@ -50,14 +50,14 @@ impl<'a> Names<'a> {
         self.params.keys().copied()
     }
 
-    /// Another form of which something has this name.
+    /// Another form with a declaration of this name.
     pub fn other_form(&self, forms: &'a [Form], name: &str) -> Option<&'a str> {
         forms.iter().map(|form| form.name).find(|form| self.known.contains_key(&(*form, name)))
     }
 
-    /// Whether something of this name is declared whose form is none of these, which has been said.
+    /// Whether a declaration of this name has a form that is none of these, which has been reported.
     pub fn has_form_beside(&self, forms: &[Form], name: &str) -> bool {
-        // A file made to break the program may have any number of forms.
+        // A hostile file may have any number of forms.
         const MOST: usize = 100;
         let mut after = Bound::Unbounded;
         for _ in 0..MOST {
@@ -65,35 +65,35 @@ impl<'a> Names<'a> {
             if !forms.iter().any(|known| known.name == *form) && self.known.contains_key(&(*form, name)) {
                 return true;
             }
-            // Behind every name that there can be.
+            // A character that follows every possible name.
             after = Bound::Excluded((*form, "\u{10ffff}"));
         }
         false
     }
 
-    /// Whether a name that is not known may be one of those in what could not be read, of which enough has been said.
-    /// One that is like a known name is probably that.
+    /// Whether an unknown name may be declared in a statement that could not be read, which has been reported.
+    /// A name similar to a known one is probably a typo of that one instead.
     pub fn may_be_unread<'b>(&self, name: &str, known: impl IntoIterator<Item = &'b str>) -> bool {
-        // As many as are compared for a suggestion.
+        // The same number of names as for a suggestion.
         const MOST: usize = 200;
         self.unread.contains(name) || self.torn && nearest(name, known.into_iter().take(MOST)).is_none()
     }
 
-    /// What would import a name of the standard library, and where that would stand.
+    /// The import that would add a name of the standard library, and its place.
     pub fn another_import(&self, name: &str, file: &str, sources: &Sources) -> Option<(Span, String)> {
         let path = format!("std/{file}");
         if let Some(last) = self.selective.get(path.as_str()) {
             return Some((Span { start: last.end, ..*last }, format!(", {name}")));
         }
         let word = self.imports?;
-        // All of it cannot be imported beside a name of its own. Somebody who has very many of them will be told.
+        // A whole file cannot be imported if it has a name that the user declares. A user with very many names gets the error then.
         const MOST: usize = 1000;
         let own = self.known.iter().filter(|(_, (_, span))| span.source == word.source).take(MOST);
         let clash = own.map(|((form, name), _)| library::home(form, name)).any(|home| home == Some(file));
         let import = if clash { format!("import {name} from \"{path}\"") } else { format!("import \"{path}\"") };
         let text = &sources.get(word.source).text;
         let line = text[word.end..].lines().next().unwrap_or_default();
-        // A comment stays with the line that it is about.
+        // A comment stays with the line that it describes.
         let comment = line.trim_start().starts_with("//");
         let at = word.end + if comment { line.len() } else { 0 };
         let line_end = if text.contains("\r\n") { "\r\n" } else { "\n" };
@@ -105,7 +105,7 @@ impl<'a> Names<'a> {
         !self.params.is_empty()
     }
 
-    /// Takes over what an import names, or everything.
+    /// Adds the names of an import, or all names of its file.
     fn import(&mut self, import: &'a Import, other: &Names<'a>, diagnostics: &mut Vec<Diagnostic>) {
         let named: BTreeSet<&str> = import.names.iter().map(|name| name.text.as_str()).collect();
         let wanted = |name: &str| named.is_empty() || named.contains(name);
@@ -132,7 +132,7 @@ impl<'a> Names<'a> {
                 self.unread.insert(&name.text);
                 continue;
             }
-            // Neither what is written nor what was meant is to be told of again where it is used.
+            // Neither the written name nor the suggested one is reported again where it is used.
             self.unread.insert(&name.text);
             self.unread.extend(nearest(&name.text, offered.iter().copied()));
             diagnostics.push(diagnostics::unknown_import(name.span, &name.text, &import.path, offered.iter().copied()));
@@ -171,7 +171,7 @@ pub(super) fn names_of_all<'a>(
     files.iter().map(|file| done.remove(&file.source).expect("each file is visited")).collect()
 }
 
-// Imports form no circles: the loader has cut them.
+// Imports have no cycles: the loader has removed them.
 fn visit<'a>(
     file: &'a File,
     files: &'a [File],
@@ -191,7 +191,7 @@ fn visit<'a>(
     let mut names = Names { unread, torn: file.torn, imports: Some(imports), selective, ..Names::default() };
     for import in &file.imports {
         let Some(source) = import.source else {
-            // What it would have brought is not known.
+            // The names that it would have imported are not known.
             names.torn |= import.names.is_empty();
             names.unread.extend(import.names.iter().map(|name| name.text.as_str()));
             continue;
@@ -203,7 +203,7 @@ fn visit<'a>(
     for (declaration, id) in file.declarations.iter().zip(&ids[&file.source]) {
         match &declaration.name {
             Some(name) => names.declare(&declaration.form.text, &name.text, *id, name.span, diagnostics),
-            // A name without its form, perhaps.
+            // It may be a name without its form.
             None => drop(names.unread.insert(&declaration.form.text)),
         }
     }

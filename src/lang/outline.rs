@@ -1,12 +1,12 @@
 use std::fmt::Debug;
 
-/// What is left out of an outline: places in files.
+/// The fields that an outline omits: places in files.
 const PLACES: [&str; 8] = ["span", "head", "source", "places", "roots", "setting", "unread", "torn"];
 
-/// Any tree as lines that are indented under what they belong to, without places in files: two files that mean the same
+/// Any tree as indented lines, without places in files: two files with the same meaning
 /// have the same outline.
 ///
-/// It is made from the debug form, so that new kinds of nodes need no word here.
+/// It is made from the debug form, so new kinds of nodes need no change here.
 pub fn outline(tree: &impl Debug) -> String {
     let text = format!("{tree:#?}");
     let mut result = String::new();

@@ -1,6 +1,6 @@
-//! Parameters: `param far: length = 30 m`, used by name wherever a value may stand.
+//! Parameters: `param far: length = 30 m`, used by name wherever a value is allowed.
 //!
-//! A parameter is checked against its type once, where it is declared; what takes its place elsewhere is a known value.
+//! A parameter is checked against its type once, where it is declared; its uses get a known value.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -29,7 +29,7 @@ pub const DIMENSIONS: &[(&str, Dimension)] = &[
 /// The other words for types; the name of a form is one as well.
 pub const OTHER_TYPES: &[&str] = &["integer", "boolean", "text", "word"];
 
-/// What parameters stand for.
+/// The values of parameters.
 pub(super) struct Params<'a> {
     loaded: &'a Loaded,
     names: &'a [Names<'a>],
@@ -38,7 +38,7 @@ pub(super) struct Params<'a> {
     sources: &'a Sources,
     known: BTreeMap<ParamId, Option<ExpressionKind>>,
     used: BTreeSet<ParamId>,
-    /// Where parameters stand, by the place of the first byte, with their declarations.
+    /// The uses of parameters, by the place of the first byte, with their declarations.
     uses: BTreeMap<(SourceId, usize), (Span, ParamId)>,
 }
 
@@ -64,7 +64,7 @@ impl<'a> Params<'a> {
         params
     }
 
-    /// The parameters that stand in a declaration, with what they stand for; `place` is its file's in the order of the files.
+    /// The parameters that a declaration names, with their values; `place` is the index of its file.
     pub fn mentioned(&self, declaration: &Declaration, place: usize) -> Vec<(ParamId, Option<ExpressionKind>)> {
         let names = &self.names[place];
         let mut found = Vec::new();
@@ -74,7 +74,7 @@ impl<'a> Params<'a> {
         found.into_iter().map(|id| (id, self.known.get(&id).cloned().flatten())).collect()
     }
 
-    /// These parameters and those that they are defined by, each once.
+    /// These parameters and those that define them, each once.
     pub fn hung_on(&self, mentioned: &[(ParamId, Option<ExpressionKind>)]) -> Vec<ParamId> {
         let mut open: Vec<ParamId> = mentioned.iter().rev().map(|(id, _)| *id).collect();
         let (mut found, mut seen) = (Vec::new(), BTreeSet::new());
@@ -87,7 +87,7 @@ impl<'a> Params<'a> {
         found
     }
 
-    /// Whether parameters stand for the same now; then they count as used.
+    /// Whether parameters still have the same values; if so they count as used.
     pub fn are_still(&mut self, mentioned: &[(ParamId, Option<ExpressionKind>)]) -> bool {
         let same = mentioned.iter().all(|(id, before)| self.known.get(id).is_some_and(|now| now == before));
         if same {
@@ -96,14 +96,14 @@ impl<'a> Params<'a> {
         same
     }
 
-    /// The declaration with known values in place of parameters, of which it holds some.
+    /// The declaration with known values in place of its parameters.
     pub fn replace(&mut self, declaration: &Declaration, place: usize) -> Declaration {
         let mut copy = declaration.clone();
         self.entries(&mut copy.entries, place);
         copy
     }
 
-    /// Shows where a value comes from, in messages about places where a parameter stands.
+    /// Adds the origin of a value to messages about places where a parameter is used.
     pub fn explain(&self, diagnostics: &mut [Diagnostic]) {
         for diagnostic in diagnostics {
             let Span { source, start, end } = diagnostic.primary.span;
@@ -119,7 +119,7 @@ impl<'a> Params<'a> {
         }
     }
 
-    /// What became of the parameters, in the order of the files.
+    /// The results for the parameters, in the order of the files.
     pub fn finish(self) -> Vec<hir::Param> {
         let each = |(id, known): (&ParamId, &Option<ExpressionKind>)| {
             let param = self.param(*id);
@@ -141,19 +141,19 @@ impl<'a> Params<'a> {
         &self.loaded.files[self.place(id.0)].params[id.1]
     }
 
-    /// The place of a file in the order of the files.
+    /// The index of a file in the order of the files.
     fn place(&self, source: SourceId) -> usize {
         self.loaded.files.binary_search_by_key(&source, |file| file.source).expect("the file is loaded")
     }
 
-    /// The place of the file whose names a parameter's value is made of: where it is declared, or where a matrix sets it.
+    /// The index of the file whose names a parameter's value may use: the file of its declaration, or that of the matrix that sets it.
     fn read_in(&self, id: ParamId) -> usize {
         let param = self.param(id);
         let set_in = |_| self.loaded.files.binary_search_by_key(&param.value.span.source, |file| file.source).ok();
         param.setting.and_then(set_in).unwrap_or_else(|| self.place(id.0))
     }
 
-    /// Checks a parameter, after those that it is defined by; without recursion, since a chain of them may be of any length.
+    /// Checks a parameter, after those that define it. It does not recurse, since a chain of them may have any length.
     fn find(&mut self, id: ParamId, diagnostics: &mut Vec<Diagnostic>) {
         let mut open = vec![self.begin(id, diagnostics)];
         let mut begun = BTreeSet::from([id]);
@@ -174,7 +174,7 @@ impl<'a> Params<'a> {
                 continue;
             }
             open.pop();
-            // What was part of a circle is known to be wrong.
+            // A parameter of a cycle is known to be wrong.
             if !self.known.contains_key(&id) {
                 let param = self.param(id);
                 let mut written = param.value.clone();
@@ -185,7 +185,7 @@ impl<'a> Params<'a> {
         }
     }
 
-    /// A parameter that is to be checked, with those that come before it, the first one last.
+    /// A parameter to check, with those that must be checked before it, the first one last.
     fn begin(&self, id: ParamId, diagnostics: &mut Vec<Diagnostic>) -> (usize, ParamId, Vec<ParamId>) {
         let (param, place) = (self.param(id), self.read_in(id));
         if self.vocabulary.variables.iter().any(|variable| variable.name == param.name.text) {
@@ -276,7 +276,7 @@ impl<'a> Params<'a> {
         }
     }
 
-    /// Whether some key takes this word.
+    /// Whether a key accepts this word.
     fn is_choice(&self, word: &str) -> bool {
         fn offers(ty: &Type, word: &str) -> bool {
             match ty {
@@ -360,7 +360,7 @@ fn mentioned(expression: &Expression, names: &Names, found: &mut Vec<ParamId>) {
     }
 }
 
-/// Messages about a value that a parameter stands for point to where it is used.
+/// Moves messages about a parameter's value to where it is used.
 fn relocate(kind: &mut ExpressionKind, place: Span) {
     if let ExpressionKind::Range(low, high) = kind {
         low.span = place;
@@ -368,12 +368,12 @@ fn relocate(kind: &mut ExpressionKind, place: Span) {
     }
 }
 
-/// Whether a word is the type of a parameter, forms apart.
+/// Whether a word is the type of a parameter, except for forms.
 pub(super) fn is_type(word: &str) -> bool {
     DIMENSIONS.iter().any(|(name, _)| *name == word) || OTHER_TYPES.contains(&word)
 }
 
-/// The word for the type of a value, as far as one look at its text tells.
+/// The word for the type of a value, as far as its text shows it.
 pub(super) fn type_of(value: &str) -> Option<&'static str> {
     let number =
         value.trim_start_matches('-').bytes().take_while(|byte| byte.is_ascii_digit() || *byte == b'.').count();

@@ -26,7 +26,7 @@ use rules::{Rule, ScenarioParser};
 /// The longest file that is read (bytes).
 const MAX_BYTES: usize = 4 << 20;
 
-/// Reads a file's text into a tree, with everything that could be read and one diagnostic for each statement that
+/// Reads a file's text into a tree of everything that could be read, with one diagnostic for each statement that
 /// could not.
 pub fn parse(source: SourceId, text: &str) -> (File, Vec<Diagnostic>) {
     if text.len() > MAX_BYTES {
@@ -75,7 +75,7 @@ fn unread_arguments(node: &Pair<Rule>) -> Option<Entry> {
     node.as_str().starts_with('(').then(|| Entry::Unread(words_of(node.as_str())))
 }
 
-/// The words of a text, some of them if there are many.
+/// The words of a text; only some of them if there are many.
 fn words_of(text: &str) -> Vec<String> {
     const MOST: usize = 64;
     let part = |c: char| c == '_' || c.is_ascii_alphanumeric();
@@ -84,9 +84,9 @@ fn words_of(text: &str) -> Vec<String> {
     words.take(MOST).map(str::to_string).collect()
 }
 
-/// The words among which the name is that a statement declares: those before its first `=`, `{` or `(`.
+/// The words that may be the name that a statement declares: those before its first `=`, `{` or `(`.
 fn names_of(statement: &str) -> impl Iterator<Item = String> {
-    /// Form, name, type, and one that does not belong there.
+    /// Form, name, type, and one word too many.
     const MOST: usize = 4;
     let lines = statement.lines().map(str::trim_start).filter(|line| !line.starts_with("//"));
     let first = lines.into_iter().find(|line| !line.is_empty()).unwrap_or_default();
@@ -96,7 +96,7 @@ fn names_of(statement: &str) -> impl Iterator<Item = String> {
     words.into_iter()
 }
 
-/// Reads a value that stands alone, such as a default in a signature.
+/// Reads a single value, such as a default in a signature.
 pub(super) fn parse_value(source: SourceId, text: &str) -> Result<Expression, Box<Diagnostic>> {
     let mut reader = Reader { source, headless: false, mistakes: 0, diagnostics: Vec::new() };
     brackets::scan(source, text)?;
@@ -115,9 +115,9 @@ pub(super) fn parse_value(source: SourceId, text: &str) -> Result<Expression, Bo
 
 struct Reader {
     source: SourceId,
-    /// Whether the last statement is the head of a declaration without braces: indented lines are what it was to hold.
+    /// Whether the last statement is the head of a declaration without braces; indented lines are then its intended contents.
     headless: bool,
-    /// How many mistakes were reported.
+    /// The number of reported mistakes.
     mistakes: usize,
     diagnostics: Vec<Diagnostic>,
 }

@@ -1,6 +1,6 @@
 //! Values from outside a declaration: `--set far=20 m`, `--set ppo_paper.learning_rate=1e-3`, and the rows of a `matrix`.
 //!
-//! A setting is carried out on the tree, before anything is checked. So it is checked like what stands in a file.
+//! A setting is applied to the tree before the checks. It is therefore checked like the text of a file.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -14,34 +14,34 @@ use crate::units::{Dimension, parse_unit};
 
 /// The word of a block that multiplies a declaration.
 const MATRIX: &str = "matrix";
-/// Most combinations of all matrices.
+/// The greatest number of combinations of all matrices.
 const MOST_COMBINATIONS: usize = 1000;
-/// Most parameters and declarations that are checked again for combinations, in all: each combination checks all of them.
+/// The greatest number of repeated checks of parameters and declarations, in all: each combination checks all of them.
 const MOST_CHECKS: usize = 300_000;
 
 /// A value for a parameter, or for a key of a declaration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Setting {
-    /// The name of a parameter, or the words that lead to a key.
+    /// The name of a parameter, or the words of the path to a key.
     pub path: Vec<Name>,
     /// The value.
     pub value: Expression,
 }
 
 impl Setting {
-    /// The setting as it is recorded.
+    /// The setting as recorded.
     pub fn text(&self, sources: &Sources) -> String {
         format!("{} = {}", self.words(), sources.plain_text(self.value.span))
     }
 
-    /// The words that lead to what is set.
+    /// The words of its path.
     pub fn words(&self) -> String {
         let path: Vec<&str> = self.path.iter().map(|word| word.text.as_str()).collect();
         path.join(".")
     }
 }
 
-/// A declaration that is to be made once for each combination of settings.
+/// A declaration that is made once for each combination of settings.
 #[derive(Debug, Clone)]
 pub struct Matrix {
     /// The file of the declaration, and its place in it.
@@ -50,7 +50,7 @@ pub struct Matrix {
     pub combinations: Vec<Vec<Setting>>,
 }
 
-/// Reads settings as they stand on a command line.
+/// Reads settings from a command line.
 pub fn settings(texts: &[String], sources: &mut Sources) -> (Vec<Setting>, Vec<Diagnostic>) {
     let (mut settings, mut diagnostics) = (Vec::new(), Vec::new());
     for text in texts {
@@ -84,7 +84,7 @@ fn read(source: SourceId, text: &str) -> Result<Setting, Box<Diagnostic>> {
     Ok(Setting { path, value })
 }
 
-/// Carries settings out, saying which lead nowhere.
+/// Applies settings and reports those without a target.
 pub fn apply(settings: &[Setting], loaded: &mut Loaded) -> Vec<Diagnostic> {
     let mut params: BTreeMap<String, Vec<(usize, usize)>> = BTreeMap::new();
     for (file, place) in loaded.files.iter().zip(0..) {
@@ -185,7 +185,7 @@ fn enter(declaration: &mut Declaration, path: &[Name], value: &Expression) -> Re
     let rest = if blocks.iter().any(|block| by_form(block)) {
         blocks.retain(|block| by_form(block));
         match rest.split_first() {
-            // Of blocks of one form, that of a name.
+            // Among blocks of one form, that of a name.
             Some((name, inner)) if !inner.is_empty() && blocks.iter().any(|block| named(block, name)) => {
                 blocks.retain(|block| named(block, name));
                 inner
@@ -204,8 +204,8 @@ fn enter(declaration: &mut Declaration, path: &[Name], value: &Expression) -> Re
     blocks.into_iter().try_for_each(|block| enter(block, rest, value))
 }
 
-/// Takes the `matrix` blocks out of the declarations whose form they may multiply. A parameter that was set from outside keeps
-/// that one value.
+/// Removes the `matrix` blocks from the declarations whose form they may multiply. A parameter that was set from outside keeps
+/// that value.
 pub fn matrices(
     loaded: &mut Loaded,
     forms: &[Form],
@@ -292,7 +292,7 @@ fn axes_of<'a>(
     }
 }
 
-/// A quantity in SI, however it is written; none for other values.
+/// A quantity in SI, in whatever unit it is written; none for other values.
 fn in_si(value: &Expression) -> Option<String> {
     let ExpressionKind::Number { value, unit } = &value.kind else { return None };
     let unit = parse_unit(unit.as_ref().map_or("", |unit| unit.text.as_str())).ok();

@@ -3,7 +3,7 @@
 /// The longest word that is compared with others (bytes): the work grows with the product of both lengths.
 const LONGEST: usize = 64;
 
-/// The known word most like a given one, if any is alike enough.
+/// The known word most similar to a given one, if any is similar enough.
 pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     if word.len() > LONGEST {
         return None;
@@ -18,7 +18,7 @@ pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
                 return None;
             }
             let other = candidate.to_lowercase();
-            // Every edit changes one letter for one at most, so that most words need not be compared.
+            // Each edit changes at most one letter, so most words need not be compared.
             let differ =
                 |a: &Letters, b: &Letters| a.iter().zip(b).map(|(a, b)| a.saturating_sub(*b) as usize).sum::<usize>();
             let others = self::letters(&other);
@@ -26,7 +26,7 @@ pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
                 return None;
             }
             let distance = strsim::damerau_levenshtein(&lower, &other);
-            // A word of which nothing is left is another word, and so is one that is counted differently.
+            // If no letter is left in common, it is another word. So is a word that differs only in its digits.
             (!numbered_otherwise(&lower, &other) && distance <= most && distance < lower.len().max(other.len()))
                 .then_some((candidate, distance))
         })
@@ -41,7 +41,7 @@ fn numbered_otherwise(a: &str, b: &str) -> bool {
     a != b && a.contains(is_digit) && b.contains(is_digit) && letters(a) == letters(b)
 }
 
-/// How often which letter occurs; letters beyond ASCII share places.
+/// The number of occurrences of each letter; letters beyond ASCII share places.
 type Letters = [u8; 128];
 
 fn letters(word: &str) -> Letters {

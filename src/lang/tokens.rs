@@ -1,6 +1,6 @@
-//! A text as a row of tokens, without loss: their texts, one after the other, are the text again.
+//! A text as a sequence of tokens, without loss: their texts in order are the whole text.
 //!
-//! pest parses (`grammar/*.pest`). Everything that reads a text which need not parse reads these tokens: the brackets before
+//! pest parses (`grammar/*.pest`). All code that reads a text which need not parse uses these tokens: the brackets before
 //! parsing, recovery after it, the layout and the editor. They agree with the leaves of the grammar in every text that parses
 //! (a test below), and with the colours of editors (`tests/it/editors.rs`).
 
@@ -17,11 +17,11 @@ pub enum TokenKind {
     Doc,
     /// `/* between */`
     BlockComment,
-    /// A block comment that the text ends in.
+    /// A block comment that is not closed before the end of the text.
     OpenComment,
     /// `"between quotes"`
     Text,
-    /// A text that its line ends in.
+    /// A text that is not closed before the end of its line.
     OpenText,
     /// A number without its unit.
     Number,
@@ -37,7 +37,7 @@ pub enum TokenKind {
     Close,
     /// An operator or a separator.
     Sign,
-    /// A character that no token of the language begins with.
+    /// A character that starts no token of the language.
     Foreign,
 }
 
@@ -76,7 +76,7 @@ impl Token {
     }
 }
 
-/// The words that are no names.
+/// The words that are not names.
 pub const KEYWORDS: [&str; 7] = ["on", "in", "and", "or", "not", "edition", "import"];
 
 /// Operators and separators, the longer ones first.
@@ -92,7 +92,7 @@ pub fn words(text: &str) -> impl Iterator<Item = Token> {
     tokens(text).filter(|token| !token.kind.is_trivia())
 }
 
-/// What decides whether a word is a unit.
+/// The state that decides whether a word is a unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Before {
     /// A number on the same line.
@@ -173,7 +173,7 @@ fn word(text: &str) -> (TokenKind, usize) {
     (kind, length)
 }
 
-/// Length of the number that a text begins with: `1_000.5e-3`.
+/// Length of the number at the start of a text: `1_000.5e-3`.
 fn number(bytes: &[u8]) -> usize {
     let is_digit = |byte: u8| byte.is_ascii_digit();
     let in_number = |byte: u8| byte.is_ascii_digit() || byte == b'_';
@@ -189,7 +189,7 @@ fn number(bytes: &[u8]) -> usize {
     length
 }
 
-/// Length of the unit that a text begins with: `m`, `km/h`, `m/s^2`; none when its first word is a keyword.
+/// Length of the unit at the start of a text: `m`, `km/h`, `m/s^2`; none when its first word is a keyword.
 fn unit(bytes: &[u8]) -> Option<usize> {
     let part = |bytes: &[u8]| {
         let name = count(bytes, is_word);
@@ -208,7 +208,7 @@ fn unit(bytes: &[u8]) -> Option<usize> {
     Some(length)
 }
 
-/// Whether a word before this text is the key or block that it belongs to.
+/// Whether the word before this text is a key or block that the text belongs to.
 fn names_what_follows(text: &str) -> bool {
     text.trim_start_matches([' ', '\t']).starts_with([':', '{'])
 }

@@ -18,16 +18,16 @@ use distribution::distribution;
 pub use distribution::distributions;
 use suggested::{as_allowed, as_beside, as_difference, as_meant, otherwise, places_with_units, round_the_back};
 
-/// What a value is checked against.
+/// The context of a value.
 pub(super) struct Context<'a> {
     pub vocabulary: &'a Vocabulary,
-    /// The forms that there are, for suggestions.
+    /// All forms, for suggestions.
     pub forms: &'a [Form],
     pub names: &'a Names<'a>,
     pub sources: &'a Sources,
 }
 
-/// Checks an expression as a value of this type; `None` when something was wrong and has been said.
+/// Checks an expression as a value of this type; `None` when something was wrong and has been reported.
 pub(super) fn value(
     expression: &Expression,
     ty: &Type,
@@ -36,7 +36,7 @@ pub(super) fn value(
 ) -> Option<Value> {
     let span = expression.span;
     let wrong = |diagnostics: &mut Vec<Diagnostic>| {
-        // What could not be read may have been the parameter.
+        // The parameter may have been in a statement that could not be read.
         let lost = |word: &str| context.names.may_be_unread(word, context.names.params());
         if !matches!(&expression.kind, ExpressionKind::Name(word) if lost(word)) {
             diagnostics.push(otherwise(expression, ty, context));
@@ -224,10 +224,10 @@ fn scope_of<'a>(event: &'a str, whole: bool, context: &Context<'a>) -> Scope<'a>
     Scope { vocabulary: context.vocabulary, available, event, names: context.names, whole }
 }
 
-/// The most that a reward may be, or minus that: learners count in 32 bits, and add up.
+/// The greatest absolute value of a reward: learners compute in 32 bits, and add up.
 const MOST_PAID: f64 = 1e9;
 
-/// How large a variable is on ordinary days (SI): what is paid beyond that hardly ever is.
+/// The usual size of a variable (SI); rewards for larger values are rare.
 fn everyday(dimension: Dimension) -> f64 {
     if dimension == Dimension::LENGTH { 1e3 } else { 1e2 }
 }
@@ -360,7 +360,7 @@ fn within(
         return Some(());
     }
     let written = context.sources.text(span).to_string();
-    // A bound that is not shown is a bound all the same.
+    // The bound applies even if it is not shown.
     let allowed = match number {
         _ if min == LEAST && 0.0 < number && number < LEAST => format!("{LEAST:e} or more, in SI"),
         _ if max == MOST && number > MOST => format!("{MOST:e} or less, in SI"),

@@ -8,7 +8,7 @@ use crate::lang::{DIMENSIONS, OTHER_TYPES, ast, distributions, functions, librar
 use crate::signature::{Param, Signature, Type};
 use crate::units::{Dimension, UNIT_NAMES};
 
-/// What could stand at the cursor.
+/// The possible completions at the cursor.
 pub fn complete(cursor: &Cursor, catalog: &Catalog, visible: Visible) -> Vec<CompletionItem> {
     match cursor.place {
         Place::Form => {
@@ -106,7 +106,7 @@ fn params(visible: Visible, wanted: impl Fn(&ast::Param) -> bool) -> Vec<Complet
     named.collect()
 }
 
-/// What may stand for a parameter, by the word for its type.
+/// The possible values of a parameter, by the word for its type.
 fn of_type(word: &str, visible: Visible) -> Vec<CompletionItem> {
     let own = if word == "boolean" { &["true", "false"][..] } else { &[] };
     let own = own.iter().map(|word| item(word, CompletionItemKind::ENUM_MEMBER, ""));
@@ -132,10 +132,10 @@ fn values(param: &Param, catalog: &Catalog, visible: Visible) -> Vec<CompletionI
     own.into_iter().chain(params(visible, |param| fits(&param.ty.text, ty))).collect()
 }
 
-/// Units, those of what is measured first.
+/// Units; those of the expected dimension come first.
 fn units(dimension: Option<Dimension>) -> Vec<CompletionItem> {
     let usual = dimension.map_or(&[][..], Dimension::usual_units);
-    // Where that is not known, it may be any quantity.
+    // If the dimension is not known, it may be any.
     let compound = ["m/s", "km/h", "m/s^2", "deg/s"].into_iter().filter(|_| dimension.is_none());
     let rest = compound.chain(UNIT_NAMES.iter().map(|(name, _)| *name)).filter(|name| !usual.contains(name));
     let all = usual.iter().copied().chain(rest).enumerate();
@@ -146,7 +146,7 @@ fn units(dimension: Option<Dimension>) -> Vec<CompletionItem> {
     sorted.collect()
 }
 
-/// What a formula may hold, about an event if one is given.
+/// The parts that a formula may contain, for an event if one is given.
 fn formula(catalog: &Catalog, event: Option<&str>) -> Vec<CompletionItem> {
     let known = catalog.vocabulary.events.iter().find(|known| Some(known.name) == event);
     let available = |name: &str| known.is_none_or(|event| event.variables.contains(&name));

@@ -1,4 +1,4 @@
-//! Where the cursor is: read off the text before it, which need not be a whole file.
+//! The context of the cursor, read from the text before it, which need not be a complete file.
 
 use super::visible::dimension as measured;
 use crate::compile::Catalog;
@@ -6,14 +6,14 @@ use crate::lang::tokens::{TokenKind, is_word, tokens};
 use crate::signature::{Param, Signature};
 use crate::units::Dimension;
 
-/// What the text before the cursor says about the word at it.
+/// What the text before the cursor determines about the word at the cursor.
 #[derive(Debug)]
 pub struct Cursor<'a> {
     /// The whole word at the cursor; may be empty.
     pub word: &'a str,
     /// What the word is.
     pub place: Place<'a>,
-    /// What the innermost braces or parentheses belong to.
+    /// The owner of the innermost braces or parentheses.
     pub signature: Option<&'a Signature>,
 }
 
@@ -28,7 +28,7 @@ pub enum Place<'a> {
     Key,
     /// A value of this key.
     Value(&'a Param),
-    /// A unit, of what this measures if that is known.
+    /// A unit, of this dimension if it is known.
     Unit(Option<Dimension>),
     /// A part of a formula.
     Formula,
@@ -46,7 +46,7 @@ pub enum Place<'a> {
     Type,
     /// The value of a parameter.
     ParamValue {
-        /// Its name, which is none of the values.
+        /// Its name, which is excluded from the values.
         name: &'a str,
         /// The word for its type.
         ty: &'a str,
@@ -55,7 +55,7 @@ pub enum Place<'a> {
     Axis,
     /// A value of this parameter in a matrix.
     AxisValue(&'a str),
-    /// In a comment, or nowhere in particular.
+    /// In a comment, or in no known context.
     Nothing,
 }
 
@@ -88,7 +88,7 @@ struct Frame<'a> {
     param: Option<&'a Param>,
     formula: bool,
     event: Option<&'a str>,
-    /// Whether it is a `matrix`, and the parameter whose values stand here.
+    /// Whether it is a `matrix`, and the parameter whose values are written here.
     matrix: bool,
     axis: Option<&'a str>,
     tokens: Vec<Token<'a>>,
@@ -96,7 +96,7 @@ struct Frame<'a> {
     closed: Option<&'a Signature>,
 }
 
-/// Finds out where a byte of a text is.
+/// Finds the context of a byte of a text.
 pub fn cursor<'a>(text: &'a str, byte: usize, catalog: &'a Catalog) -> Cursor<'a> {
     let byte = text.floor_char_boundary(byte);
     let mut start = byte - text[..byte].bytes().rev().take_while(|b| is_word(*b)).count();
@@ -141,7 +141,7 @@ pub fn cursor<'a>(text: &'a str, byte: usize, catalog: &'a Catalog) -> Cursor<'a
         Some(place) => place,
         None => place(frame, top, is_key, &text[..start], catalog),
     };
-    // A unit goes on beyond its first word: `m/s^2`.
+    // A unit may continue after its first word: `m/s^2`.
     let rest = match place {
         Place::Unit(_) => text[end..].bytes().take_while(|b| is_word(*b) || matches!(b, b'/' | b'*' | b'^')).count(),
         _ => 0,
@@ -153,7 +153,7 @@ pub fn cursor<'a>(text: &'a str, byte: usize, catalog: &'a Catalog) -> Cursor<'a
 fn statement<'a>(frame: &Frame<'a>, before: &str, behind: &'a str) -> Option<Place<'a>> {
     let words: Vec<&str> = frame.tokens.iter().map(|token| token.text).collect();
     let last = frame.tokens.last()?;
-    // On the next line another statement begins, unless this one is still open.
+    // On the next line another statement starts, unless this one is still open.
     let open = last.is_open() || matches!(last.text, "import" | "param");
     let next_line = before[last.end.min(before.len())..].contains('\n');
     match words.as_slice() {
@@ -175,7 +175,7 @@ fn statement<'a>(frame: &Frame<'a>, before: &str, behind: &'a str) -> Option<Pla
 fn place<'a>(frame: &Frame<'a>, top: bool, is_key: bool, before: &str, catalog: &Catalog) -> Place<'a> {
     let behind = |n: usize| frame.tokens.len().checked_sub(n).map(|at| frame.tokens[at]);
     let last = behind(1);
-    // What stands before an `in`, if it is a variable.
+    // The word before an `in`, if it is a variable.
     let counted = behind(2).and_then(|token| catalog.vocabulary.variables.iter().find(|each| each.name == token.text));
     let counted = counted.map(|variable| variable.dimension);
     if let Some(event) = frame.event {
@@ -206,13 +206,13 @@ fn place<'a>(frame: &Frame<'a>, top: bool, is_key: bool, before: &str, catalog: 
         Some(param) if open || !frame.keys => Place::Value(param),
         _ if !frame.keys => Place::Formula,
         _ if !top => Place::Key,
-        // At the top a form, unless one has just been written.
+        // At the top level a form, unless one has just been written.
         _ if last.is_none_or(|last| !last.is_word() || last.text == "import") => Place::Form,
         _ => Place::Nothing,
     }
 }
 
-/// Reads on by one token.
+/// Reads one more token.
 fn take<'a>(frames: &mut Vec<Frame<'a>>, token: Token<'a>, catalog: &'a Catalog) {
     let top = frames.len() == 1;
     let frame = frames.last_mut().expect("the file is never closed");
@@ -276,7 +276,7 @@ fn take<'a>(frames: &mut Vec<Frame<'a>>, token: Token<'a>, catalog: &'a Catalog)
     frame.tokens.push(token);
 }
 
-/// What a block belongs to whose brace comes next.
+/// The owner of a block whose brace comes next.
 fn opened<'a>(frame: &Frame<'a>, top: bool, catalog: &'a Catalog) -> Option<&'a Signature> {
     if let Some(closed) = frame.closed {
         return Some(closed);

@@ -1,4 +1,4 @@
-//! Open buffers, and files beside them.
+//! Open buffers, and files on disk.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,11 +9,11 @@ use lsp_types::{Position, Range, Uri};
 use crate::diagnostic::{self, Lines, Span};
 use crate::lang::library;
 
-/// The buffers an editor has open; they go before what is on disk.
+/// The buffers an editor has open; they have precedence over files on disk.
 #[derive(Debug)]
 pub struct Documents {
     open: BTreeMap<PathBuf, Document>,
-    /// Where the standard library is written for reading.
+    /// The folder to which the standard library is written when it is shown.
     shelf: PathBuf,
 }
 
@@ -27,12 +27,12 @@ pub struct Document {
 }
 
 impl Documents {
-    /// Begins with no buffer; the standard library is written to this folder when it is to be shown.
+    /// Starts with no buffer; the standard library is written to this folder when it is shown.
     pub fn new(shelf: PathBuf) -> Self {
         Self { open: BTreeMap::new(), shelf }
     }
 
-    /// Takes over a buffer's text.
+    /// Sets a buffer's text.
     pub fn set(&mut self, uri: Uri, text: String) {
         self.open.insert(path(&uri), Document { uri, text });
     }
@@ -55,7 +55,7 @@ impl Documents {
     /// Reads a buffer, or else a file.
     ///
     /// # Errors
-    /// As the file system says.
+    /// The errors of the file system.
     pub fn read(&self, path: &Path) -> std::io::Result<String> {
         match self.open.get(&plain(path)) {
             Some(document) => Ok(document.text.clone()),
@@ -63,7 +63,7 @@ impl Documents {
         }
     }
 
-    /// The editor's name for a file that is to be shown, which may be one of the library inside this program.
+    /// The editor's name for a file to show; the file may be in the library inside this program.
     pub fn uri_to_show(&self, path: &Path) -> Option<Uri> {
         if !library::holds(path) {
             return self.uri(path);
@@ -71,7 +71,7 @@ impl Documents {
         std::fs::create_dir_all(&self.shelf).ok()?;
         for name in library::names() {
             let (place, text) = (self.shelf.join(name), library::read(&library::place(&format!("std/{name}"))?).ok()?);
-            // They know each other, so all are written; one that is there already may be open.
+            // They import each other, so all are written; one that exists already may be open.
             if std::fs::read_to_string(&place).is_ok_and(|there| there == text) {
                 continue;
             }
@@ -80,7 +80,7 @@ impl Documents {
         self.uri(&self.shelf.join(path.file_name()?))
     }
 
-    /// The editor's name for a path; none for what is no file of the user's.
+    /// The editor's name for a path; none for a path that is not a file of the user's.
     pub fn uri(&self, path: &Path) -> Option<Uri> {
         match self.open.get(&plain(path)) {
             Some(document) => Some(document.uri.clone()),
@@ -90,7 +90,7 @@ impl Documents {
     }
 }
 
-/// The path that an editor's name stands for; a buffer that is no file keeps its name.
+/// The path of an editor's name; a buffer that is not a file keeps its name.
 pub fn path(uri: &Uri) -> PathBuf {
     let text = uri.as_str();
     let Some(rest) = text.strip_prefix("file://") else { return PathBuf::from(text) };
@@ -128,12 +128,12 @@ fn plain(path: &Path) -> PathBuf {
     result
 }
 
-/// A span as an editor counts it.
+/// A span in the editor's line and column numbers.
 pub fn range(lines: &Lines, span: Span) -> Range {
     Range { start: position(lines, span.start), end: position(lines, span.end) }
 }
 
-/// A byte as an editor counts it.
+/// A byte in the editor's line and column numbers.
 pub fn position(lines: &Lines, byte: usize) -> Position {
     let (line, character) = lines.utf16(byte);
     Position { line, character }

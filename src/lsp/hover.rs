@@ -7,7 +7,7 @@ use crate::lang::{DIMENSIONS, ast, functions};
 use crate::signature::{Param, Type, bounds};
 use crate::units::parse_unit;
 
-/// What is to be said about the word at the cursor.
+/// The hover text of the word at the cursor.
 pub fn hover(cursor: &Cursor, catalog: &Catalog, visible: Visible) -> Option<Hover> {
     let text = describe(cursor, catalog, visible)?;
     Some(Hover {

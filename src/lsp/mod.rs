@@ -1,8 +1,8 @@
-//! What an editor asks about scenario files, answered over the language server protocol.
+//! The language server: it answers an editor's requests about scenario files over the language server protocol.
 //!
-//! One message after the other, in the order they come: no threads, no waiting. Every message comes from the same
-//! compiler, signatures and layout as on the command line. The place of the cursor is found by reading the text up to it
-//! (`cursor`), not from the tree, since a file that is being written seldom has one.
+//! Messages are handled one after the other, in the order of their arrival, without threads. Every message comes from the same
+//! compiler, signatures and layout as on the command line. The context of the cursor is found by reading the text up to it
+//! (`cursor`), not from the tree: a file that is being written seldom has one.
 
 mod wire;
 mod documents;

@@ -1,4 +1,4 @@
-//! From a name to its declaration, and what a file declares.
+//! From a name to its declaration, and the declarations of a file.
 
 use std::sync::Arc;
 

@@ -33,26 +33,26 @@ use crate::diagnostic::{Diagnostic, Lines, Severity, Sources};
 use crate::lang::{self, Loaded};
 use crate::process::ProcessOpener;
 
-/// Most diagnostics of a file; an editor shows no more.
+/// The greatest number of diagnostics of a file; an editor shows no more.
 const SHOWN: usize = 500;
 
-/// How a session came to its end.
+/// How a session ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ending {
-    /// The editor asked for it, in order.
+    /// The editor shut it down in order.
     Orderly,
-    /// The editor went away without asking.
+    /// The editor closed the stream without a shutdown.
     Abrupt,
 }
 
-/// Serves one editor until it says goodbye or its stream ends. A message that cannot be understood is answered with an error
-/// and does no harm.
+/// Serves one editor until it shuts the session down or its stream ends. A message that cannot be understood is answered with
+/// an error and has no other effect.
 ///
-/// Programs that scenarios name are looked for and never started. `shelf` is a folder to which the standard library is written
-/// when the user opens one of its files.
+/// The server looks up programs that scenarios name, and never starts them. `shelf` is a folder to which the standard library is
+/// written when the user opens one of its files.
 ///
 /// # Errors
-/// The stream failed, or went out of step.
+/// The stream failed, or its messages have lost their boundaries.
 pub fn serve(mut input: impl BufRead, output: impl Write, shelf: PathBuf) -> Result<Ending, WireError> {
     let catalog = Catalog::builtin().with_opener(Arc::new(ProcessOpener::default()));
     let mut server = Server { catalog, documents: Documents::new(shelf), shown: BTreeSet::new(), output };
@@ -83,7 +83,7 @@ struct Server<W> {
     output: W,
 }
 
-/// Why a request got no answer.
+/// Why a request was refused.
 struct Refusal(ErrorCode, String);
 
 #[expect(
@@ -96,7 +96,7 @@ impl<W: Write> Server<W> {
         Ok(self.output.flush()?)
     }
 
-    /// The protocol's answer to what is no message: an error without a number.
+    /// The protocol's answer to bytes that are not a message: an error without a number.
     fn answer_to_nobody(&mut self, reason: &str) -> Result<(), WireError> {
         let error = serde_json::json!({ "code": ErrorCode::ParseError as i32, "message": reason });
         let body = serde_json::json!({ "jsonrpc": "2.0", "id": null, "error": error }).to_string();
@@ -106,7 +106,7 @@ impl<W: Write> Server<W> {
 
     fn request(&mut self, request: Request) -> Result<(), WireError> {
         let id = request.id.clone();
-        // A bug answers one request with an error and leaves the editor its server.
+        // A bug answers one request with an error and does not end the server.
         let answer = std::panic::catch_unwind(AssertUnwindSafe(|| self.answer(request)));
         let answer = answer.unwrap_or_else(|_| Err(Refusal(ErrorCode::InternalError, "a bug in falsify".into())));
         let response = match answer {
@@ -183,7 +183,7 @@ impl<W: Write> Server<W> {
             }
             DidChangeTextDocument::METHOD => {
                 let Ok(params) = serde_json::from_value::<DidChangeTextDocumentParams>(params) else { return Ok(()) };
-                // Whole texts were asked for.
+                // The server asked for whole texts.
                 let Some(change) = params.content_changes.into_iter().next_back() else { return Ok(()) };
                 self.documents.set(params.text_document.uri, change.text);
             }
@@ -196,7 +196,7 @@ impl<W: Write> Server<W> {
         self.publish()
     }
 
-    /// Loads a document with its imports and asks about a place in it; none when the document is not open.
+    /// Loads a document with its imports and answers a query about a place in it; none when the document is not open.
     fn at<T>(
         &self,
         at: &TextDocumentPositionParams,
@@ -211,7 +211,7 @@ impl<W: Write> Server<W> {
                 .ok()?;
         let is_root = |file: &&lang::ast::File| loaded.roots.contains(&file.source);
         if loaded.files.iter().find(is_root).is_some_and(|file| file.edition.is_none()) {
-            // A bracket that is still open hides the whole file; what stands before its statement is seen all the same.
+            // A bracket that is still open hides the whole file; the text before its statement is used instead.
             let above = above(text, byte);
             let read = |path: &Path| if path == root { Ok(above.to_string()) } else { self.documents.read(path) };
             sources = Sources::default();
@@ -220,7 +220,7 @@ impl<W: Write> Server<W> {
         ask(text, byte, &loaded, &sources)
     }
 
-    /// What a file that is being imported offers; the statement itself may not be readable yet.
+    /// The names that an imported file offers; the import statement itself may not be readable yet.
     fn imported(&self, uri: &Uri, import: &str) -> Option<(Loaded, Sources)> {
         let root = path(uri);
         let statement = format!("edition 1\nimport \"{import}\"\n");
@@ -239,7 +239,7 @@ impl<W: Write> Server<W> {
         Some(if laid_out == text { Vec::new() } else { vec![TextEdit { range: whole, new_text: laid_out }] })
     }
 
-    /// What would repair the mistakes in a part of a document.
+    /// The fixes of the mistakes in a part of a document.
     fn repairs(&self, uri: &Uri, part: Range) -> Vec<CodeActionOrCommand> {
         let mut sources = Sources::default();
         let root = path(uri);
@@ -253,7 +253,7 @@ impl<W: Write> Server<W> {
             if range.end < part.start || range.start > part.end {
                 continue;
             }
-            // One in another file is not for this document.
+            // A fix in another file is not for this document.
             let fixes = each.fixes.iter().filter(|fix| fix.span.source == id);
             repairs.extend(fixes.map(|fix| {
                 let edit = TextEdit { range: self::range(&lines, fix.span), new_text: fix.text.clone() };
@@ -263,7 +263,7 @@ impl<W: Write> Server<W> {
                     kind: Some(CodeActionKind::QUICKFIX),
                     diagnostics: Some(vec![shown(each, &lines)]),
                     edit: Some(WorkspaceEdit { changes, ..WorkspaceEdit::default() }),
-                    // Among several it takes a decision.
+                    // If there are several fixes, the user must choose.
                     is_preferred: Some(each.fixes.len() == 1),
                     ..CodeAction::default()
                 })
@@ -272,7 +272,7 @@ impl<W: Write> Server<W> {
         repairs
     }
 
-    /// Checks all open documents and says what is wrong with them and with what they import.
+    /// Checks all open documents and publishes the diagnostics of them and of their imports.
     fn publish(&mut self) -> Result<(), WireError> {
         let mut by_file: BTreeMap<Uri, Vec<lsp_types::Diagnostic>> = BTreeMap::new();
         for root in self.documents.paths() {
@@ -297,7 +297,7 @@ impl<W: Write> Server<W> {
                 }
             }
         }
-        // What is no longer wrong is taken back.
+        // Diagnostics that no longer apply are withdrawn.
         for gone in self.shown.iter().filter(|uri| !by_file.contains_key(uri)).cloned().collect::<Vec<_>>() {
             by_file.insert(gone, Vec::new());
         }
@@ -314,7 +314,7 @@ impl<W: Write> Server<W> {
     }
 }
 
-/// What stands before the statement of a byte: up to the last line that begins with a letter.
+/// The text before the statement of a byte: up to the last line that starts with a letter.
 fn above(text: &str, byte: usize) -> &str {
     let letter = |at: usize| text[at..].starts_with(|first: char| first.is_ascii_alphabetic());
     let mut starts = text[..byte].match_indices('\n').map(|(at, _)| at + 1);

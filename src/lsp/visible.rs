@@ -1,4 +1,4 @@
-//! What a file can name: declarations and parameters, its own and imported ones.
+//! The names that a file can use: declarations and parameters, its own and imported ones.
 
 use std::sync::Arc;
 
@@ -49,7 +49,7 @@ impl<'a> Visible<'a> {
     }
 }
 
-/// Whether a parameter with this word for its type may stand for a value of a type, or for a part of one.
+/// Whether a parameter with this word for its type may be used as a value of a type, or as a part of one.
 pub fn fits(word: &str, ty: &Type) -> bool {
     match ty {
         Type::List(inner) => fits(word, inner),
@@ -66,7 +66,7 @@ pub fn fits(word: &str, ty: &Type) -> bool {
     }
 }
 
-/// What a parameter measures, by the word for its type.
+/// The dimension of a parameter, by the word for its type.
 pub fn dimension(word: &str) -> Option<Dimension> {
     if word == "integer" {
         return Some(Dimension::RATIO);

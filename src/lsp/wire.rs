@@ -13,10 +13,10 @@ pub enum WireError {
     /// The stream failed.
     #[error("the stream failed: {0}")]
     Stream(#[from] std::io::Error),
-    /// The headers name no length, or one beyond reason; where the next message begins is then unknown.
+    /// The headers name no length, or one out of range; the start of the next message is then unknown.
     #[error("the headers name no usable length")]
     Headers,
-    /// The body is no message; the next one can be read.
+    /// The body is not a message; the next one can be read.
     #[error("the message cannot be understood: {0}")]
     Body(String),
 }
@@ -24,13 +24,13 @@ pub enum WireError {
 /// Reads the next message; none when the stream has ended.
 ///
 /// # Errors
-/// See [`WireError`]; after [`WireError::Body`] reading can go on.
+/// See [`WireError`]; after [`WireError::Body`] reading can continue.
 pub fn read(stream: &mut impl BufRead) -> Result<Option<Message>, WireError> {
     let mut length = None;
     let mut first = true;
     loop {
         let mut line = Vec::new();
-        // No header is long: a stream of junk without line ends must not fill the memory.
+        // Headers are short: a stream of bytes without line ends must not fill the memory.
         if stream.by_ref().take(4096).read_until(b'\n', &mut line)? == 0 {
             return if first { Ok(None) } else { Err(WireError::Headers) };
         }

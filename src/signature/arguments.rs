@@ -13,7 +13,7 @@ pub enum Value {
     Number(f64),
     /// Low and high end in SI.
     Range(f64, f64),
-    /// What to draw from, in SI.
+    /// A distribution, in SI.
     Distribution(Distribution),
     /// A whole number.
     Integer(i64),
@@ -37,8 +37,8 @@ pub enum Value {
 
 /// The checked values of a declaration, one for every key of its signature.
 ///
-/// The getters panic when the key or its type is not the signature's: the checker has made sure of both, so that is a
-/// bug in the code that reads them, and the catalogue's test finds it.
+/// The getters panic when the key or its type is not the signature's. The checker ensures both, so a panic is a
+/// bug in the calling code, which the catalogue's test finds.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Arguments {
     values: Vec<(&'static str, Value)>,

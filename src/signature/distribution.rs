@@ -1,4 +1,4 @@
-//! What a scenario may draw from: `7 m .. 30 m`, `truncated(normal(5 m/s, 1 m/s), 0 m/s .. 8 m/s)`, `choice(a, b)`.
+//! The distributions of a scenario: `7 m .. 30 m`, `truncated(normal(5 m/s, 1 m/s), 0 m/s .. 8 m/s)`, `choice(a, b)`.
 //!
 //! A draw is the quantile of one uniform number, so every key takes exactly one number from its stream.
 
@@ -11,7 +11,7 @@ pub enum Distribution {
     Constant(f64),
     /// Uniform from the first to the second.
     Uniform(f64, f64),
-    /// Normal, held between two bounds by conditioning.
+    /// Normal, conditioned on two bounds.
     Normal {
         /// Mean of the distribution without bounds.
         mean: f64,
@@ -63,7 +63,7 @@ impl Distribution {
 
     /// The probability density at a value, in one over the unit of the quantity; 0 outside of the support.
     ///
-    /// Single values that have a probability of their own (constants) are not part of it; theirs is `mass(value, value)`.
+    /// Single values with a probability of their own (constants) are not part of it; their probability is `mass(value, value)`.
     pub fn density(&self, value: f64) -> f64 {
         match self {
             Self::Constant(_) => 0.0,
@@ -77,7 +77,7 @@ impl Distribution {
             Self::Normal { low, high, .. } if !(*low..=*high).contains(&value) => 0.0,
             Self::Normal { mean, deviation, low, high } => {
                 let (a, b) = ((low - mean) / deviation, (high - mean) / deviation);
-                // In the upper tail the lower one has the digits.
+                // In the upper tail the lower one is more precise.
                 let kept =
                     if a > 0.0 { normal_below(-a) - normal_below(-b) } else { normal_below(b) - normal_below(a) };
                 let z = (value - mean) / deviation;
@@ -87,7 +87,7 @@ impl Distribution {
         }
     }
 
-    /// The distribution given that the value lies from `low` to `high`; none when that cannot be.
+    /// The distribution given that the value is from `low` to `high`; none when that is impossible.
     pub fn truncated(&self, low: f64, high: f64) -> Option<Self> {
         let (a, b) = self.support();
         if low <= a && b <= high {
@@ -115,7 +115,7 @@ impl Distribution {
         }
     }
 
-    /// The distribution given that the value is not this one; none when it always is. Only what draws single values is changed.
+    /// The distribution given that the value is not this one; none when it always is. Only parts that draw single values change.
     pub fn without(&self, value: f64) -> Option<Self> {
         match self {
             Self::Constant(only) if *only == value => None,
@@ -133,7 +133,7 @@ impl Distribution {
         }
     }
 
-    /// The least and the greatest value of each of the parts that it is made of.
+    /// The least and the greatest value of each of its parts.
     pub fn pieces(&self) -> Vec<(f64, f64)> {
         match self {
             Self::Mixture(parts) => parts.iter().flat_map(|(_, part)| part.pieces()).collect(),
@@ -143,14 +143,14 @@ impl Distribution {
 
     /// The value below which a share `u` of all values lies, `u` from 0 to 1.
     ///
-    /// In a mixture the parts follow each other as they were written, so it rises with `u` within each part only.
+    /// In a mixture the parts follow each other in the written order, so it rises with `u` only within each part.
     pub fn quantile(&self, u: f64) -> f64 {
         match self {
             Self::Constant(value) => *value,
             Self::Uniform(low, high) => low + (high - low) * u,
             Self::Normal { mean, deviation, low, high } => {
                 let (a, b) = ((low - mean) / deviation, (high - mean) / deviation);
-                // In the upper tail the lower one has the digits.
+                // In the upper tail the lower one is more precise.
                 let z = if a > 0.0 {
                     let (from, to) = (normal_below(-b), normal_below(-a));
                     -normal_quantile(to - (to - from) * u)
@@ -192,7 +192,7 @@ mod tests {
         })
     }
 
-    /// Takes the value at a quantile out of a distribution and compares the masses.
+    /// Removes the value at a quantile from a distribution and compares the masses.
     fn take_out(d: &Distribution, at: f64) -> Result<(), TestCaseError> {
         let value = d.quantile(at);
         let left = 1.0 - d.mass(value, value);
@@ -208,7 +208,7 @@ mod tests {
         Ok(())
     }
 
-    /// A mixture on which `single_values_can_be_taken_out` once failed.
+    /// A mixture for which `single_values_can_be_taken_out` once failed.
     #[test]
     fn a_value_can_be_taken_out_of_a_nested_mixture() {
         let inner = Distribution::Mixture(vec![

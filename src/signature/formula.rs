@@ -40,14 +40,14 @@ pub enum Function {
     Abs,
     /// The exponential of one plain number.
     Exp,
-    /// The square root of one plain number; no number below zero, which stops a run.
+    /// The square root of one plain number; of a negative number it is NaN, which stops a run.
     Sqrt,
     /// The logarithm of the normal density at the first, with the second as mean and the third as standard deviation,
     /// relative to its greatest value: −((x − mean) / sd)² / 2.
     LogLikelihood,
 }
 
-/// A checked formula: dimensions agree, names are resolved, every constant is in SI. A copy shares what it is made of.
+/// A checked formula: dimensions agree, names are resolved, every constant is in SI. A copy shares its parts.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Formula {
     /// A constant in SI; 1 and 0 for true and false.
@@ -65,7 +65,7 @@ pub enum Formula {
 }
 
 impl Formula {
-    /// The value for given values of the variables, which are asked for by their index. Logic is 1 or 0.
+    /// The value for given values of the variables, which are looked up by their index. Logic is 1 or 0.
     pub fn evaluate(&self, values: &impl Fn(VariableId) -> f64) -> f64 {
         let truth = |condition: bool| if condition { 1.0 } else { 0.0 };
         match self {
@@ -112,13 +112,13 @@ impl Formula {
     }
 }
 
-/// Bounds of a value: the least and the greatest it can be.
+/// Bounds of a value: its least and its greatest possible value.
 pub type Bounds = (f64, f64);
 
-/// Says nothing.
+/// No bounds.
 const ANY: Bounds = (f64::NEG_INFINITY, f64::INFINITY);
 
-/// The bounds of a condition that always or never holds.
+/// The bounds of a condition that is always or never true.
 fn truth(always: bool, never: bool) -> Bounds {
     match (always, never) {
         (true, _) => (1.0, 1.0),
@@ -128,7 +128,7 @@ fn truth(always: bool, never: bool) -> Bounds {
 }
 
 impl BinaryOperator {
-    /// Bounds of what it gives for two values within bounds.
+    /// Bounds of the result for two values within bounds.
     pub fn bounds(self, (a, b): Bounds, (c, d): Bounds) -> Bounds {
         let found = match self {
             BinaryOperator::Add => (a + c, b + d),
@@ -146,7 +146,7 @@ impl BinaryOperator {
         if found.0.is_nan() || found.1.is_nan() { ANY } else { found }
     }
 
-    /// Bounds of what it gives for two formulas whose values lie within bounds: closer where both are the same, or one a
+    /// Bounds of the result for two formulas whose values lie within bounds. They are narrower if both are the same, or if one is a
     /// multiple of the other.
     pub fn bounds_between(self, left: &Formula, a: Bounds, right: &Formula, b: Bounds) -> Bounds {
         if left == right {
@@ -161,7 +161,7 @@ impl BinaryOperator {
         self.bounds(a, b)
     }
 
-    /// Bounds of what it gives for a value within bounds and the same value again.
+    /// Bounds of the result for a value within bounds and the same value again.
     fn bounds_of_same(self, bounds: Bounds) -> Bounds {
         let (low, high) = bounds;
         let finite = low.is_finite() && high.is_finite();
@@ -178,10 +178,10 @@ impl BinaryOperator {
 }
 
 impl Function {
-    /// Bounds of what it gives for values within bounds.
+    /// Bounds of the result for values within bounds.
     ///
     /// # Panics
-    /// There are fewer values than it takes.
+    /// There are fewer values than the function has arguments.
     pub fn bounds(self, values: &[Bounds]) -> Bounds {
         let (low, high) = values[0];
         match self {
@@ -191,7 +191,7 @@ impl Function {
             Function::Abs if high <= 0.0 => (-high, -low),
             Function::Abs => (0.0, high.max(-low)),
             Function::Exp => (libm::exp(low), libm::exp(high)),
-            // Of a negative number there is none.
+            // A negative number has none.
             Function::Sqrt if low < 0.0 => ANY,
             Function::Sqrt => (low.sqrt(), high.sqrt()),
             Function::LogLikelihood => {
@@ -204,7 +204,7 @@ impl Function {
 }
 
 impl Formula {
-    /// A factor, and the formula that it multiplies.
+    /// A factor and the formula that it multiplies.
     fn scaled(&self) -> (f64, &Self) {
         match self {
             Formula::Negate(inner) => {
@@ -227,8 +227,8 @@ impl Formula {
         }
     }
 
-    /// Bounds of the value when the variables lie within bounds: the value is never outside, but the bounds may be wider than
-    /// need be. A condition that is bounded by 0 above never holds, one that is bounded by 1 below always does.
+    /// Bounds of the value when the variables lie within bounds. The value is never outside, but the bounds may be too wide.
+    /// A condition with an upper bound of 0 is never true; one with a lower bound of 1 is always true.
     pub fn bounds(&self, values: &impl Fn(VariableId) -> Bounds) -> Bounds {
         match self {
             Formula::Constant(value) => (*value, *value),
@@ -252,7 +252,7 @@ impl Formula {
     }
 }
 
-/// The bounds of some numbers; infinite ones times zero say nothing.
+/// The bounds of some numbers; infinity times 0 gives no bounds.
 fn hull(corners: [f64; 4]) -> Bounds {
     if corners.iter().any(|corner| corner.is_nan()) {
         return ANY;
@@ -326,7 +326,7 @@ mod tests {
                 (operator, inner.clone(), inner.clone()).prop_map(|(o, a, b)| Formula::Binary(o, a.into(), b.into())),
                 inner.clone().prop_map(|a| Formula::Negate(a.into())),
                 inner.clone().prop_map(|a| Formula::Not(a.into())),
-                // The same on both sides, or but for the sign.
+                // The same on both sides, or the same with the other sign.
                 inner
                     .clone()
                     .prop_map(|a| { Formula::Binary(Multiply, Formula::Negate(a.clone().into()).into(), a.into()) }),
@@ -347,7 +347,7 @@ mod tests {
             let value = formula.evaluate(&|id: VariableId| ends[id.0].0 + shares[id.0] * ends[id.0].1);
             let (low, high) = formula.bounds(&|id: VariableId| (ends[id.0].0, ends[id.0].0 + ends[id.0].1));
             prop_assume!(!value.is_nan() && !low.is_nan() && !high.is_nan());
-            // Of an infinite value nothing may be missing.
+            // An infinite value allows no slack.
             let slack = if value.is_finite() { 1e-9 * (1.0 + value.abs()) } else { 0.0 };
             prop_assert!(low <= value + slack && value <= high + slack, "{value} in {low} .. {high}");
         }

@@ -1,8 +1,8 @@
-//! What a form or a kind of the language declares about itself, as plain data.
+//! The signatures of forms and kinds, as plain data.
 //!
-//! The grammar knows only shapes: `form name = kind(key: value) { key: value }`. Which forms, kinds and keys exist, of
-//! what type and dimension, in which range and with which default, is declared by [`Signature`]s. The checker reads them,
-//! the documentation is printed from them, and [`Arguments`] carry the checked values to the code that owns the kind.
+//! The grammar knows only shapes: `form name = kind(key: value) { key: value }`. [`Signature`]s declare which forms, kinds
+//! and keys exist, with their types, dimensions, ranges and defaults. The checker reads them, the documentation is printed
+//! from them, and [`Arguments`] carry the checked values to the code that owns the kind.
 
 mod arguments;
 mod distribution;

@@ -1,8 +1,8 @@
 use crate::units::Dimension;
 
-/// What counts as above zero, in SI: smaller divisors give quotients beyond all use.
+/// The least positive value, in SI: smaller divisors give quotients that are too large to use.
 pub const LEAST: f64 = 1e-12;
-/// What counts as of any size, in SI.
+/// The greatest absolute value of a quantity of any size, in SI.
 pub const MOST: f64 = 1e9;
 
 /// The type of a value in the language.
@@ -26,7 +26,7 @@ pub enum Type {
         /// Greatest value of the high end.
         max: f64,
     },
-    /// What to draw a quantity from: a value, a range, `truncated(normal(mean, deviation), low .. high)`, `choice(a, b)`,
+    /// A distribution of a quantity: a value, a range, `truncated(normal(mean, deviation), low .. high)`, `choice(a, b)`,
     /// `weighted((2, a), (1, b))`; bounds are in SI and inclusive.
     Distribution {
         /// What it measures.
@@ -57,7 +57,7 @@ pub enum Type {
     Pose,
     /// The name of a declaration of this form.
     Reference(&'static str),
-    /// `[a, b, …]` with at least one member; a single value may stand without brackets.
+    /// `[a, b, …]` with at least one member; a single value may be written without brackets.
     List(Box<Type>),
     /// A condition over the variables that have a value at this event of the vocabulary.
     Condition(&'static str),
@@ -66,7 +66,7 @@ pub enum Type {
 }
 
 impl Type {
-    /// What the numbers of a value measure; none where there are no such numbers.
+    /// The dimension of a value's numbers; none for values without such numbers.
     pub fn dimension(&self) -> Option<Dimension> {
         match self {
             Self::Quantity { dimension, .. } | Self::Range { dimension, .. } | Self::Distribution { dimension, .. } => {
@@ -98,7 +98,7 @@ impl Type {
         Self::Quantity { dimension: Dimension::RATIO, min: 0.0, max: 1.0 }
     }
 
-    /// What a user calls it, with its bounds if it has any.
+    /// Its name for users, with its bounds if it has any.
     pub fn describe_bounded(&self) -> String {
         match self {
             Type::Quantity { dimension, min, max }
@@ -113,7 +113,7 @@ impl Type {
         }
     }
 
-    /// What a user calls it.
+    /// Its name for users.
     pub fn describe(&self) -> String {
         match self {
             Type::Quantity { dimension, .. } => with_units(*dimension, &dimension.to_string()),
@@ -156,7 +156,7 @@ pub fn bounds(min: f64, max: f64, dimension: Dimension) -> String {
     }
 }
 
-/// A number in few digits.
+/// A number with few digits.
 pub fn short(number: f64) -> String {
     let size = number.abs();
     if size != 0.0 && !(1e-4..1e7).contains(&size) {
@@ -180,15 +180,15 @@ pub struct Param {
     pub name: &'static str,
     /// The type of its value.
     pub ty: Type,
-    /// The value when the key is not given, as it would stand in a file; `None` when it must be given and `Some("")`
-    /// when it may be left out and then is absent.
+    /// The value when the key is not given, as written in a file. `None` when the key is required, and `Some("")`
+    /// when it is optional and then absent.
     pub default: Option<&'static str>,
     /// One sentence for the reference.
     pub doc: &'static str,
 }
 
 impl Param {
-    /// A key that must be given.
+    /// A required key.
     pub fn required(name: &'static str, ty: Type, doc: &'static str) -> Self {
         Self { name, ty, default: None, doc }
     }
@@ -198,7 +198,7 @@ impl Param {
         Self { name, ty, default: Some(default), doc }
     }
 
-    /// A key that may be left out.
+    /// An optional key.
     pub fn optional(name: &'static str, ty: Type, doc: &'static str) -> Self {
         Self { name, ty, default: Some(""), doc }
     }

@@ -14,11 +14,11 @@ pub struct Signature {
     pub children: Vec<Signature>,
     /// Whether `on event => formula` clauses may stand inside.
     pub clauses: bool,
-    /// Keys of which the first must not be above the second.
+    /// Pairs of keys; the value of the first must not be above that of the second.
     pub rising: Vec<[&'static str; 2]>,
-    /// The length of a tick that it is made for (s), if it is made for one.
+    /// The length of the tick that it is made for (s), if any.
     pub tick: Option<f64>,
-    /// If it stands in for something that it is not: what is real, what is assumed, what its numbers show. Empty for the real thing.
+    /// What this kind approximates and assumes, and what its numbers show; empty for the real thing.
     pub surrogate: &'static str,
 }
 
@@ -28,10 +28,10 @@ impl Signature {
         Self { name, doc, params, children: Vec::new(), clauses: false, rising: Vec::new(), tick: None, surrogate: "" }
     }
 
-    /// The same, and no value of these keys is above that of the next one.
+    /// The same, with the condition that no value of these keys is above that of the next one.
     ///
     /// # Panics
-    /// One of them is no key.
+    /// One of them is not a key.
     pub fn rising(mut self, keys: &[&'static str]) -> Self {
         assert!(keys.iter().all(|key| self.params.iter().any(|param| param.name == *key)), "no keys: {keys:?}");
         self.rising.extend(keys.windows(2).map(|pair| [pair[0], pair[1]]));
@@ -43,13 +43,13 @@ impl Signature {
         Self { tick: Some(tick), ..self }
     }
 
-    /// The same, and it says of what it is a surrogate; reports repeat that.
+    /// The same, with a description of what it approximates; reports repeat it.
     pub fn surrogate(self, surrogate: &'static str) -> Self {
         Self { surrogate, ..self }
     }
 }
 
-/// A form: the word a declaration begins with.
+/// A form: the first word of a declaration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Form {
     /// The word.
@@ -71,13 +71,13 @@ pub struct Variable {
     pub name: &'static str,
     /// What it measures; its value is in SI.
     pub dimension: Dimension,
-    /// What its value lies between, in SI, whatever happens.
+    /// The bounds of its value in all situations, in SI.
     pub bounds: (f64, f64),
     /// One sentence for the reference.
     pub doc: &'static str,
 }
 
-/// Something that a reward can answer to.
+/// An event that a reward can answer to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Event {
     /// Its name, such as `hit`.
@@ -86,13 +86,13 @@ pub struct Event {
     pub words: &'static [&'static str],
     /// The names of the variables that have a value when it happens.
     pub variables: &'static [&'static str],
-    /// Whether `on` clauses can answer to it; conditions can speak of all events.
+    /// Whether `on` clauses can answer to it; conditions can use all events.
     pub answered: bool,
     /// One sentence for the reference.
     pub doc: &'static str,
 }
 
-/// What formulas can speak about.
+/// The names that formulas can use.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Vocabulary {
     /// All variables; a formula holds indices into this list.

@@ -1,4 +1,4 @@
-//! The axes of a grid: what a block of a campaign names, lowered.
+//! The axes of a grid: the declarations that a block of a campaign names, lowered.
 
 use std::sync::Arc;
 
@@ -11,11 +11,11 @@ use crate::rl::PpoConfig;
 use crate::signature::DeclarationId;
 use crate::sim::VehicleBlueprint;
 
-/// Most decisions between two updates, over all environments.
+/// The greatest number of decisions between two updates, over all environments.
 const MOST_DECISIONS: usize = 1 << 22;
-/// Most components of all states between two updates.
+/// The greatest number of components of all states between two updates.
 const MOST_SEEN: usize = 1 << 27;
-/// Most weights of a network.
+/// The greatest number of weights of a network.
 const MOST_WEIGHTS: usize = 1 << 24;
 
 /// A member of one axis of the grid.
@@ -26,7 +26,7 @@ pub(super) struct Axis<T> {
     pub value: T,
 }
 
-/// What all blocks of a campaign have in common unless they say otherwise.
+/// The defaults of all blocks of a campaign.
 pub(super) struct Usual {
     pub car: Axis<VehicleBlueprint>,
     pub walker: Axis<PedestrianRole>,

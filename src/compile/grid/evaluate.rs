@@ -11,7 +11,7 @@ use crate::lang::diagnostics;
 use crate::lang::hir::Block;
 use crate::signature::{DeclarationId, Value};
 
-/// What stands for the name of a reward where nobody is trained for one.
+/// Used in place of a reward's name if no pedestrian is trained for one.
 const NO_REWARD: &str = "none";
 
 impl Lowering<'_> {
@@ -88,7 +88,7 @@ fn untrained_controllers(words: &[Value]) -> Vec<(ControllerKind, Arc<TrainingKe
     words.iter().filter_map(untrained).map(|controller| (controller, key.clone())).collect()
 }
 
-/// The controllers of a campaign with trainings: every trained one, and for every run of a reward a random one, which draws anew in each.
+/// The controllers of a campaign with trainings: every trained one, and for every run of a reward a random one with draws of its own.
 /// The homing and the intercepting controller draw nothing, so they are evaluated once for each reward.
 fn controllers(words: &[Value], trainings: &[Training]) -> Vec<(ControllerKind, Arc<TrainingKey>)> {
     let mut all = Vec::new();

@@ -15,7 +15,7 @@ use crate::seed::Seed;
 use crate::signature::{DeclarationId, short};
 use crate::sim::VehicleBlueprint;
 
-/// Where the episodes of a block happen, against whom, and how they begin.
+/// Where the episodes of a block happen, against which drivers, and how they start.
 pub(super) struct Ground {
     pub towns: Vec<Axis<BuiltTown>>,
     pub policies: Vec<Axis<PolicyMaker>>,
@@ -69,8 +69,8 @@ impl Place<'_> {
 }
 
 impl Lowering<'_> {
-    /// The ground of a block, on which somebody can be placed beside each of these bodies; none after saying what is wrong
-    /// with how episodes begin.
+    /// The ground of a block, on which a pedestrian with each of these bodies can be placed; none after reporting what is wrong
+    /// with the starts of episodes.
     pub(super) fn ground(
         &mut self,
         campaign: &Block,
@@ -84,7 +84,7 @@ impl Lowering<'_> {
         Some(ground)
     }
 
-    /// Says which drivers of a block are made for other ticks than they get.
+    /// Reports the drivers of a block that are made for a tick of another length.
     pub(super) fn compare_ticks(&mut self, campaign: &Block, block: &Block) {
         let episode = self.program.get(campaign.arguments.reference("episode"));
         let tick = episode.block.arguments.number("tick");
@@ -99,7 +99,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// Makes sure that somebody can be placed in every town, and not inside any of the cars.
+    /// Checks that a pedestrian can be placed in every town, and not inside any of the cars.
     pub(super) fn probe(
         &mut self,
         campaign: &Block,
@@ -145,7 +145,7 @@ impl Lowering<'_> {
     }
 }
 
-/// Notes towns, each once.
+/// Records towns, each once.
 pub(super) fn note_towns(noted: &mut Vec<NamedTown>, towns: &[Axis<BuiltTown>]) {
     for town in towns {
         if noted.iter().all(|known| known.name != *town.name) {

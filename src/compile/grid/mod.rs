@@ -1,4 +1,4 @@
-//! A campaign's grid: what is trained, which controllers are evaluated where, and what is searched.
+//! A campaign's grid: its trainings, its evaluations with their controllers, and its searches.
 
 mod axis;
 mod ground;
@@ -15,7 +15,7 @@ use crate::lang::diagnostics;
 use crate::lang::hir::{Block, Declaration};
 use axis::Usual;
 
-/// Most trainings, evaluations or searches that one block may ask for.
+/// The greatest number of trainings, evaluations or searches of one block.
 const MOST_CELLS: usize = 200_000;
 
 impl Lowering<'_> {
@@ -63,7 +63,7 @@ impl Lowering<'_> {
         campaign
     }
 
-    /// Whether the axes of a block make no more cells than can be run, saying so otherwise.
+    /// Whether the axes of a block give no more combinations than can be run; reports it otherwise.
     fn fits(&mut self, block: &Block, axes: [usize; 4]) -> bool {
         let cells = axes.into_iter().fold(1, usize::saturating_mul);
         if cells > MOST_CELLS {

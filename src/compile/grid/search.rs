@@ -17,7 +17,7 @@ struct Rival {
     name: String,
     method: &'static str,
     reward: (String, RewardRule),
-    /// It, and how pedestrians are trained where it does not say so.
+    /// It, and the training of its pedestrians if it does not name one itself.
     declarations: Vec<DeclarationId>,
     falsifier: Arc<dyn Falsifier>,
 }

@@ -9,7 +9,7 @@ use crate::lang::diagnostics;
 use crate::lang::hir::Block;
 
 impl Lowering<'_> {
-    /// The trainings of a `train` block; its rewards are noted for those who are tried later.
+    /// The trainings of a `train` block; its rewards are recorded for the controllers that are evaluated later.
     pub(super) fn train(
         &mut self,
         campaign_block: &Block,

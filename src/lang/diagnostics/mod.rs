@@ -1,4 +1,4 @@
-//! Every diagnostic of the language, one function a code, so that all wording sits in one place.
+//! Every diagnostic of the language, one function per code, so that all wording is in one place.
 
 mod text;
 mod naming;
@@ -14,7 +14,7 @@ use super::foreign_names::own_word;
 use super::suggest::nearest;
 use crate::diagnostic::{Diagnostic, Span};
 
-/// Most words of a list that is shown; a file made to break the program may have any number.
+/// The greatest number of words of a list that is shown; a hostile file may have any number.
 const MOST_SHOWN: usize = 40;
 
 fn quoted<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
@@ -24,7 +24,7 @@ fn quoted<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
     shown.join(", ")
 }
 
-/// A word of the user's as it is shown.
+/// A word of the user's, shortened for messages.
 fn cut(word: &str) -> std::borrow::Cow<'_, str> {
     const MOST: usize = 60;
     match word.char_indices().nth(MOST) {
@@ -33,7 +33,7 @@ fn cut(word: &str) -> std::borrow::Cow<'_, str> {
     }
 }
 
-/// A thing with its article; what begins with a quote or `one of` has none.
+/// A name with its article; a name that starts with a quote or `one of` has none.
 pub(in crate::internal::lang) fn one(thing: impl std::fmt::Display) -> String {
     let thing = thing.to_string();
     match thing.chars().next() {
@@ -45,7 +45,7 @@ pub(in crate::internal::lang) fn one(thing: impl std::fmt::Display) -> String {
     }
 }
 
-/// Points at an unknown word, offers the nearest known one or lists them all; the message is given.
+/// Points at an unknown word, and offers the nearest known one or lists them all; the message is given.
 fn unknown<'a>(
     code: &'static str,
     span: Span,
@@ -53,7 +53,7 @@ fn unknown<'a>(
     word: &str,
     known: impl IntoIterator<Item = &'a str>,
 ) -> Diagnostic {
-    // As above: comparing every unknown word with every known one would never end.
+    // As above: a comparison of every unknown word with every known one would take too long.
     const MOST: usize = 200;
     let diagnostic = Diagnostic::error(code, span, message);
     let known: Vec<&str> = known.into_iter().take(MOST).collect();

@@ -1,4 +1,4 @@
-//! What is named wrongly: forms, kinds, keys, declarations, parameters, settings.
+//! Wrong names: forms, kinds, keys, declarations, parameters, settings.
 
 use super::super::foreign_names::own_word;
 use super::super::suggest::nearest;
@@ -18,19 +18,19 @@ pub fn param_cycle(span: Span, name: &str) -> Diagnostic {
         .help("give one parameter of the cycle a value that names none of the others")
 }
 
-/// A parameter bears the name of a variable of formulas.
+/// A parameter has the name of a variable of formulas.
 pub fn reserved_name(span: Span, name: &str) -> Diagnostic {
     Diagnostic::error("reserved-name", span, format!("`{name}` is already a variable of formulas"))
         .help("give the parameter another name")
 }
 
-/// A parameter that stands for a word is named like one.
+/// A parameter whose value is a word has the name of a word.
 pub fn reserved_word(span: Span, name: &str) -> Diagnostic {
     Diagnostic::error("reserved-name", span, format!("`{name}` is already a word of the language"))
         .help("give the parameter another name: it would replace the word wherever that is written")
 }
 
-/// The type of a parameter is not known; its value would have another one, perhaps.
+/// The type of a parameter is not known; its value may suggest another one.
 pub fn unknown_type(span: Span, word: &str, of_value: Option<&str>, known: &[&str]) -> Diagnostic {
     if let Some(own) = of_value.filter(|own| *own != "number" && own_word(word) == Some("number")) {
         return Diagnostic::error("unknown-type", span, format!("unknown type `{}`", cut(word)))
@@ -51,7 +51,7 @@ pub fn repeated_setting(span: Span, path: &str, first: Span) -> Diagnostic {
     Diagnostic::error("bad-setting", span, format!("`{path}` is set twice")).label(first, "first set here")
 }
 
-/// A matrix speaks of the key of a declaration.
+/// A matrix names the key of a declaration.
 pub fn dotted_key(span: Span, path: &str) -> Diagnostic {
     let name = path.replace('.', "_");
     Diagnostic::error("syntax", span, "this statement cannot be read").here("a key contains no points").help(format!(
@@ -81,7 +81,7 @@ pub fn ambiguous_setting(span: Span, word: &str, forms: &[&str]) -> Diagnostic {
     ambiguous.help(format!("put the form first: {}", quoted(offers.iter().map(String::as_str))))
 }
 
-/// A matrix multiplies beyond reason.
+/// A matrix gives too many combinations.
 pub fn too_many_combinations(span: Span, found: usize, limit: usize) -> Diagnostic {
     Diagnostic::error(
         "too-many-combinations",
@@ -90,7 +90,7 @@ pub fn too_many_combinations(span: Span, found: usize, limit: usize) -> Diagnost
     )
 }
 
-/// A declaration begins with its name; its kind is one of this form.
+/// A declaration starts with its name; its kind is one of this form.
 pub fn missing_form(span: Span, word: &str, form: &str) -> Diagnostic {
     Diagnostic::error("unknown-form", span, format!("unknown declaration `{}`", cut(word)))
         .here(format!("is this the name of {}?", one(form)))
@@ -122,7 +122,7 @@ pub fn missing_name(span: Span, form: &str) -> Diagnostic {
     Diagnostic::error("missing-name", span, format!("this {form} has no name")).help(format!("write `{form} name …`"))
 }
 
-/// Where else a key stands that is not in the signature.
+/// Where a key belongs that is not in the signature.
 pub enum KeyOf<'a> {
     /// In a block of the same owner.
     Block(&'a str),
@@ -130,7 +130,7 @@ pub enum KeyOf<'a> {
     Form(&'a str),
 }
 
-/// A key is not in the signature, of which these keys are not given either.
+/// A key is not in the signature; the given keys are those of the signature without a value.
 pub fn unknown_key(span: Span, owner: &str, word: &str, keys: &[&str], elsewhere: Option<KeyOf>) -> Diagnostic {
     let message = format!("`{owner}` has no key `{}`", cut(word));
     let is_key = |of: &str| format!("`{word}` is a key of `{of}`");
@@ -148,14 +148,14 @@ pub fn unknown_key(span: Span, owner: &str, word: &str, keys: &[&str], elsewhere
     }
 }
 
-/// An event stands where a key does.
+/// An event is written in place of a key.
 pub fn event_for_key(span: Span, owner: &str, word: &str) -> Diagnostic {
     Diagnostic::error("unknown-key", span, format!("`{owner}` has no key `{word}`"))
         .here("this is an event")
         .help(format!("write the reward of an event as `on {word} => …`"))
 }
 
-/// A key stands twice.
+/// A key is given twice.
 pub fn duplicate_key(span: Span, word: &str, first: Span) -> Diagnostic {
     Diagnostic::error("duplicate-key", span, format!("`{word}` is given twice")).label(first, "first given here")
 }
@@ -170,14 +170,14 @@ pub fn missing_key(span: Span, owner: &str, param: &Param) -> Diagnostic {
     ))
 }
 
-/// A campaign does not say how those are trained whom it, or a falsifier of it, trains.
+/// A campaign has no settings for the pedestrians that it, or a falsifier of it, trains.
 pub fn no_training(campaign: Span, trains: Span) -> Diagnostic {
     Diagnostic::error("missing-key", campaign, "`campaign` needs the key `training`")
         .label(trains, "pedestrians are trained here")
         .help("`training` is the name of a training: How pedestrians are trained.")
 }
 
-/// A value in parentheses has no key; these may be its.
+/// A value in parentheses has no key; these keys may be meant.
 pub fn bare_argument(span: Span, written: &str, keys: &[&str]) -> Diagnostic {
     let diagnostic = Diagnostic::error("bare-argument", span, "this value has no key");
     match keys {
@@ -192,7 +192,7 @@ pub fn named_argument(keys: &[Name], place: Span, call: &str) -> Diagnostic {
     let (first, others) = keys.split_first().expect("a key is named");
     let message = format!("functions take no keys such as `{}`", first.text);
     let diagnostic = Diagnostic::error("named-argument", first.span, message);
-    // What comes where, by the names that other libraries have for it; any order will do for some functions.
+    // The order of arguments, by the names that other libraries have for them; some functions accept any order.
     const ORDER: [&[&str]; 3] = [
         &["x", "value", "low", "lo", "lower", "least", "min", "from", "start", "begin", "mean", "mu", "loc"],
         &[
@@ -243,8 +243,8 @@ pub fn unknown_name<'a>(span: Span, form: &str, word: &str, known: impl IntoIter
     unknown("unknown-name", span, format!("unknown {form} `{}`", cut(word)), word, known)
 }
 
-/// A reference leads to a declaration of the standard library that the file does not import; `added` is what would import it,
-/// and where.
+/// A reference names a declaration of the standard library that the file does not import; `added` is the import that is missing,
+/// and its place.
 pub fn not_imported(span: Span, form: &str, word: &str, file: &str, added: Option<(Span, String)>) -> Diagnostic {
     let diagnostic = Diagnostic::error("unknown-name", span, format!("unknown {form} `{}`", cut(word)))
         .here("this file does not import it");

@@ -1,4 +1,4 @@
-//! What keeps a file from being read: signs, brackets, sizes, editions, imports.
+//! Errors that prevent reading a file: signs, brackets, sizes, editions, imports.
 
 use std::io::ErrorKind;
 
@@ -32,7 +32,7 @@ pub fn decimal_comma(span: Span, written: &str) -> Diagnostic {
     if written.matches(',').count() > 1 {
         return diagnostic.here("a number contains no comma").fix(written.replace(',', "_"));
     }
-    // That would be the same number again, and more exact than anybody writes.
+    // That would be the same number again, with more digits than users write.
     if thousands && written.ends_with(",000") {
         return diagnostic.here("a number contains no comma").fix(written.replace(',', "_"));
     }
@@ -45,13 +45,13 @@ pub fn decimal_comma(span: Span, written: &str) -> Diagnostic {
     diagnostic.here("the decimal point is `.`").fix(written.replace(',', "."))
 }
 
-/// A sum of a quantity and a negative one is written as print has tolerances; `range` is what was meant, where that can be told.
+/// A sum of a quantity and a negative one is written like a tolerance in print; `range` is the likely meaning, if it is known.
 pub fn tolerance(span: Span, range: Option<String>) -> Diagnostic {
     let diagnostic = syntax(span, "write both ends: `-60 deg .. 60 deg`".into());
     range.into_iter().fold(diagnostic, Diagnostic::fix)
 }
 
-/// A comma without a blank stands where it may be that of a fraction.
+/// A comma without a blank is written where it may be a decimal comma.
 pub fn comma_in_number(span: Span, written: &str) -> Diagnostic {
     let (whole, part) = written.split_once(',').unwrap_or((written, ""));
     Diagnostic::warning("two-numbers", span, format!("`{written}` are two numbers"))
@@ -60,14 +60,14 @@ pub fn comma_in_number(span: Span, written: &str) -> Diagnostic {
         .fix(format!("{whole}, {part}"))
 }
 
-/// Several values stand side by side.
+/// Several values are written without brackets.
 pub fn unbracketed_list(span: Span, written: &str) -> Diagnostic {
     Diagnostic::error("syntax", span, "this statement cannot be read")
         .here("several values need brackets")
         .fix(format!("[{written}]"))
 }
 
-/// Two quantities stand side by side: a range, or a list.
+/// Two quantities are written without brackets: a range, or a list.
 pub fn unbracketed_pair(span: Span, (low, high): (&str, &str)) -> Diagnostic {
     Diagnostic::error("syntax", span, "this statement cannot be read")
         .here("this is neither a range nor a list")
@@ -107,14 +107,14 @@ pub fn stray_bracket(span: Span) -> Diagnostic {
         .help("remove it, or add the opening bracket")
 }
 
-/// A declaration lacks the brace that its last line closes, or has a colon in its place.
+/// A declaration has no opening brace for the one on its last line, or has a colon in its place.
 pub fn missing_brace(span: Span) -> Diagnostic {
     Diagnostic::error("unclosed-bracket", span, "a `{` is missing")
         .here("the contents of a declaration need braces: `{ … }`")
         .fix(" {")
 }
 
-/// A declaration has neither brace; what is indented below is what it was to hold.
+/// A declaration has neither brace; the indented lines below it are its intended contents.
 pub fn missing_braces(span: Span) -> Diagnostic {
     Diagnostic::error("syntax", span, "this statement cannot be read")
         .here("the contents of a declaration need braces; indentation has no meaning")
@@ -163,7 +163,7 @@ pub fn unknown_edition(span: Span, edition: f64) -> Diagnostic {
         .fix("1")
 }
 
-/// The edition is named again, or late.
+/// The edition is given again, or late.
 pub fn misplaced_edition(span: Span, first: Option<Span>) -> Diagnostic {
     let diagnostic =
         Diagnostic::error("misplaced-edition", span, "`edition` is allowed once, at the start of the file");
@@ -188,7 +188,7 @@ pub fn import_not_found(span: Span, path: &str, error: &std::io::Error) -> Diagn
         };
     }
     match error.kind() {
-        // `lib/paper.scn` stands beside the scenarios of the repository, and nowhere else.
+        // `lib/paper.scn` is in the folder of the repository's scenarios, and nowhere else.
         ErrorKind::NotFound => {
             match library.iter().find(|file| path.replace('\\', "/").rsplit('/').next() == file.strip_prefix("std/")) {
                 Some(file) => diagnostic.here("the standard library has it").fix(format!("\"{file}\"")),
@@ -200,7 +200,7 @@ pub fn import_not_found(span: Span, path: &str, error: &std::io::Error) -> Diagn
     }
 }
 
-/// Files import each other in a circle; they are given in their order, from the one that is imported here again.
+/// Files import each other in a cycle; they are listed in order, from the one that is imported here again.
 pub fn import_cycle(span: Span, path: &str, circle: &[String]) -> Diagnostic {
     const MOST: usize = 8;
     let diagnostic = Diagnostic::error("import-cycle", span, format!("`{path}` imports this file in turn"));

@@ -1,4 +1,4 @@
-//! What is wrong with a value: its type, its unit, its bounds; with a formula, a range, a distribution, an event.
+//! Wrong values: types, units, bounds; formulas, ranges, distributions, events.
 
 use std::f64::consts::TAU;
 
@@ -14,7 +14,7 @@ pub fn wrong_type(span: Span, expected: &Type, found: &str) -> Diagnostic {
     Diagnostic::error("wrong-type", span, format!("expected {}, found {found}", one(expected.describe())))
 }
 
-/// A value has another type than its key, and there is something to be said about how it is written.
+/// A value has another type than its key, and there is advice on how to write it.
 pub fn written_otherwise(expected: &Type, found: &str, span: Span, fix: Option<String>, help: &str) -> Diagnostic {
     let diagnostic = wrong_type(span, expected, found);
     let diagnostic = if help.is_empty() { diagnostic } else { diagnostic.help(help) };
@@ -49,12 +49,12 @@ pub fn axis_range(span: Span, [low, high]: [&str; 2]) -> Diagnostic {
         .fix(format!("[{low}, {high}]"))
 }
 
-/// All numbers of a place, or of several, lack their units.
+/// All numbers of one place, or of several, lack their units.
 pub fn missing_units(span: Span, meant: String) -> Diagnostic {
     Diagnostic::error("missing-unit", span, "every number of a place needs a unit").fix(meant)
 }
 
-/// Whether a bare number is rather counted in the second of the usual units: what would be a speed beyond all towns in m/s, or a
+/// Whether a bare number is more likely in the second of the usual units: a speed that would be too high for a town in m/s, or a
 /// few degrees with a fraction.
 fn likelier_second(dimension: Dimension, written: &str) -> bool {
     let number = written.replace('_', "").parse::<f64>().unwrap_or(0.0).abs();
@@ -65,7 +65,7 @@ fn likelier_second(dimension: Dimension, written: &str) -> bool {
     }
 }
 
-/// Shows what the key of a value with a wrong unit, or with none, measures.
+/// Shows the dimension of the key of a value with a wrong unit, or without one.
 pub fn show_key(said: &mut Diagnostic, key: Span, param: &Param) {
     if matches!(said.code, "missing-unit" | "wrong-unit") && said.labels.is_empty() {
         let text = format!("`{}` is {}", param.name, one(param.ty.describe()));
@@ -127,7 +127,7 @@ pub fn unknown_unit(span: Span, written: &str, part: Option<&str>, units: &[&str
     if parse_unit(&lower).is_ok() {
         return diagnostic.here(format!("did you mean `{lower}`?")).fix(lower);
     }
-    // Of one letter nothing can be guessed.
+    // A single letter allows no guess.
     let like = |word: &&str| word.len() > 1 && part.len() > 1;
     let diagnostic = match own_unit(part).or_else(|| nearest(part, units.iter().copied().filter(like))) {
         Some(near) if part == written => diagnostic.here(format!("did you mean `{near}`?")).fix(near),
@@ -181,7 +181,7 @@ pub fn out_of_range(span: Span, found: String, bounds: String) -> Diagnostic {
     Diagnostic::error("out-of-range", span, format!("{found} is out of range")).here(format!("allowed: {bounds}"))
 }
 
-/// A part of a formula has no value, whatever happens.
+/// A part of a formula never has a value.
 pub fn not_finite(span: Span, why: &str) -> Diagnostic {
     Diagnostic::error("no-value", span, "this part of a formula has no value").here(why.to_string())
 }
@@ -191,7 +191,7 @@ pub fn maybe_nothing(span: Span, why: &str, help: &str) -> Diagnostic {
     Diagnostic::error("no-value", span, "this part of a formula may have no value").here(why).help(help)
 }
 
-/// What is paid is beyond what learners count with.
+/// A reward is beyond the range of the learners' numbers.
 pub fn too_much(span: Span, limit: f64) -> Diagnostic {
     Diagnostic::error("no-value", span, "this value may be too large")
         .here(format!("a reward must be between -{limit:e} and {limit:e}"))
@@ -218,7 +218,7 @@ pub fn unknown_distribution(span: Span, word: &str, known: &[&str]) -> Diagnosti
         return Diagnostic::error("unknown-distribution", span, format!("unknown distribution `{word}`"))
             .help("a unit follows its number: `90 deg`");
     }
-    // Elsewhere `range` may be a key.
+    // In other places `range` may be a key.
     let own = if word == "range" { "Range" } else { word };
     let said = unknown(
         "unknown-distribution",
@@ -238,7 +238,7 @@ pub fn nothing_left(span: Span, distribution: Span, range: Span) -> Diagnostic {
         .label(range, "lies in this range")
 }
 
-/// A range's low end lies above its high end; it may have been meant to go round the back.
+/// A range's low end is above its high end; the author may have meant the range through ±180°.
 pub fn empty_range(span: Span, swapped: String, around: Option<String>) -> Diagnostic {
     let said = Diagnostic::error("empty-range", span, "this range is empty: its low end lies above its high end");
     around.into_iter().fold(said.fix(swapped), Diagnostic::fix)
@@ -249,7 +249,7 @@ pub fn not_whole(span: Span, value: f64) -> Diagnostic {
     Diagnostic::error("not-whole", span, format!("expected a whole number, found {value}"))
 }
 
-/// A whole number is written with a point, which some take for that between thousands.
+/// A whole number is written with a point, which some countries use between thousands.
 pub fn pointed(span: Span, written: &str) -> Diagnostic {
     let diagnostic = Diagnostic::error("not-whole", span, "a whole number has no point");
     let (whole, part) = written.split_once('.').unwrap_or((written, ""));
@@ -257,7 +257,7 @@ pub fn pointed(span: Span, written: &str) -> Diagnostic {
     if part.len() % 3 == 0 { plain.fix(format!("{whole}_{}", part.replace('.', "_"))) } else { plain }
 }
 
-/// A difference of two quantities stands where a range may, and was probably meant; `value` is what it is.
+/// A difference of two quantities is written where a range may be, and a range is probably meant; `value` is the difference.
 pub fn difference(span: Span, value: &str, range: &str) -> Diagnostic {
     Diagnostic::warning("difference", span, format!("this is {value}: `-` subtracts"))
         .here("a range is written `low .. high`")
@@ -278,7 +278,7 @@ pub fn repeated_member(span: Span, written: &str, first: Span) -> Diagnostic {
 /// A word is not among the choices.
 pub fn unknown_choice(span: Span, word: &str, words: &[&str]) -> Diagnostic {
     let message = format!("`{}` is not among the choices", cut(word));
-    // Of releases and versions none is meant for another.
+    // No release or version is a typo of another.
     let stem = |word: &str| word.trim_end_matches(|last: char| last.is_ascii_digit() || last == '.').to_string();
     if words.iter().any(|known| stem(known) == stem(word) && known.ends_with(|last: char| last.is_ascii_digit())) {
         return Diagnostic::error("unknown-choice", span, message)
@@ -350,7 +350,7 @@ pub fn not_a(span: Span, wanted: &str, found: &str) -> Diagnostic {
     Diagnostic::error("wrong-type", span, format!("expected {}, found {}", one(wanted), one(found)))
 }
 
-/// A clause answers to an unknown event.
+/// A clause names an unknown event.
 pub fn unknown_event(span: Span, word: &str, known: &[&str]) -> Diagnostic {
     unknown("unknown-event", span, format!("unknown event `{}`", cut(word)), word, known.iter().copied())
 }
@@ -366,7 +366,7 @@ pub fn unknown_event_word(span: Span, event: &str, word: &str, known: &[&str]) -
     )
 }
 
-/// Two clauses answer to the same event.
+/// Two clauses name the same event.
 pub fn duplicate_clause(span: Span, first: Span) -> Diagnostic {
     Diagnostic::error("duplicate-clause", span, "this event already has a clause").label(first, "the first is here")
 }

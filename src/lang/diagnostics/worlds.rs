@@ -1,4 +1,4 @@
-//! What is wrong with what a file describes: maps, towns, starts, drivers from outside, values that contradict each other.
+//! Errors of the described world: maps, towns, starts, external drivers, values that contradict each other.
 
 use crate::diagnostic::{Diagnostic, Span};
 

@@ -8,13 +8,13 @@ use crate::diagnostic::{Diagnostic, Severity, SourceId};
 use crate::lang::parse;
 use crate::lang::tokens::TokenKind;
 
-/// Columns of a line.
+/// Columns per line.
 const WIDTH: usize = 120;
 
-/// Gives a text its canonical layout: the same statements and comments in the same order, 120 columns wide, two columns an
-/// indentation.
+/// Formats a text in its canonical layout: the same statements and comments in the same order, 120 columns wide, two columns
+/// per indentation.
 ///
-/// Blocks of pairs that the author wrote on one line stay on one line if they fit; of several blank lines one is left.
+/// Blocks of pairs that the author wrote on one line stay on one line if they fit. Several blank lines become one.
 ///
 /// # Errors
 /// The errors of a text that cannot be read; it gets no layout.
@@ -28,14 +28,14 @@ pub fn format(source: SourceId, text: &str) -> Result<String, Vec<Diagnostic>> {
     let marked = marks(text).expect("checked: the text parses");
     let read = tokens(text, &marked);
     let laid_out = print(&file(&Tree::file(&read)), WIDTH);
-    // A tool that overwrites files had better look twice.
+    // A tool that overwrites files checks its result.
     let again = marks(&laid_out).expect("checked: a layout parses");
     let (before, after) = (essence(&read), tokens(&laid_out, &again));
     assert!(before == essence(&after), "a layout changes no token");
     Ok(laid_out)
 }
 
-/// What a layout must not change: all tokens but commas and semicolons, comments apart, since those may move past a comma.
+/// The parts that a layout must not change: all tokens except commas and semicolons, and separately comments, which may move past a comma.
 fn essence(tokens: &[Token]) -> (Vec<(String, TokenKind)>, Vec<String>) {
     let plain = |token: &Token| token.text.replace("\r\n", "\n").replace('\r', "\n");
     let (comments, rest): (Vec<&Token>, Vec<&Token>) = tokens.iter().partition(|token| token.is_comment());
@@ -65,7 +65,7 @@ fn contents(items: &[Item]) -> Vec<Doc> {
             docs.push(if blank && !after_doc { Doc::Blank } else { Doc::Hard });
         }
         match item {
-            // In a row of its own it does not count for whether what stands before it fits.
+            // In a row of its own it has no effect on whether the text before it fits.
             Item::Aside(token) if trails => docs.push(Doc::Row(vec![Doc::Space, text(token)])),
             Item::Aside(token) => docs.push(text(token)),
             Item::Statement { nodes, .. } => docs.push(statement(nodes)),
@@ -116,7 +116,7 @@ fn block(items: &[Item], one_line: bool) -> Doc {
         return Doc::Group(vec![Doc::Text("{".into()), Doc::Indent(inner), Doc::Line(" "), Doc::Text("}".into())]);
     }
     let mut inner = contents(items);
-    // A comment on the line of the brace stays there.
+    // A comment on the line of the brace stays on that line.
     if !matches!(items.first(), Some(Item::Aside(token)) if token.is_comment() && token.trails()) {
         inner.insert(0, Doc::Hard);
     }
@@ -151,7 +151,7 @@ fn row(nodes: &[Node]) -> Doc {
     Doc::Group(vec![Doc::Fill(chunks)])
 }
 
-/// All but the first chunk of a row are set deeper.
+/// All chunks of a row except the first are indented further.
 fn push_chunk(chunks: &mut Vec<Doc>, chunk: Vec<Doc>) {
     chunks.push(if chunks.is_empty() { Doc::Row(chunk) } else { Doc::Indent(chunk) });
 }
@@ -185,7 +185,7 @@ fn bracket(open: &Token, members: &[Member], close: &str) -> Doc {
         }
         let mut ends_line = false;
         for token in &member.after {
-            // In a row of its own, as in `comment`, it does not count for whether what stands before it fits.
+            // In a row of its own, as in `comment`, it has no effect on whether the text before it fits.
             let space = if token.trails() && !ends_line { Doc::Space } else { Doc::Hard };
             docs.push(Doc::Row(vec![space, text(token)]));
             ends_line = token.kind == TokenKind::LineComment || token.ends_line;
@@ -213,7 +213,7 @@ fn is_operator(node: &Node) -> bool {
     matches!(token.kind, TokenKind::Sign | TokenKind::Keyword) && !token.prefix && OPERATORS.contains(&token.text)
 }
 
-/// Whether a blank parts two neighbours.
+/// Whether a blank separates two neighbours.
 fn spaced(before: &Node, node: &Node) -> bool {
     let is = |node: &Node, such: fn(&Token) -> bool| matches!(node, Node::Token(token) if such(token));
     if is(node, |token| matches!(token.text, ":" | "," | ";")) || is(before, |token| token.prefix) {

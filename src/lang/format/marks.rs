@@ -1,4 +1,4 @@
-//! What the layout needs from the parser: where statements and blocks start.
+//! The information that the layout needs from the parser: where statements and blocks start.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,7 +7,7 @@ use pest::iterators::Pair;
 
 use crate::lang::parse::rules::{Rule, ScenarioParser};
 
-/// What the parser knows about places in a text.
+/// The parser's information about places in a text.
 #[derive(Debug, Default)]
 pub struct Marks {
     /// First bytes of statements, and whether it is a property or a clause, which may share a line with others.
@@ -24,7 +24,7 @@ pub fn marks(text: &str) -> Option<Marks> {
 }
 
 impl Marks {
-    /// Notes a pair and all inside; false when it holds what could not be read.
+    /// Records a pair and everything inside; false when it contains a part that could not be read.
     fn take(&mut self, pair: Pair<Rule>) -> bool {
         let holds_statements = match pair.as_rule() {
             Rule::junk_item | Rule::junk_entry => return false,

@@ -1,8 +1,8 @@
 //! The canonical layout of a file.
 //!
-//! The parser says only where statements and blocks begin and which words are names, numbers or signs ([`marks`]). All else is
-//! read off the text itself as a row of tokens ([`tokens`]), comments included, and laid out anew ([`layout`], [`printer`]). So
-//! a new form of expression needs no word here.
+//! The parser gives only the starts of statements and blocks and the kinds of words: names, numbers or signs ([`marks`]).
+//! Everything else is read from the text itself as a sequence of tokens ([`tokens`]), including comments, and laid out anew
+//! ([`layout`], [`printer`]). A new form of expression therefore needs no change here.
 
 mod marks;
 mod tokens;

@@ -8,7 +8,7 @@
 pub enum Doc {
     /// Text without line ends, or a comment with them.
     Text(String),
-    /// A blank between two words; nothing at the beginning of a line.
+    /// A blank between two words; nothing at the start of a line.
     Space,
     /// A line end if the group is broken, else this text.
     Line(&'static str),
@@ -110,7 +110,7 @@ impl Page {
         !doc.breaks() && doc.width(room) <= room
     }
 
-    /// Puts a document; `behind` are the columns that must follow it on its line.
+    /// Prints a document; `behind` is the number of columns that must follow it on its line.
     fn put(&mut self, doc: &Doc, indent: usize, flat: bool, behind: usize) {
         match doc {
             Doc::Text(text) => self.word(text),

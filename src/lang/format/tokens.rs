@@ -1,4 +1,4 @@
-//! Tokens with what a layout asks of them: line ends, and the statements and blocks that the parser found.
+//! Tokens with the properties that a layout needs: line ends, and the statements and blocks that the parser found.
 
 use super::marks::Marks;
 use crate::lang::tokens::{self, TokenKind};

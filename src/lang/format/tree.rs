@@ -3,7 +3,7 @@
 use super::tokens::Token;
 use crate::lang::tokens::TokenKind;
 
-/// What stands in a file or a block.
+/// An item of a file or a block.
 #[derive(Debug)]
 pub enum Item<'a> {
     /// A comment or a `///` line.
@@ -12,7 +12,7 @@ pub enum Item<'a> {
     Statement {
         /// Its parts.
         nodes: Vec<Node<'a>>,
-        /// Whether a blank line stands before it.
+        /// Whether a blank line precedes it.
         blank: bool,
         /// Whether it is a pair, which may share a line with others.
         pair: bool,
@@ -28,7 +28,7 @@ pub enum Node<'a> {
     Bracket {
         /// The opening one.
         open: Token<'a>,
-        /// What stands between.
+        /// The members between.
         members: Vec<Member<'a>>,
         /// The closing one's text.
         close: &'a str,
@@ -167,7 +167,7 @@ impl<'a, 'b> Tree<'a, 'b> {
                 _ => last.nodes.push(self.node()),
             }
         }
-        // Comments alone after the last comma are no member.
+        // Comments alone after the last comma are not a member.
         let is_comment = |node: &Node| matches!(node, Node::Token(token) if token.is_comment());
         if members.len() > 1 && members.last().is_some_and(|last| last.nodes.iter().all(is_comment)) {
             let comments = members.pop().map(|member| member.nodes).unwrap_or_default();
@@ -187,7 +187,7 @@ fn open_line(member: &Member) -> bool {
     member.after.last().is_none_or(|token| token.kind != TokenKind::LineComment)
 }
 
-/// Whether a token stands between statements.
+/// Whether a token is between statements.
 fn is_aside(token: Token) -> bool {
     token.is_comment() || token.kind == TokenKind::Doc
 }

@@ -1,4 +1,4 @@
-//! Values: numbers with their units, words, calls, and what operators make of them.
+//! Values: numbers with their units, words, calls, and expressions of them.
 
 use std::iter::Peekable;
 
@@ -11,7 +11,7 @@ use crate::lang::ast::{Entry, Expression, ExpressionKind, Operator};
 use crate::lang::diagnostics;
 use crate::signature::short;
 
-/// Most terms and operators of one expression; later phases walk it recursively.
+/// Greatest number of terms and operators of one expression; later phases walk it recursively.
 const MAX_TERMS: usize = 500;
 
 impl Reader {
@@ -36,7 +36,7 @@ impl Reader {
         if pairs.peek().is_none() {
             return low;
         }
-        // A term without an operator before it begins the other end of a range.
+        // A term without an operator before it starts the other end of a range.
         let high = self.expression(&mut pairs);
         if from.is_some() {
             let part = |value: &Expression| &source[value.span.start..value.span.end];
@@ -52,7 +52,7 @@ impl Reader {
         self.operations(first, pairs, 0)
     }
 
-    /// What follows a term, as far as its operators bind at least so tightly.
+    /// The operations after a term, as long as their operators bind at least this tightly.
     fn operations(&mut self, first: Expression, pairs: &mut Peekable<Pairs<Rule>>, least: u8) -> Expression {
         let mut left = first;
         let binds = |pair: &Pair<Rule>| operator(pair).filter(|(_, tightness)| *tightness >= least);
@@ -77,7 +77,7 @@ impl Reader {
         left
     }
 
-    /// Signs, what they stand before, and the unit that it is counted in.
+    /// Signs, their operand, and the unit that it is counted in.
     fn term(&mut self, pairs: &mut Peekable<Pairs<Rule>>) -> Expression {
         let mut prefixes = Vec::new();
         while let Some(prefix) = pairs.next_if(|pair| matches!(pair.as_rule(), Rule::prefix | Rule::wrong_prefix)) {
@@ -101,7 +101,7 @@ impl Reader {
         }
         for (negative, span) in prefixes.into_iter().rev() {
             if !negative {
-                // `not` is about a whole comparison.
+                // `not` applies to a whole comparison.
                 expression = self.operations(expression, pairs, COMPARISON);
             }
             let span = span.to(expression.span);
@@ -185,7 +185,7 @@ impl Reader {
         members
     }
 
-    /// Reports a number whose digits go on after a blank, a quote or a second point.
+    /// Reports a number whose digits continue after a blank, a quote or a second point.
     fn odd_number(&mut self, number: &Pair<Rule>, odd: &Pair<Rule>) {
         let (start, end) = (number.as_span().start(), odd.as_span().end());
         let written = &number.get_input()[start..end];
@@ -196,7 +196,7 @@ impl Reader {
         self.report(self.place(start, end), "digits are grouped by `_`", Some(&meant));
     }
 
-    /// Reports a unit that follows something else than a number or `in`.
+    /// Reports a unit after something other than a number or `in`.
     fn stray_unit(&mut self, value: &Expression, unit: &Pair<Rule>) {
         let text = unit.as_str().trim_end();
         let place = self.span(unit);
@@ -213,7 +213,7 @@ impl Reader {
         }
     }
 
-    /// Warns of two numbers of a call that may be one: the comma between them has no blank after it, the other commas have.
+    /// Warns of two numbers of a call that may be one: the comma between them has no blank after it, and the other commas have one.
     fn ask_about_commas(&mut self, text: &str, arguments: &[Expression]) {
         let joined = |pair: &&[Expression]| pair[0].span.end + 1 == pair[1].span.start;
         let pairs: Vec<&[Expression]> = arguments.windows(2).filter(joined).collect();
@@ -232,7 +232,7 @@ impl Reader {
     }
 }
 
-/// The range between a quantity less another and more by it, when both are plain and counted in one unit.
+/// The range of a quantity minus and plus another, when both are plain and in one unit.
 fn around(middle: &Expression, less: &Expression) -> Option<String> {
     let number = |expression: &Expression| match &expression.kind {
         ExpressionKind::Number { value, unit } => Some((*value, unit.as_ref().map(|unit| unit.text.clone()))),
@@ -243,10 +243,10 @@ fn around(middle: &Expression, less: &Expression) -> Option<String> {
     (unit == other).then(|| format!("{} .. {}", with_unit(middle + less), with_unit(middle - less)))
 }
 
-/// How tightly comparisons bind: less than what they compare, more than `and` and `or`.
+/// The precedence of comparisons: below that of their operands, above that of `and` and `or`.
 const COMPARISON: u8 = 2;
 
-/// An operator, and how tightly it binds; none for another pair.
+/// An operator and its precedence; none for another pair.
 fn operator(pair: &Pair<Rule>) -> Option<(Operator, u8)> {
     if !matches!(pair.as_rule(), Rule::infix | Rule::wrong_infix) {
         return None;

@@ -15,13 +15,13 @@ const RANGE: &str = "a range is written `low .. high`";
 const CLAUSE: &str = "a clause starts with `on`";
 const EVENT_WORD: &str = "the word of an event needs parentheses";
 const NAME: &str = "the name follows the form directly";
-/// What is reported of a conditional, once in a value.
+/// The message for a conditional, once per value.
 const NO_IF: &str = "there is no `if`: write a condition with `and`, `or`, `not`, or weigh with `min` and `max`";
 
-/// What to report, and what to write instead where one reading is likely.
+/// The message, and the text to write instead if one meaning is likely.
 type Words = (&'static str, Option<String>);
 
-/// The words of an error production that replaces one piece of text by another.
+/// The words of an error production that replaces one text by another.
 fn words(rule: Rule, text: &str) -> Words {
     let instead = |said, text: &str| (said, Some(text.to_string()));
     match (rule, text) {
@@ -74,7 +74,7 @@ fn words(rule: Rule, text: &str) -> Words {
     }
 }
 
-/// What a character is that the language does not have: what to report, and what to write instead.
+/// Characters that the language does not have: the message, and the text to write instead.
 const CONFUSABLES: &[(&str, &str, Option<&str>)] = &[
     ("#", "a comment starts with `//`", Some("//")),
     ("%", "write `percent`, or the plain number", Some("percent")),
@@ -104,7 +104,7 @@ const CONFUSABLES: &[(&str, &str, Option<&str>)] = &[
     ("\u{feff}", "this is not an ordinary blank", Some(" ")),
 ];
 
-/// Most characters of a statement that are reported; what holds more is no statement.
+/// The greatest number of reported characters of a statement.
 const MOST_FOREIGN: usize = 100;
 
 impl Reader {
@@ -117,7 +117,7 @@ impl Reader {
             Rule::hash | Rule::colon_kind => start + 1,
             _ => start + text.len(),
         };
-        // A sign that touches the word before it becomes a word of its own.
+        // A sign without a blank before it becomes a word of its own.
         let joined = matches!(pair.as_rule(), Rule::arrow_sign | Rule::colon_kind)
             && !pair.get_input()[..start].ends_with([' ', '\t']);
         let instead = instead.map(|instead| if joined { format!(" {instead}") } else { instead });
@@ -133,7 +133,7 @@ impl Reader {
         }
     }
 
-    /// Reads a value whose mistakes have been reported: nothing more is said of it.
+    /// Reads a value whose mistakes have been reported, without further reports.
     pub(super) fn whole_value(&mut self, pair: Pair<Rule>) -> Expression {
         let before = self.mistakes;
         let mut value = self.value(pair);
@@ -168,7 +168,7 @@ impl Reader {
         self.diagnostics.push(said);
     }
 
-    /// Reports characters that the language does not have; false when there are none that it knows.
+    /// Reports characters that the language does not have; false if the table lists none of them.
     pub(super) fn foreign(&mut self, text: &str, start: usize, source: &str) -> bool {
         let before = self.diagnostics.len();
         let mut done = 0;
@@ -223,7 +223,7 @@ impl Reader {
         self.diagnostics.len() > before
     }
 
-    /// Reports a point that is part of no number and no range: `.5`, `maps/Town01.xodr`, `ego.speed`.
+    /// Reports a point that belongs to no number and no range: `.5`, `maps/Town01.xodr`, `ego.speed`.
     fn point(&mut self, at: usize, source: &str) -> bool {
         let run = |such: fn(char) -> bool| -> (usize, usize) {
             let start = source[..at].trim_end_matches(such).len();
@@ -261,14 +261,14 @@ fn starts_with_letter(word: &str) -> bool {
     word.starts_with(|first: char| first.is_ascii_alphabetic())
 }
 
-/// Whether a value is written in digits alone, perhaps with a unit.
+/// Whether a value is written only in digits, perhaps with a unit.
 fn plain_digits(source: &str, value: &Expression) -> bool {
     matches!(value.kind, ExpressionKind::Number { .. })
         && source[..value.span.start].ends_with(',')
         && source[value.span.start..].starts_with(|first: char| first.is_ascii_digit())
 }
 
-/// A text in other quotes: its length, what to report, and the text in quotes of the language.
+/// A text in other quotes: its length, the message, and the text in the quotes of the language.
 fn quoted(line: &str) -> Option<(usize, &'static str, Option<String>)> {
     let first = line.chars().next()?;
     let said = if first == '\'' { "a text needs double quotes" } else { "a text needs straight quotes" };

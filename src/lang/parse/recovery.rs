@@ -1,4 +1,4 @@
-//! Error nodes: what is reported of statements that neither the grammar nor its error productions know.
+//! Error nodes: reports on statements that neither the grammar nor its error productions match.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use crate::lang::brackets::unbraced;
 use crate::lang::diagnostics;
 use crate::lang::tokens::{Token, TokenKind, words};
 
-/// Most error nodes of a file that are parsed again for the place of the error; a file with more of them is no scenario.
+/// The greatest number of error nodes that are parsed again for the place of the error; a file with more is not a scenario.
 const MOST_REREAD: usize = 1000;
 
 impl Reader {
@@ -25,7 +25,7 @@ impl Reader {
         between.is_some_and(|text| text.trim_matches([' ', '\t', ',']).is_empty())
     }
 
-    /// Takes from an error node what a file may still know, and reports it.
+    /// Takes the names that an error node may declare, and reports it.
     pub(super) fn junk_item(&mut self, pair: &Pair<Rule>, indented: bool, file: &mut File) {
         if let Some(param) = file.params.last_mut().filter(|param| self.goes_on(&param.value, pair)) {
             param.value.kind = ExpressionKind::Known(Known::Wrong);
@@ -34,7 +34,7 @@ impl Reader {
             declaration.entries.extend(unread_arguments(pair));
         }
         file.unread.extend(names_of(pair.as_str()));
-        // What it would have brought is not known.
+        // The names that it would have imported are not known.
         file.torn |= imports(pair.as_str());
         let start = pair.as_span().start();
         let after = &pair.get_input()[pair.as_span().end()..];
@@ -80,9 +80,9 @@ impl Reader {
         self.diagnostics.push(diagnostics::mistake(whole, said, None));
     }
 
-    /// Reports where the parser fails.
+    /// Reports the place where the parser fails.
     fn unreadable(&mut self, text: &str, start: usize, rule: Rule) {
-        // Parentheses of a declaration that can do without them.
+        // Parentheses of a declaration that does not need them.
         let head = if text.starts_with('(') { "form name = kind" } else { "" };
         let said = match ScenarioParser::parse(rule, &format!("{head}{text}")) {
             Err(error) => self.syntax_error(&error, head.len(), start),
@@ -94,7 +94,7 @@ impl Reader {
         });
     }
 
-    /// What pest says about a text that starts at a place of the source, after a number of bytes that were put before it.
+    /// The error of pest for a text from a place of the source on, after a number of bytes that were added before it.
     pub(super) fn syntax_error(&self, error: &pest::error::Error<Rule>, added: usize, start: usize) -> Diagnostic {
         let (from, to) = match error.location {
             InputLocation::Pos(at) => (at, at),
@@ -115,7 +115,7 @@ impl Reader {
         diagnostics::syntax(span, text)
     }
 
-    /// Reports that a comma is missing after a value, or that another sign stands in its place.
+    /// Reports that a comma is missing after a value, or that another sign is in its place.
     pub(super) fn missing_comma(&mut self, gap: &Pair<Rule>, end: usize) {
         self.mistakes += 1;
         let start = gap.as_span().start();
@@ -126,20 +126,20 @@ impl Reader {
     }
 }
 
-/// Whether a text begins with a key.
+/// Whether a text starts with a key.
 fn key_first(text: &str) -> bool {
     let mut found = words(text);
     found.next().is_some_and(|token| token.kind == TokenKind::Name) && found.next().is_some_and(|t| t.text(text) == ":")
 }
 
-/// Whether a statement was meant to import something.
+/// Whether a statement was probably meant as an import.
 fn imports(statement: &str) -> bool {
     let first = words(statement).find(|token| token.kind != TokenKind::Doc);
     let word = first.map_or("", |token| token.text(statement)).to_lowercase();
     ["import", "include", "from", "using"].contains(&word.as_str())
 }
 
-/// The end of a declaration's head without any brace, when `after` goes on with an indented line.
+/// The end of a declaration's head without any brace, when `after` continues with an indented line.
 fn headless(statement: &str, after: &str) -> Option<Range<usize>> {
     let start = words(statement).find(|token| token.kind != TokenKind::Doc)?.start;
     let line = statement[start..].trim_end();
@@ -152,9 +152,9 @@ fn headless(statement: &str, after: &str) -> Option<Range<usize>> {
     Some(start + place.start..start + place.end)
 }
 
-/// The operator that a value ends with: at the end of an error node, or before a key that was taken for the rest of the value.
+/// The operator that a value ends with: at the end of an error node, or before a key that was read as the rest of the value.
 fn open_end(source: &str, start: usize, text: &str) -> Option<Range<usize>> {
-    /// Bytes that are read for the operator.
+    /// The number of bytes that are read for the operator.
     const MOST: usize = 4096;
     let open = |token: &Token, text: &str| match token.kind {
         TokenKind::Sign => !matches!(token.text(text), "," | ";" | "="),
@@ -174,7 +174,7 @@ fn open_end(source: &str, start: usize, text: &str) -> Option<Range<usize>> {
     Some(start + last.start..start + last.end)
 }
 
-/// What a user calls a rule; `None` for rules that say nothing to a user. Exhaustive, so that a new rule gets a name.
+/// The user's name of a rule; `None` for rules that mean nothing to a user. Exhaustive, so that a new rule gets a name.
 fn describe(rule: Rule) -> Option<&'static str> {
     Some(match rule {
         Rule::name => "a name",

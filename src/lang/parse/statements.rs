@@ -184,7 +184,7 @@ impl Reader {
         Declaration { docs, head: form.span.to(last.span), span, form, name, kind, entries }
     }
 
-    /// What is in the parentheses of a kind (`keyed`) or of a function.
+    /// The arguments in the parentheses of a kind (`keyed`) or of a function.
     pub(super) fn arguments(&mut self, list: Pair<Rule>, keyed: bool) -> Vec<Entry> {
         let mut entries: Vec<Entry> = Vec::new();
         let mut gap = None;
@@ -249,7 +249,7 @@ impl Reader {
                     entries.push(Entry::Child(child));
                 }
                 Rule::junk_entry => {
-                    // The value before it is no more than a part of what was meant.
+                    // The value before it is only a part of the intended one.
                     if let Some(Entry::Property(Property { value, .. }) | Entry::Clause(Clause { formula: value, .. })) =
                         entries.last_mut()
                         && self.goes_on(value, &part)

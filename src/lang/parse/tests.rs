@@ -3,7 +3,7 @@ use crate::diagnostic::Sources;
 use crate::lang::tokens::{self, TokenKind};
 use proptest::prelude::*;
 
-/// Lines of which scenarios are made, and some that make one statement of two or none of one.
+/// Lines of scenarios, and some that join two statements or split one.
 const LINES: &[&str] = &[
     "",
     "  ",
@@ -76,7 +76,7 @@ fn leaves(text: &str) -> Option<Vec<(TokenKind, usize, usize)>> {
     Some(found)
 }
 
-/// The same of the tokens. Words between the leaves are keywords of expressions.
+/// The same from the tokens. Words between the leaves are keywords of expressions.
 fn as_leaves(text: &str) -> Vec<(TokenKind, usize, usize)> {
     use TokenKind::{Doc, Keyword, Name, Number, Text, Unit};
     let is_leaf = |token: &tokens::Token| match token.kind {
@@ -93,13 +93,13 @@ fn joined(text: &str) -> String {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// Whatever a text holds: its tokens are all of it.
+    /// The tokens of any text cover all of it.
     #[test]
     fn tokens_give_the_text_back(text in "[ \\t\\r\\na-eimnos0-9_./*\"{}()\\[\\]=<>+:,;^°“#-]{0,60}") {
         prop_assert_eq!(joined(&text), text);
     }
 
-    /// However a text is laid out: where it parses, the tokens are the leaves of the grammar.
+    /// In any layout: if the text parses, its tokens are the leaves of the grammar.
     #[test]
     fn tokens_are_the_leaves_of_the_grammar(lines in prop::collection::vec(prop::sample::select(LINES), 1..6)) {
         let text = lines.join("\n");

@@ -9,7 +9,7 @@ use crate::lang::formula::is_function;
 use crate::signature::{Distribution, LEAST, MOST, Type};
 use crate::units::Dimension;
 
-/// The functions that make distributions, with what they take.
+/// The functions that make distributions, with their arguments.
 const DISTRIBUTIONS: &[(&str, &str)] = &[
     ("uniform", "two ends"),
     ("normal", "a mean and a deviation"),

@@ -1,4 +1,4 @@
-//! What was probably meant by a value that is wrong, or that reads as something else.
+//! Suggestions for a value that is wrong, or that probably has another meaning.
 
 use std::f64::consts::{PI, TAU};
 
@@ -11,10 +11,10 @@ use crate::lang::suggest::nearest;
 use crate::signature::{Distribution, Type, short};
 use crate::units::{Dimension, parse_unit};
 
-/// Most names that a word is compared with.
+/// The greatest number of names that a word is compared with.
 const MOST_COMPARED: usize = 200;
 
-/// A place, or several, with the units that all of its numbers lack.
+/// One place, or several, with the units that all of its numbers lack.
 pub(super) fn places_with_units(expression: &Expression, ty: &Type, context: &Context) -> Option<String> {
     let number = |part: &Expression, unit: &str| match &part.kind {
         ExpressionKind::Number { unit: None, .. } => Some(format!("{} {unit}", context.sources.text(part.span))),
@@ -35,13 +35,13 @@ pub(super) fn places_with_units(expression: &Expression, ty: &Type, context: &Co
     }
 }
 
-/// What was probably meant by a distribution beyond the bounds of its key.
+/// The probable meaning of a distribution beyond the bounds of its key.
 pub(super) fn as_meant(expression: &Expression, drawn: &Distribution, ty: &Type, context: &Context) -> Option<String> {
     let text = |span: Span| context.sources.text(span);
     let (low, high) = drawn.support();
     let Type::Distribution { dimension, min, max } = ty else { return None };
     if *dimension == Dimension::ANGLE {
-        // More than a turn in radians was meant in degrees.
+        // More than one turn in radians was probably meant in degrees.
         let written = text(expression.span);
         if high.max(-low) > TAU && written.contains("rad") {
             return Some(written.replace("rad", "deg"));
@@ -58,8 +58,8 @@ pub(super) fn as_meant(expression: &Expression, drawn: &Distribution, ty: &Type,
     }
 }
 
-/// The directions from one to another (rad) that lies to the left of it by a turn at most, or the one if they are the same, as they
-/// are written between -180° and 180°.
+/// The directions (rad) from `from` to `to` counter-clockwise, by one turn at most, in ranges between -180° and 180°. If both are
+/// equal, it is that direction alone.
 pub(super) fn round_the_back(from: f64, to: f64) -> String {
     let (from, width) = (from.to_degrees(), (to - from).to_degrees());
     let shown = |degrees: f64| format!("{} deg", short(degrees));
@@ -84,7 +84,7 @@ pub(super) fn round_the_back(from: f64, to: f64) -> String {
     }
 }
 
-/// Takes a difference such as `20-50 km/h`, which lacks a unit, for the range that it is in print.
+/// Reads a difference such as `20-50 km/h`, which lacks a unit, as a range in the notation of print.
 pub(super) fn as_dashed_range(
     said: &mut [Diagnostic],
     expression: &Expression,
@@ -105,9 +105,9 @@ pub(super) fn as_dashed_range(
     }
 }
 
-/// Leaves of the units that a number may lack those with which its key allows it.
+/// Keeps, of the units that a number may lack, those with which its key allows it.
 ///
-/// Of angles both are always offered: a turn more or less is soon written.
+/// For angles both are always offered, since a full turn more or less is a common mistake.
 pub(super) fn as_allowed(
     said: &mut [Diagnostic],
     expression: &Expression,
@@ -130,7 +130,7 @@ pub(super) fn as_allowed(
     let allowed =
         |fix: &Fix| fix.text.split(" .. ").map(holds).collect::<Option<Vec<bool>>>().map(|all| !all.contains(&false));
     for said in said.iter_mut().filter(|each| each.code == "missing-unit" && ends.contains(&each.primary.span)) {
-        // Units that are less usual, where the usual ones make it too much.
+        // Less usual units, if the number is too large in the usual ones.
         let others = ["cm", "mm", "ms", "min"].map(|unit| Fix {
             span: said.primary.span,
             text: format!("{} {unit}", said.fixes.first().map_or("", |fix| fix.text.split(' ').next().unwrap_or(""))),
@@ -144,7 +144,7 @@ pub(super) fn as_allowed(
     }
 }
 
-/// Asks about a difference of two plain quantities of which the first is less: print writes ranges that way.
+/// Asks about a difference of two plain quantities of which the first is less: print writes ranges in that way.
 pub(super) fn as_difference(expression: &Expression, drawn: &Distribution, context: &Context) -> Option<Diagnostic> {
     let (ExpressionKind::Binary { operator: Operator::Subtract, left, right }, Distribution::Constant(_)) =
         (&expression.kind, drawn)
@@ -163,7 +163,7 @@ pub(super) fn as_difference(expression: &Expression, drawn: &Distribution, conte
     (unit.text == other.text && low < high).then(|| diagnostics::difference(expression.span, &value, &range))
 }
 
-/// Leaves of the units that a number may lack only that of another number beside it, if there is one.
+/// Keeps, of the units that a number may lack, only that of another number next to it, if there is one.
 pub(super) fn as_beside(
     said: &mut [Diagnostic],
     number: &Expression,
@@ -179,7 +179,7 @@ pub(super) fn as_beside(
     }
 }
 
-/// Says that a value has another type than its key, and how it would be written if it is plain what was meant.
+/// Reports that a value has another type than its key, and how to write it if the plain value was meant.
 pub(super) fn otherwise(expression: &Expression, ty: &Type, context: &Context) -> Diagnostic {
     let text = |span: Span| context.sources.text(span);
     let said = |fix: Option<String>, help: &str| {
