@@ -6,15 +6,15 @@ use crate::signature::{Arguments, Param, Signature, Type};
 use crate::sim::Control;
 use crate::units::Dimension;
 
-/// A driver that ignores all road users, with automatic emergency braking for those that will be in the car's way.
+/// A driver that ignores all road users, with automatic emergency braking for road users that will be in its way.
 ///
-/// The time to collision is `gap / closing speed` with each actor that is in the corridor now or, keeping its velocity, when the
-/// car arrives. Below three thresholds the system warns (and lets the throttle go), brakes partially, brakes fully; the
+/// The time to collision is `gap / closing speed` with each actor that is in the corridor now or, at constant velocity, when the
+/// car arrives. Below three thresholds the system warns (and releases the throttle), brakes partially, and brakes fully. The
 /// deceleration follows its target along ramps of constant jerk.
 ///
 /// # Source
-/// Full braking 0.85 g after a ramp of 0.6 s: the automatic brake of UN R157's performance model. Full braking of at least 5 m/s²
-/// is what UN R152 asks for. Stages by time to collision, a partial brake and release below standstill are common practice;
+/// Full braking 0.85 g after a ramp of 0.6 s: the automatic brake of UN R157's performance model. UN R152 requires full braking
+/// of at least 5 m/s². Stages by time to collision, a partial brake and release below standstill are common practice;
 /// their values here are assumptions, stated at each key.
 #[derive(Debug, Clone)]
 pub struct Aeb {
@@ -26,16 +26,16 @@ pub struct Aeb {
     jerk: f64,
     margin: f64,
     driver: LaneFollower,
-    /// The deceleration that the brakes have reached (m/s²).
+    /// The present deceleration of the brakes (m/s²).
     braking: f64,
     mode: DrivingMode,
 }
 
-/// Below this speed (m/s) the brakes hold the car while a road user is in its way nearer than this (m) (assumed).
+/// Below this speed (m/s) the brakes hold the car while a road user in its way is nearer than this (m) (assumed).
 const HOLD: (f64, f64) = (0.5, 2.0);
 
 impl Aeb {
-    /// What it takes in a scenario.
+    /// Its keys in a scenario.
     pub fn signature() -> Signature {
         let time = || Type::non_negative(Dimension::TIME);
         let acceleration = || Type::positive(Dimension::ACCELERATION);
@@ -103,7 +103,7 @@ impl Aeb {
         }
     }
 
-    /// The least time to collision (s) with anybody.
+    /// The least time to collision (s) with any actor.
     fn time_to_collision(&self, perception: &Perception<'_>) -> f64 {
         let actors = perception.pedestrians.iter().chain(perception.vehicles);
         let found = actors.filter_map(|actor| self.driver.trace.locate(actor));
@@ -111,7 +111,7 @@ impl Aeb {
     }
 }
 
-/// The time until the car meets an actor (s), both keeping their velocities; infinite when they do not meet.
+/// The time until the car meets an actor (s), both at constant velocity; infinite when they do not meet.
 fn time_to(actor: &OnTrace, perception: &Perception<'_>, margin: f64) -> f64 {
     let ego = &perception.ego;
     let closing = ego.speed() - actor.velocity.x;

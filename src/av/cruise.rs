@@ -4,12 +4,12 @@ use crate::signature::{Arguments, Param, Signature, Type};
 use crate::sim::Control;
 use crate::units::Dimension;
 
-/// Keeps its lane and its speed and ignores all road users: a lower bound, since every pedestrian can hit it.
+/// Keeps its lane and its speed and ignores all road users. It is a lower bound, since every pedestrian can hit it.
 #[derive(Debug, Clone)]
 pub struct Cruise {
     /// Share of the speed limit that it drives.
     limit_share: f64,
-    /// Lateral acceleration it takes in bends (m/s²).
+    /// Its greatest lateral acceleration in bends (m/s²).
     lateral: f64,
     path: Path,
     mode: DrivingMode,
@@ -19,7 +19,7 @@ pub struct Cruise {
 const COMFORTABLE: f64 = 2.0;
 
 impl Cruise {
-    /// What it takes in a scenario.
+    /// Its keys in a scenario.
     pub fn signature() -> Signature {
         Signature::new(
             "cruise",

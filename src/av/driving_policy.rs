@@ -2,10 +2,10 @@ use super::{Fault, Perception};
 use crate::seed::Stream;
 use crate::sim::Control;
 
-/// What a driver is doing, for tables and replays.
+/// The present manoeuvre of a driver, for tables and replays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, serde::Serialize, serde::Deserialize)]
 pub enum DrivingMode {
-    /// Along its route, as fast as it wants.
+    /// Along its route, at the speed it wants.
     #[default]
     Cruise,
     /// Through a turn, slower.
@@ -59,27 +59,27 @@ impl DrivingMode {
 
 /// The driver of a vehicle.
 pub trait DrivingPolicy: Send {
-    /// Forgets the last episode and gets ready for one that begins as perceived; `stream` is the policy's own.
+    /// Forgets the last episode and prepares for one that starts with this perception; `stream` is the policy's own.
     fn reset(&mut self, perception: &Perception<'_>, stream: Stream);
 
     /// Called before [`DrivingPolicy::drive`] with the same perception. All policies of a batch are prepared before the first of
-    /// them drives, so a driver that answers for the batch at once gathers its questions here.
+    /// them drives. A driver that answers a whole batch at once collects its requests here.
     fn prepare(&mut self, perception: &Perception<'_>) {
         let _ = perception;
     }
 
-    /// Chooses the pedals and the wheel for the coming tick.
+    /// Chooses the pedals and the wheel for the next tick.
     fn drive(&mut self, perception: &Perception<'_>) -> Control;
 
-    /// What it was doing in its last [`DrivingPolicy::drive`].
+    /// Its manoeuvre in the last [`DrivingPolicy::drive`].
     fn mode(&self) -> DrivingMode;
 
-    /// What went wrong since the last [`DrivingPolicy::reset`], for drivers that can fail; what such a driver did is void.
+    /// The fault since the last [`DrivingPolicy::reset`], for drivers that can fail; an episode with a fault is void.
     fn fault(&self) -> Option<Fault> {
         None
     }
 
-    /// Makes another policy like this one for a batch: policies of a batch drive at the same time, each in a world of its own. None
+    /// Makes another policy like this one for a batch. Policies of a batch drive at the same time, each in its own world. None
     /// when a batch is no faster than one episode after another.
     fn clone_for_batch(&self) -> Option<Box<dyn DrivingPolicy>> {
         None

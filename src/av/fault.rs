@@ -4,7 +4,7 @@ pub enum Fault {
     /// Its process could not be started.
     #[error("could not be started")]
     NotStarted,
-    /// It did not greet as the protocol asks, or not in a version that is spoken here.
+    /// Its greeting did not follow the protocol, or was of an unsupported version.
     #[error("greeted wrongly: {0}")]
     Greeting(&'static str),
     /// It did not answer in time.
@@ -16,7 +16,7 @@ pub enum Fault {
     /// It ended, or closed its output.
     #[error("ended before it answered")]
     Ended,
-    /// It ended with other episodes in hand, of which this was one.
+    /// It ended during other episodes, of which this was one.
     #[error("was restarted during the episode")]
     Restarted,
     /// It gave an answer that makes no sense.

@@ -19,7 +19,7 @@ use crate::units::Dimension;
 ///
 /// # Source
 /// Treiber, Hennecke, Helbing, *Congested traffic states in empirical observations and microscopic simulations*, Phys.
-/// Rev. E 62, 2000. The brake is ours: full force once the gap falls below what stopping at `hardest` takes.
+/// Rev. E 62, 2000. The brake is our own: full force when the gap falls below the stopping distance at `hardest`.
 #[derive(Debug, Clone)]
 pub struct Idm {
     limit_share: f64,
@@ -46,7 +46,7 @@ struct Leader {
 }
 
 impl Idm {
-    /// What it takes in a scenario.
+    /// Its keys in a scenario.
     pub fn signature() -> Signature {
         let acceleration = || Type::positive(Dimension::ACCELERATION);
         Signature::new(
@@ -155,11 +155,11 @@ impl Idm {
         bodies.chain(lights).min_by(|a, b| a.gap.total_cmp(&b.gap))
     }
 
-    /// How far along the path from abeam the ego a place is, and the path's heading there, if it is at most `beside` (m) from the path.
+    /// How far along the path from abeam the ego a place is, and the path's heading there; none if it is more than `beside` (m) from the path.
     fn place(&self, ego: Point, place: Point, beside: f64) -> Option<(f64, f64)> {
         let mut points = self.path.points().map(|point| &point.pose);
         let mut last = points.next()?;
-        // The path's first point is the nearest to the ego, not abeam it.
+        // The path's first point is the nearest to the ego, not the one abeam it.
         let mut along = -last.to_local(ego).x;
         for next in points {
             let (chord, offset) = (next.position() - last.position(), place - last.position());
@@ -213,7 +213,7 @@ impl DrivingPolicy for Idm {
             _ => DrivingMode::Cruise,
         };
         let pedals = perception.blueprint.pedals_for(acceleration.max(-self.hardest), speed);
-        // At rest and not wanting to move: hold the car.
+        // The car is at rest and should not move: hold it.
         let brake = if speed < 0.05 && (acceleration <= 0.0 || wanted < 0.1) { 1.0 } else { pedals.brake };
         Control { throttle: pedals.throttle, brake, steer }
     }

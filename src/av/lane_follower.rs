@@ -9,10 +9,10 @@ use crate::sim::{Control, LightColour};
 const COMFORT: f64 = 2.0;
 /// Greatest acceleration (m/s²).
 const PUSH: f64 = 1.5;
-/// How far ahead red lights are looked for (m).
+/// Range of the search for red lights (m).
 const LIGHTS: f64 = 40.0;
 
-/// Keeps the lane, slows down before bends and stops at red lights, but sees no other road user: the driver that the guarded drivers guard.
+/// Keeps the lane, slows down before bends and stops at red lights, and ignores other road users: the driver inside the guarded drivers.
 #[derive(Debug, Clone)]
 pub struct LaneFollower {
     limit_share: f64,
@@ -21,16 +21,16 @@ pub struct LaneFollower {
     pub trace: RouteTrace,
 }
 
-/// What the driver would do.
+/// The driver's intention.
 #[derive(Debug, Clone, Copy)]
 pub struct Intent {
     /// Acceleration (m/s²).
     pub acceleration: f64,
     /// Steering wheel, as in [`Control`].
     pub steer: f64,
-    /// Speed that it would reach (m/s).
+    /// The speed it aims at (m/s).
     pub wanted: f64,
-    /// What it would be doing.
+    /// The manoeuvre of the intention.
     pub mode: DrivingMode,
 }
 
@@ -50,12 +50,12 @@ impl LaneFollower {
         Self { limit_share: arguments.number("limit_share"), path: Path::default(), trace: RouteTrace::default() }
     }
 
-    /// Begins an episode.
+    /// Starts an episode.
     pub fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
         self.path.reset(perception, stream);
     }
 
-    /// Looks along the lane and says what it would do.
+    /// Looks along the lane and returns its intention.
     pub fn intend(&mut self, perception: &Perception<'_>) -> Intent {
         self.path.advance(perception);
         self.trace.follow(&self.path, perception);
@@ -84,7 +84,7 @@ impl LaneFollower {
                 return None;
             }
             let found = self.trace.locate_point(line, &light.trigger.forward())?;
-            // Lights of other lanes stand beside the line or look another way.
+            // Lights of other lanes are beside the line or face another way.
             let same_way = wrap_angle(libm::atan2(found.velocity.y, found.velocity.x)).abs() < 1.0;
             let ahead = found.place.x > 0.0 && found.place.y.abs() < 1.0;
             (same_way && ahead).then(|| (found.place.x - perception.ego.half.x - 1.0).max(0.0))
@@ -94,7 +94,7 @@ impl LaneFollower {
 }
 
 impl Intent {
-    /// Pedals and wheel for this acceleration (m/s²); at rest the car is held unless it is to move.
+    /// Pedals and wheel for this acceleration (m/s²); at rest the car is held unless it should move.
     pub fn control(&self, acceleration: f64, perception: &Perception<'_>) -> Control {
         let speed = perception.ego.speed();
         let pedals = perception.blueprint.pedals_for(acceleration, speed);

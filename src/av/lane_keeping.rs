@@ -1,4 +1,4 @@
-//! Steering along a path and the speed its bends allow, for policies of our own.
+//! Steering along a path and the speed for its bends, for our own policies.
 
 use super::{Path, Perception};
 use crate::geometry::wrap_angle;
@@ -24,8 +24,8 @@ pub fn steer(path: &Path, perception: &Perception<'_>) -> f64 {
     blueprint.steer_for(wheel, speed)
 }
 
-/// The speed (m/s) that lets the ego take every bend ahead within a lateral acceleration, and stop where the road ends,
-/// braking comfortably, both in m/s².
+/// The speed (m/s) at which the ego takes every bend ahead within a lateral acceleration, and stops at the end of the road
+/// with comfortable braking, both in m/s².
 pub fn speed_for_bends(path: &Path, wanted: f64, lateral: f64, braking: f64) -> f64 {
     let mut allowed = wanted * wanted;
     let mut along = 0.0;

@@ -1,8 +1,8 @@
-//! Cars under test: driving policies and what they may see.
+//! Cars under test: driving policies and their perception.
 //!
-//! In every tick a policy gets a [`Perception`] and gives a [`Control`](crate::sim::Control); it never sees the world, a
-//! pedestrian's commands or the reward. Any policy can drive any vehicle: a perception is that of one vehicle. A new policy is one file here and one line in the catalogue.
-//! [`sensors`] puts imperfect sensors in front of any of them.
+//! In every tick a policy gets a [`Perception`] and returns a [`Control`](crate::sim::Control). It never sees the world, a
+//! pedestrian's commands or the reward. Any policy can drive any vehicle: a perception is that of one vehicle. A new policy is
+//! one file here and one line in the catalogue. [`sensors`] puts imperfect sensors in front of any of them.
 
 mod perception;
 mod driving_policy;

@@ -6,19 +6,19 @@ use crate::signature::{Arguments, Param, Signature, Type};
 use crate::sim::Control;
 use crate::units::Dimension;
 
-/// The limit of what braking alone can reach: it knows all road users, even through walls, and brakes fully at the last tick at which
-/// that still avoids a moving collision.
+/// The limit of braking alone: it knows all road users, even through walls, and brakes fully at the last tick at which
+/// that still avoids a collision with the moving car.
 ///
-/// In every tick it checks whether it would touch anyone before it stands if it continued for one more tick and then braked fully. If
-/// so it brakes now. It has two models of where road users can be:
+/// In every tick it checks whether it would touch a road user before it stands if it continued for one more tick and then braked
+/// fully. If so it brakes now. It has two models of where road users can be:
 ///
-/// - `any_motion`: anywhere that a pedestrian can be that runs at `running_speed` from now on. No pedestrian can run into this car
+/// - `any_motion`: every place that a pedestrian running at `running_speed` can reach from now on. No pedestrian can run into this car
 ///   while it moves, if it starts safely and stands still for pedestrians that stay near.
-/// - `same_velocity`: where they get to with their present velocity, and only if going on without braking would touch them. It is
-///   late by design: a pedestrian that turns in the last moment gets hit.
+/// - `same_velocity`: the places they reach at their present velocity, and only if continuing without braking would touch them. It is
+///   late by design: it hits a pedestrian that turns at the last moment.
 ///
 /// # Source
-/// Own; the first is the test for inevitable collision states (Fraichard and Asama, 2003) with braking as the only evasion.
+/// Our own; the first model is the test for inevitable collision states (Fraichard and Asama, 2003) with braking as the only evasion.
 #[derive(Debug, Clone)]
 pub struct OracleBrake {
     any_motion: bool,
@@ -33,7 +33,7 @@ const HORIZON: f64 = 6.0;
 const SLACK: f64 = 0.15;
 
 impl OracleBrake {
-    /// What it takes in a scenario.
+    /// Its keys in a scenario.
     pub fn signature() -> Signature {
         Signature::new(
             "oracle_brake",
@@ -66,7 +66,7 @@ impl OracleBrake {
         }
     }
 
-    /// Whether an actor may be touched before the car stands, if it accelerates so (m/s²) for some ticks and brakes fully then.
+    /// Whether it may touch an actor before it stands, with this acceleration (m/s²) for some ticks and full braking after them.
     fn touches(&self, perception: &Perception<'_>, actor: &Actor, acceleration: f64, ticks: u32) -> bool {
         let (ego, dt) = (&perception.ego, perception.dt);
         let size = actor.half.x.max(actor.half.y) + SLACK;

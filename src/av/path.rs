@@ -7,10 +7,10 @@ use crate::seed::Stream;
 
 /// Spacing of the points (m), along the reference line.
 const STEP: f64 = 1.0;
-/// How far ahead a path is known (points).
+/// The length of a known path (points).
 const HORIZON: usize = 80;
 
-/// The way ahead of a car that drives through a town without a destination, for policies of our own.
+/// The path ahead of a car that drives through a town without a destination, for our own policies.
 #[derive(Debug, Clone)]
 pub struct Path {
     points: VecDeque<RoutePoint>,
@@ -25,7 +25,7 @@ impl Default for Path {
 }
 
 impl Path {
-    /// Begins on the driving lane nearest to the ego.
+    /// Starts on the driving lane nearest to the ego.
     pub fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
         self.points.clear();
         self.stream = Some(stream);
@@ -34,7 +34,7 @@ impl Path {
         self.extend(perception.town);
     }
 
-    /// Drops what lies behind the ego and looks further ahead.
+    /// Drops the points behind the ego and adds points ahead.
     pub fn advance(&mut self, perception: &Perception<'_>) {
         let here = perception.ego.pose.position();
         while self.points.len() > 1 && nearer(&self.points[1].pose, &self.points[0].pose, here) {

@@ -5,7 +5,7 @@ use crate::sim::{ActorId, Control, LightColour, Vehicle, VehicleBlueprint, World
 /// Another road user, or the ego itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Actor {
-    /// Which actor it is; the same in every tick of an episode. A false alarm of a sensor has [`Actor::FALSE_ALARM`].
+    /// Its id, the same in every tick of an episode. A false alarm of a sensor has [`Actor::FALSE_ALARM`].
     pub id: ActorId,
     /// Middle of its box on the ground, and its heading.
     pub pose: Pose,
@@ -18,7 +18,7 @@ pub struct Actor {
 }
 
 impl Actor {
-    /// The name of an actor that a sensor reports and that does not exist; no actor of a world has it.
+    /// The id of an actor that a sensor reports and that does not exist; no actor of a world has it.
     pub const FALSE_ALARM: ActorId = ActorId::Pedestrian(u8::MAX);
 
     /// A vehicle with this number.
@@ -34,7 +34,7 @@ impl Actor {
         }
     }
 
-    /// The box that it fills.
+    /// The box that it covers.
     pub fn outline(&self) -> OrientedBox {
         OrientedBox { pose: self.pose, half: self.half }
     }
@@ -45,7 +45,7 @@ impl Actor {
     }
 }
 
-/// A traffic light as a driver knows it.
+/// A traffic light in a driver's perception.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Light {
     /// Middle of its trigger box.
@@ -54,7 +54,7 @@ pub struct Light {
     pub colour: LightColour,
 }
 
-/// Everything that the driving policy of a vehicle may know at a tick. The *ego* is the vehicle that the policy drives, which may
+/// Everything that the driving policy of a vehicle may know at a tick. The *ego* is the vehicle that the policy drives; it may
 /// be any vehicle of the world.
 #[derive(Debug, Clone, Copy)]
 pub struct Perception<'a> {
@@ -62,7 +62,7 @@ pub struct Perception<'a> {
     pub town: &'a Town,
     /// The model of the ego.
     pub blueprint: &'a VehicleBlueprint,
-    /// Ticks since the episode began.
+    /// Ticks since the start of the episode.
     pub tick: u32,
     /// Length of a tick (s).
     pub dt: f64,
@@ -74,23 +74,23 @@ pub struct Perception<'a> {
     pub pedestrians: &'a [Actor],
     /// All other vehicles.
     pub vehicles: &'a [Actor],
-    /// What blocks sight.
+    /// The obstacles that block sight.
     pub obstacles: &'a Obstacles,
     /// All traffic lights.
     pub lights: &'a [Light],
-    /// The light in whose trigger box the ego stands: its place in `lights`.
+    /// The light in whose trigger box the ego stands, as an index into `lights`.
     pub affecting_light: Option<usize>,
 }
 
 impl Perception<'_> {
-    /// Whether nothing stands between the middles of the ego and of an actor.
+    /// Whether the line between the middles of the ego and of an actor is free.
     ///
-    /// CARLA's driver does not ask: it reads the world's list of actors.
+    /// CARLA's driver does not check it: it reads the world's list of actors.
     pub fn in_sight(&self, actor: &Actor) -> bool {
         !self.obstacles.blocks_sight(self.ego.pose.position(), actor.pose.position())
     }
 
-    /// The pedals for an acceleration (m/s²), and the full brake for a car at rest that does not want to move.
+    /// The pedals for an acceleration (m/s²), and the full brake for a car at rest that should not move.
     pub(super) fn pedals_or_hold(&self, acceleration: f64) -> Control {
         let speed = self.ego.speed();
         if acceleration <= 0.0 && speed < 0.05 {

@@ -6,11 +6,11 @@ use crate::signature::{Arguments, Param, Signature, Type};
 use crate::sim::Control;
 use crate::units::Dimension;
 
-/// A planner that forecasts everybody at constant velocity and drives as fast as leaves every forecast alone.
+/// A planner that forecasts all road users at constant velocity and drives as fast as possible without meeting a forecast.
 ///
-/// Of a ladder of constant accelerations from the one the lane allows down to full braking it takes the greatest along which the
-/// car, moved along its lane, keeps `margin` to every forecast actor over `horizon`; full braking when none does. The plan
-/// is made anew every tick.
+/// It chooses from a ladder of constant accelerations, from the one that the lane allows down to full braking. It takes the greatest
+/// with which the car, moved along its lane, keeps `margin` to every forecast actor over `horizon`, or full braking when none does.
+/// It plans anew in every tick.
 ///
 /// # Source
 /// The common baseline of motion planning (constant velocity is hard to beat for short forecasts: Schöller et al., *What the
@@ -26,11 +26,11 @@ pub struct Predictive {
 
 /// Steps of a forecast (s).
 const STEP: f64 = 0.1;
-/// Accelerations to choose from (m/s²), the greatest first; below the last there is only the hardest.
+/// Accelerations to choose from (m/s²), the greatest first; after the last there is only the hardest braking.
 const LADDER: [f64; 9] = [1.5, 0.75, 0.0, -0.75, -1.5, -2.5, -3.5, -4.5, -6.0];
 
 impl Predictive {
-    /// What it takes in a scenario.
+    /// Its keys in a scenario.
     pub fn signature() -> Signature {
         Signature::new(
             "predictive",
@@ -70,7 +70,7 @@ impl Predictive {
         }
     }
 
-    /// Whether the car meets anybody's forecast while it accelerates so (m/s²), up to a speed (m/s).
+    /// Whether the car meets a forecast actor at this acceleration (m/s²), up to a speed (m/s).
     fn meets(&self, perception: &Perception<'_>, acceleration: f64, top: f64) -> bool {
         let actors = perception.pedestrians.iter().chain(perception.vehicles);
         actors.into_iter().any(|actor| self.meets_one(perception, actor, acceleration, top))
@@ -89,7 +89,7 @@ impl Predictive {
         }
         let (mut along, mut time) = (0.0, 0.0);
         while time < self.horizon {
-            // Who touches a standing car was not driven into.
+            // An actor that touches a standing car was not hit by the car.
             if speed <= 0.0 && acceleration <= 0.0 {
                 return false;
             }

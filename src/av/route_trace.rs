@@ -1,7 +1,7 @@
 use super::{Actor, Path, Perception};
 use crate::geometry::{Point, Vector};
 
-/// A path as a line with lengths along it, measured from abeam the ego, for drivers that forecast.
+/// A path as a line with lengths along it, measured from abeam the ego, for drivers with forecasts.
 #[derive(Debug, Clone, Default)]
 pub struct RouteTrace {
     stations: Vec<Station>,
@@ -15,19 +15,19 @@ struct Station {
     direction: Vector,
 }
 
-/// Where something is and how it moves, along the line and to the left of it.
+/// The place and motion of an object, along the line and to the left of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OnTrace {
     /// How far ahead of the ego's middle (m) and to the left of the line (m).
     pub place: Vector,
     /// Velocity along and across the line (m/s).
     pub velocity: Vector,
-    /// Half of what it covers along and across the line (m).
+    /// Half of its extent along and across the line (m).
     pub reach: Vector,
 }
 
 impl RouteTrace {
-    /// Follows the path that lies ahead of the ego now.
+    /// Builds the line from the path that is ahead of the ego now.
     pub fn follow(&mut self, path: &Path, perception: &Perception<'_>) {
         self.stations.clear();
         let mut points = path.points().map(|point| &point.pose);
@@ -51,12 +51,12 @@ impl RouteTrace {
         Some((station.place + station.direction * (along - station.along), station.direction))
     }
 
-    /// Where an actor is and how it moves, from the piece of the line that is nearest to it.
+    /// The place and motion of an actor, relative to the piece of the line that is nearest to it.
     pub fn locate(&self, actor: &Actor) -> Option<OnTrace> {
         self.locate_with(actor.pose.position(), &actor.velocity, |ahead| reach_of(actor, ahead))
     }
 
-    /// Where a point is and how it moves (m/s), from the piece of the line that is nearest to it.
+    /// The place and motion (m/s) of a point, relative to the piece of the line that is nearest to it.
     pub fn locate_point(&self, place: Point, velocity: &Vector) -> Option<OnTrace> {
         self.locate_with(place, velocity, |_| Vector::zeros())
     }
@@ -92,7 +92,7 @@ pub fn distance_to_box(place: Point, middle: Point, ahead: &Vector, half: &Vecto
     Vector::new(x.max(0.0), y.max(0.0)).norm()
 }
 
-/// How far an actor reaches from its middle along a unit vector and across it (m); a disc's radius where both half extents
+/// The extent of an actor from its middle along a unit vector and across it (m); the radius of a disc if both half extents
 /// are equal.
 pub fn reach_of(actor: &Actor, ahead: &Vector) -> Vector {
     let half = actor.half;

@@ -6,15 +6,15 @@ use crate::seed::Stream;
 use crate::signature::{Arguments, Param, Signature, Type};
 use crate::sim::Control;
 
-/// A driver that ignores all road users, guarded by Responsibility-Sensitive Safety: it brakes as soon as both braking as late and as weakly
-/// as they may could bring car and pedestrian together.
+/// A driver that ignores all road users, guarded by Responsibility-Sensitive Safety. It brakes as soon as car and pedestrian could meet
+/// when both brake as late and as weakly as they may.
 ///
-/// For pedestrians it asks [`Rss::is_safe`], the rule for unstructured scenes, as if its lane were the path: while their braking sets
-/// meet it brakes with the deceleration that it owes, and lets go as soon as they part. Unlike the reference driver it never leaves
-/// the braking to the pedestrian. For vehicles it brakes when both the distance ahead and the one aside are unsafe.
+/// For pedestrians it uses [`Rss::is_safe`], the rule for unstructured scenes, with its lane as the path. While their braking sets
+/// meet it brakes with the deceleration that it owes, and it releases the brake as soon as they separate. Unlike the reference driver it
+/// never leaves the braking to the pedestrian. For vehicles it brakes when both the longitudinal and the lateral distance are unsafe.
 ///
 /// # Source
-/// arXiv 1708.06374, with the parameters of ad-rss-lib. Lateral evasion is no part of it.
+/// arXiv 1708.06374, with the parameters of ad-rss-lib. Lateral evasion is not included.
 #[derive(Debug, Clone)]
 pub struct RssGuarded {
     rule: Rss,
@@ -22,11 +22,11 @@ pub struct RssGuarded {
     mode: DrivingMode,
 }
 
-/// Towards vehicles aside: response (s), acceleration and braking (m/s²), margin (m) of ad-rss-lib.
+/// For vehicles beside it: response (s), acceleration and braking (m/s²), margin (m) of ad-rss-lib.
 const SIDEWAYS: (f64, f64, f64, f64) = (1.0, 0.2, 0.8, 0.1);
 
 impl RssGuarded {
-    /// What it takes in a scenario.
+    /// Its keys in a scenario.
     pub fn signature() -> Signature {
         Signature::new(
             "rss_guarded",

@@ -2,10 +2,10 @@ use super::{Path, Perception};
 use crate::geometry::{Pose, Vector};
 use crate::sim::LightColour;
 
-/// How far ahead (m) and how far beside the ego's axis (m) a light is looked for.
+/// The area in which a light is looked for: distance ahead (m) and beside the ego's axis (m).
 const LIGHT_AHEAD: f64 = 60.0;
 const LIGHT_ASIDE: f64 = 6.0;
-/// Every second point of the path is a point of the route: 2 m apart.
+/// Every second path point is a point of the route: 2 m apart.
 const STRIDE: usize = 2;
 
 /// What a road user is.
@@ -39,7 +39,7 @@ pub struct LightAhead {
     pub distance: f64,
 }
 
-/// A [`Perception`] in plain numbers, for drivers that do not know our types: what is in sight, the nearest first, and the way.
+/// A [`Perception`] in plain numbers, for drivers without access to our types: the road users in sight, the nearest first, and the route.
 #[derive(Debug, Clone, Default)]
 pub struct View {
     /// The ego's pose in the world.
@@ -52,7 +52,7 @@ pub struct View {
     pub light: Option<LightAhead>,
     /// The road users in sight; those hidden by a building are left out.
     pub actors: Vec<Seen>,
-    /// The way ahead in the world, 2 m apart, the first point abeam the ego; shorter where the road ends.
+    /// The route ahead in the world, points 2 m apart, the first one abeam the ego; shorter where the road ends.
     pub route: Vec<Pose>,
 }
 

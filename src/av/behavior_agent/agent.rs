@@ -13,7 +13,7 @@ use crate::road::{LaneFilter, RoadOption, RoutePoint};
 use crate::seed::Stream;
 use crate::sim::Control;
 
-/// Towards a turn the agent stays this far below the limit (km/h).
+/// Before a turn the agent stays this far below the limit (km/h).
 const TURN_BELOW_LIMIT: f64 = 5.0;
 const KMH: f64 = 3.6;
 
@@ -22,17 +22,17 @@ const KMH: f64 = 3.6;
 pub struct AgentConfig {
     /// The release of CARLA that it comes from.
     pub release: Release,
-    /// How boldly it drives.
+    /// Its driving profile.
     pub profile: Profile,
-    /// How it finds its way while it has no plan.
+    /// How it finds its way without a plan.
     pub way: WayFinding,
-    /// The accidents that it keeps.
+    /// Its quirks.
     pub quirks: Quirks,
 }
 
 /// CARLA's `BehaviorAgent`.
 ///
-/// Without a plan it finds its own way, as [`AgentConfig::way`] says.
+/// Without a plan it finds its own way, according to [`AgentConfig::way`].
 #[derive(Debug, Clone)]
 pub struct BehaviorAgent {
     config: AgentConfig,
@@ -46,7 +46,7 @@ pub struct BehaviorAgent {
     decision: Decision,
 }
 
-/// What the agent wants after it has looked around.
+/// The agent's intention after it has checked its surroundings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Intent {
     Stop(DrivingMode),
@@ -55,7 +55,7 @@ enum Intent {
 }
 
 impl BehaviorAgent {
-    /// Makes an agent that has no way to go until [`DrivingPolicy::reset`].
+    /// Makes an agent without a way until [`DrivingPolicy::reset`].
     pub fn new(config: AgentConfig) -> Self {
         let mut traits = config.release.traits();
         if !config.quirks.weak_brake {
@@ -79,18 +79,18 @@ impl BehaviorAgent {
         &self.config
     }
 
-    /// Gives it a route instead of its own way; at the route's end it brakes and stays. To be called after
+    /// Gives it a route instead of its own way; at the route's end it brakes and stays. Call it after
     /// [`DrivingPolicy::reset`].
     pub fn set_plan(&mut self, route: impl IntoIterator<Item = RoutePoint>) {
         self.planner.follow(&self.traits, route);
     }
 
-    /// The route ahead, as far as it is planned; of the oldest release without the five points in its buffer.
+    /// The planned route ahead; for the oldest release without the five points in its buffer.
     pub fn plan(&self) -> impl ExactSizeIterator<Item = &RoutePoint> {
         self.planner.points().map(|planned| &planned.point)
     }
 
-    /// Why it did what it did in its last [`DrivingPolicy::drive`].
+    /// The reasons for its last [`DrivingPolicy::drive`].
     pub fn decision(&self) -> &Decision {
         &self.decision
     }
@@ -100,7 +100,7 @@ impl BehaviorAgent {
         CarlaControl { brake: 1.0, ..CarlaControl::default() }
     }
 
-    /// Looks around, in CARLA's order. `limit` and `speed` in km/h.
+    /// Checks its surroundings, in CARLA's order. `limit` and `speed` in km/h.
     fn intend(&mut self, perception: &Perception<'_>, ego: &EgoBody, limit: f64, speed: f64) -> Intent {
         let mut known = None;
         let mut here = || *known.get_or_insert_with(|| Here::look_up(perception.town, perception.ego.pose.position()));
@@ -141,7 +141,7 @@ impl BehaviorAgent {
                 return Intent::Drive(DrivingMode::Follow, target);
             }
         }
-        // The queue is as the planner left it in the last tick.
+        // The queue is in the state that the planner left in the last tick.
         let steps = (limit / 10.0).max(0.0) as usize;
         let turn_ahead = self.planner.ahead(steps).is_some_and(|planned| {
             planned.point.is_junction && matches!(planned.point.option, RoadOption::Left | RoadOption::Right)
@@ -178,7 +178,7 @@ impl DrivingPolicy for BehaviorAgent {
     fn drive(&mut self, perception: &Perception<'_>) -> Control {
         let ego = EgoBody::new(&perception.ego);
         let speed = perception.ego.speed() * KMH;
-        // The server gives the limit in 32 bits; that also makes 8.33 m/s the 30 km/h they are.
+        // The server gives the limit in 32 bits; that also turns 8.33 m/s into 30 km/h.
         let limit = f64::from((perception.speed_limit * KMH) as f32);
         self.decision = Decision::default();
         let intent = self.intend(perception, &ego, limit, speed);

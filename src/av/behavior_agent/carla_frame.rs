@@ -1,6 +1,6 @@
 use crate::geometry::{Point, Pose};
 
-/// A location as CARLA's client holds it: left-handed, 32 bits.
+/// A location in the form of CARLA's client: left-handed, 32 bits.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Location {
     pub x: f32,
@@ -27,19 +27,19 @@ impl Location {
         (x * x + y * y + z * z).sqrt() + f64::EPSILON
     }
 
-    /// The planar way to another location, from 32-bit coordinates in 64 bits (m).
+    /// The planar offset to another location, from 32-bit coordinates in 64 bits (m).
     pub fn offset(self, other: Self) -> (f64, f64) {
         (f64::from(other.x) - f64::from(self.x), f64::from(other.y) - f64::from(self.y))
     }
 
-    /// Moves by `length` along a direction; the product is made in 64 bits, the sum in 32.
+    /// Moves by `length` along a direction; the product is computed in 64 bits, the sum in 32.
     pub fn moved(self, direction: Direction, length: f64) -> Self {
         let along = |component: f32| (length * f64::from(component)) as f32;
         Self { x: self.x + along(direction.x), y: self.y + along(direction.y), z: self.z }
     }
 }
 
-/// A unit vector as CARLA's client holds it; rounding makes it up to a few 1e-8 longer or shorter than 1.
+/// A unit vector in the form of CARLA's client; rounding makes it up to a few 1e-8 longer or shorter than 1.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Direction {
     pub x: f32,
@@ -86,12 +86,12 @@ pub(super) struct Cone {
     pub reach: f64,
     /// Cosine of half its opening.
     pub cosine: f64,
-    /// Whether what lies exactly dead ahead is left out.
+    /// Whether locations exactly dead ahead are excluded.
     pub hollow: bool,
 }
 
 impl Cone {
-    /// Whether a location lies in it, in the plane. A location at its tip always does.
+    /// Whether it contains a location, in the plane. It always contains a location at its tip.
     ///
     /// The cosine is not normalised by the heading's length, which makes the hollow middle up to 0.016° wide.
     pub fn holds(&self, location: Location) -> bool {

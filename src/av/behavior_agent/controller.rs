@@ -4,14 +4,14 @@ use super::carla_frame::{Direction, Location};
 use super::release::ReleaseTraits;
 use crate::geometry::Pose;
 
-/// Time step of the controllers (s); it does not follow the simulation's.
+/// Time step of the controllers (s); it does not depend on the simulation's.
 const DT: f64 = 0.05;
-/// Errors that a controller remembers.
+/// The number of errors that a controller remembers.
 const MEMORY: usize = 10;
 const MAX_THROTTLE: f64 = 0.75;
 const MAX_BRAKE: f64 = 0.3;
 const MAX_STEER: f64 = 0.8;
-/// Greatest change of the steer in a run.
+/// Greatest change of the steer per run.
 const STEER_RATE: f64 = 0.1;
 
 /// Proportional, integral and differential gain.
@@ -55,7 +55,7 @@ impl Default for ErrorMemory {
 }
 
 impl ErrorMemory {
-    /// Takes an error in and gives the controller's output, −1 to 1.
+    /// Adds an error and returns the controller's output, −1 to 1.
     fn run(&mut self, pid: &Pid, error: f64) -> f64 {
         if self.0.len() == MEMORY {
             self.0.pop_front();
@@ -68,7 +68,7 @@ impl ErrorMemory {
     }
 }
 
-/// Pedals and wheel as CARLA understands them.
+/// Pedals and wheel in CARLA's units.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct CarlaControl {
     pub throttle: f64,
@@ -86,14 +86,14 @@ pub(super) struct Controller {
 }
 
 impl Controller {
-    /// Forgets the past.
+    /// Forgets the past errors.
     pub fn reset(&mut self) {
         self.longitudinal.0.clear();
         self.lateral.0.clear();
         self.steer = 0.0;
     }
 
-    /// Tells what was done instead of its last output; only a forgetful controller asks for it.
+    /// Sets the output that replaced its last one; only a forgetful controller needs it.
     pub fn overruled(&mut self, traits: &ReleaseTraits, steer: f64) {
         if traits.forgetful {
             self.steer = steer;

@@ -1,12 +1,12 @@
-/// Why the agent did what it did in a tick.
+/// The reasons for the agent's control in a tick.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Decision {
-    /// The red-light step said stop.
+    /// The red-light step decided to stop.
     pub red_light: bool,
-    /// Distance to what the walker step found, near or far (m); a vehicle at times, see
+    /// Distance to the actor that the walker step found, near or far (m); sometimes a vehicle, see
     /// [`Quirks::vehicles_for_walkers`](super::Quirks::vehicles_for_walkers).
     pub walker: Option<f64>,
-    /// Distance to what the vehicle step found (m); none too when that step was not reached.
+    /// Distance to the vehicle that the vehicle step found (m); also none when that step was not reached.
     pub vehicle: Option<f64>,
     /// The control is an emergency stop.
     pub emergency: bool,

@@ -7,7 +7,7 @@ const ROUTES: &[&str] = &["any_branch", "carla_wander", "destination"];
 const PROFILES: &[&str] = &["cautious", "normal", "aggressive"];
 
 impl BehaviorAgent {
-    /// What it takes in a scenario.
+    /// Its keys in a scenario.
     pub fn signature() -> Signature {
         let quirk = |name, doc| Param::with_default(name, Type::Boolean, "true", doc);
         Signature::new(

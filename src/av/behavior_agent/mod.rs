@@ -1,13 +1,13 @@
-//! CARLA's own `BehaviorAgent` as a car under test, release by release and with its accidents.
+//! CARLA's own `BehaviorAgent` as a car under test, release by release and with its quirks.
 //!
-//! A tick is read in `agent`: red light, walkers, vehicles, speed for the road, and one run of the planner. What
-//! differs between CARLA's releases is data in `release`; what looks like an accident can be switched off in
-//! [`Quirks`]. Decisions sometimes depend on single bits (a pedestrian exactly dead ahead is not seen), so positions and
-//! headings pass through CARLA's left-handed frame and its 32-bit floats (`carla_frame`).
+//! `agent` shows a tick: red light, walkers, vehicles, speed for the road, and one run of the planner. The differences
+//! between CARLA's releases are data in `release`; probable mistakes of CARLA can be switched off in
+//! [`Quirks`]. Decisions sometimes depend on single bits (a pedestrian exactly dead ahead is not seen). Positions and
+//! headings therefore pass through CARLA's left-handed frame and its 32-bit floats (`carla_frame`).
 //!
 //! Without a given plan the agent finds its own way (`way_finding`).
 //!
-//! Lane changes and the tailgating check, which matter only on roads with several lanes a direction, are left out.
+//! Lane changes and the tailgating check are left out: they matter only on roads with several lanes per direction.
 //!
 //! # Source
 //! CARLA `PythonAPI/carla/agents/{navigation,tools}`, releases 0.9.11 to 0.9.15.

@@ -7,9 +7,9 @@ use crate::av::{Actor, Perception};
 use crate::geometry::{Point, Pose, Vector};
 use crate::road::{LaneFilter, Town, Waypoint};
 
-/// Walkers count so close to the lane under the ego (m).
+/// Walkers count within this distance of the lane under the ego (m).
 const WALKERS_WITHIN: f64 = 10.0;
-/// Vehicles count so close to the lane under the ego (m).
+/// Vehicles count within this distance of the lane under the ego (m).
 const VEHICLES_WITHIN: f64 = 45.0;
 /// Cosine of 60°, half the opening of the walkers' cone.
 const WALKERS_CONE: f64 = 0.5;
@@ -18,7 +18,7 @@ const VEHICLES_CONE: f64 = 0.866_025_403_784_438_6;
 /// Slack of the pre-filters that save look-ups and change no decision (m).
 const MARGIN: f64 = 0.1;
 
-/// The driving lane under the ego, as the agent knows it.
+/// The driving lane under the ego, in the agent's terms.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Here {
     pub waypoint: Waypoint,
@@ -76,19 +76,19 @@ impl EgoBody {
 /// An obstacle that the test found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Hit {
-    /// Its place in the list.
+    /// Its index in the list.
     pub index: usize,
     /// The distance as the agent measures it (m).
     pub distance: f64,
-    /// What it holds to be the gap between the bodies (m).
+    /// The gap between the bodies by the agent's measure (m).
     pub gap: f64,
 }
 
-/// What one obstacle is to the agent.
+/// The result of the test for one obstacle.
 enum Finding {
     Clear,
     Found(f64),
-    /// The question is to be settled for all obstacles by their polygons.
+    /// All obstacles are tested by their polygons instead.
     AllByPolygon,
 }
 
@@ -100,9 +100,9 @@ pub(super) struct ObstacleTest<'a> {
     pub ego: &'a EgoBody,
     pub here: &'a Here,
     pub planner: &'a Planner,
-    /// How far it looks (m).
+    /// Its reach (m).
     pub reach: f64,
-    /// Memory for the route's polygon; empty until it is asked for.
+    /// Memory for the route's polygon; empty until it is needed.
     pub route: &'a mut Vec<Corner>,
 }
 
@@ -125,7 +125,7 @@ impl ObstacleTest<'_> {
 
     /// Finds an obstacle nearer than `near` to the lane under the ego, in a cone with this cosine of half its opening.
     fn find(&mut self, obstacles: &[Actor], near: f64, cosine: f64) -> Option<Hit> {
-        // Beyond reach nothing is found by any rule.
+        // No rule finds an obstacle beyond reach.
         if !obstacles.iter().any(|obstacle| self.ego.may_reach(obstacle, self.reach)) {
             return None;
         }
@@ -162,10 +162,10 @@ impl ObstacleTest<'_> {
         nearest
     }
 
-    /// Takes a finding if it beats the best one; true when the search is over.
+    /// Takes a finding if it is better than the best one; true when the search is over.
     fn prefer(&self, best: &mut Option<Hit>, index: usize, obstacle: &Actor, distance: f64) -> bool {
         if best.is_none_or(|best| distance < best.distance) {
-            // Half lengths are right only between centres; from the bumper the ego's is one too many.
+            // Subtracting half lengths is right only between centres. From the bumper, the half length of the ego is subtracted once too often.
             let own = self.traits.measure == Measure::Centres || self.quirks.half_length_twice;
             let gap = distance - obstacle.half.max() - if own { self.ego.half.max() } else { 0.0 };
             *best = Some(Hit { index, distance, gap });
@@ -209,7 +209,7 @@ impl ObstacleTest<'_> {
             }
         }
         let Some(distance) = self.measure(obstacle, centre, cosine) else { return Finding::Clear };
-        // The look-up is the dear part, so it comes last.
+        // The look-up is the expensive part, so it comes last.
         if self.quirks.lane_blind {
             let Some(its) = known.or_else(|| lane(self.traits.obstacle_lane)) else { return Finding::Clear };
             let next = self.planner.ahead(self.traits.accepted_point).map(|next| next.point.waypoint);
@@ -274,10 +274,10 @@ fn location(actor: &Actor) -> Location {
     Location::new(actor.pose.position(), actor.height)
 }
 
-/// Turns pairs of right and left corners into a corridor: all right ones, then all left ones backwards.
+/// Turns pairs of right and left corners into a corridor: all right ones, then all left ones in reverse.
 fn straighten(corners: &mut [Corner]) {
     let pairs = corners.len() / 2;
-    // Before each turn the front holds the rights up to here, then the lefts, then the next pair's right.
+    // Before each turn the front holds the right corners up to here, then the left ones, then the right one of the next pair.
     for pair in 1..pairs {
         corners[pair..=2 * pair].rotate_right(1);
     }

@@ -10,20 +10,20 @@ use crate::geometry::Point;
 use crate::road::{RandomWalk, RoadOption, RoutePlanner, RoutePoint, Town, Waypoint};
 use crate::seed::Stream;
 
-/// A walk without destination is refilled by this number of points when there are fewer.
+/// A walk without destination is refilled by this number of points when fewer are left.
 const REFILL: usize = 100;
-/// How many destinations are drawn before the agent gives up, where hardly any can be reached.
+/// The greatest number of destinations that are drawn before the agent gives up.
 const DRAWS: u32 = 100;
 /// Points in the old planner's buffer.
 const BUFFER: usize = 5;
-/// Points closer than this are reached (m), at rest.
+/// Points within this distance are reached (m), at rest.
 const REACHED: f64 = 3.0;
-/// So much more at speed (s).
+/// The increase of that distance with the speed (s).
 const REACHED_TIME: f64 = 0.5;
-/// The last point is reached only so close by (m).
+/// The last point is reached within this distance (m).
 const LAST_REACHED: f64 = 1.0;
 
-/// A point of the route, with what the obstacle test asks of it over and over.
+/// A point of the route, with the values that the obstacle test needs repeatedly.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct PlannedPoint {
     pub point: RoutePoint,
@@ -37,20 +37,20 @@ impl PlannedPoint {
     }
 }
 
-/// The queue of points ahead: it drops what is reached and names the point to steer for.
+/// The queue of points ahead: it drops reached points and gives the point to steer for.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Planner {
     queue: VecDeque<PlannedPoint>,
     buffer: VecDeque<PlannedPoint>,
     source: Source,
-    /// The place last steered for.
+    /// The last place that it steered for.
     target: Option<Point>,
 }
 
-/// Where more points come from.
+/// The source of more points.
 #[derive(Debug, Clone, Default)]
 enum Source {
-    /// Nowhere: the route ends.
+    /// None: the route ends.
     #[default]
     None,
     Walk {
@@ -64,7 +64,7 @@ enum Source {
 }
 
 impl Planner {
-    /// Begins to find its own way at a lane; without one, there is no way to go.
+    /// Starts to find its own way at a lane; without a lane there is no way.
     pub fn begin(
         &mut self,
         traits: &ReleaseTraits,
@@ -121,9 +121,9 @@ impl Planner {
         self.queue.get(steps).or_else(|| self.queue.back())
     }
 
-    /// Drops the reached points and gives the one to steer for; none at the end of the route.
+    /// Drops the reached points and returns the one to steer for; none at the end of the route.
     ///
-    /// The old planner first gives the point and then drops the reached ones, so it looks at them once more.
+    /// The old planner first returns the point and then drops the reached ones, so the reached points are checked once more.
     pub fn run(&mut self, traits: &ReleaseTraits, town: &Town, ego: Location, speed: f64) -> Option<Location> {
         self.extend(traits, town);
         if traits.buffered_planner {
@@ -164,7 +164,7 @@ impl Planner {
         self.buffer.extend(self.queue.drain(..moved));
     }
 
-    /// Gets more points where they are needed: a walk always knows some way ahead, a destination is drawn on arrival.
+    /// Gets more points when needed: a walk always has some points ahead, and a destination is drawn on arrival.
     fn extend(&mut self, traits: &ReleaseTraits, town: &Town) {
         match &mut self.source {
             Source::Walk { walk, stream } if self.queue.len() < REFILL => {
@@ -175,7 +175,7 @@ impl Planner {
                 }
             }
             Source::Destinations { .. } if self.queue.is_empty() => {
-                // Out and back in again, since planning needs the rest of the planner.
+                // The source is taken out and put back, since planning needs the rest of the planner.
                 if let Source::Destinations { routes, mut stream } = std::mem::take(&mut self.source)
                     && self.plan(traits, town, &routes, &mut stream)
                 {
@@ -186,8 +186,8 @@ impl Planner {
         }
     }
 
-    /// Draws a destination and plans to it from the place last steered for. Destinations that cannot be reached, or lie
-    /// behind on the same lane, where CARLA's route would be a single point, are drawn again. Tells whether one was found.
+    /// Draws a destination and plans to it from the place last steered for. A destination is drawn again if it cannot be reached, or
+    /// if it lies behind on the same lane, where CARLA's route would be a single point. Returns whether one was found.
     fn plan(&mut self, traits: &ReleaseTraits, town: &Town, routes: &RoutePlanner, stream: &mut Stream) -> bool {
         let (Some(from), destinations) = (self.target, routes.destinations()) else { return false };
         if destinations.is_empty() {
@@ -295,7 +295,7 @@ mod tests {
         Town::new(design.build().unwrap())
     }
 
-    /// Drives by jumping from point to point; gives the lengths of the routes between arrivals.
+    /// Drives by jumping from point to point; returns the lengths of the routes between arrivals.
     fn drive(town: &Town, traits: &ReleaseTraits, at: AtDestination, seed: u64, ticks: u32) -> (Vec<usize>, Location) {
         let start = town.generate_waypoints(2.0)[3];
         let mut planner = Planner::default();
@@ -323,7 +323,7 @@ mod tests {
         for release in Release::ALL {
             let traits = release.traits();
             let way = drive(&town, &traits, AtDestination::Next, 1, 2000);
-            // The old planner is given the next route before it stands.
+            // The old planner gets the next route before the car stands.
             let arrivals = if traits.buffered_planner { 0..=0 } else { 10..=200 };
             assert!(arrivals.contains(&way.0.len()), "{} arrivals of {}", way.0.len(), release.name());
             assert!(way.0.iter().all(|steps| *steps > 0), "a single tick of standing: {:?}", way.0);

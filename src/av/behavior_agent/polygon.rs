@@ -1,7 +1,7 @@
 /// A corner of a ring (m).
 pub(super) type Corner = [f64; 2];
 
-/// Whether two closed rings touch, each of them possibly crossing itself: their edges cross, or a corner of one lies
+/// Whether two closed rings touch. Each of them may cross itself. They touch if their edges cross, or if a corner of one lies
 /// inside the other by the even-odd rule.
 ///
 /// # Source
@@ -15,7 +15,7 @@ pub(super) fn rings_touch(a: &[Corner], b: &[Corner]) -> bool {
     let near = |(p, q): &(Corner, Corner)| {
         (0..2).all(|axis| p[axis].min(q[axis]) <= high[axis] && p[axis].max(q[axis]) >= low[axis])
     };
-    // No edges cross: each ring as a whole is inside or outside the other, so one corner of it will do.
+    // No edges cross: each ring as a whole is inside or outside the other, so testing one corner of it is enough.
     edges(a).filter(near).any(|(p, q)| edges(b).any(|(r, s)| segments_touch(p, q, r, s)))
         || holds(a, b[0])
         || holds(b, a[0])
@@ -34,7 +34,7 @@ fn segments_touch(a: Corner, b: Corner, c: Corner, d: Corner) -> bool {
     let (c_side, d_side) = (turn(a, b, c), turn(a, b, d));
     let (a_side, b_side) = (turn(c, d, a), turn(c, d, b));
     if c_side == 0.0 && d_side == 0.0 && a_side == 0.0 && b_side == 0.0 {
-        // On one line: they touch where their spans overlap.
+        // On one line: they touch if their spans overlap.
         return (0..2)
             .all(|axis| a[axis].min(b[axis]) <= c[axis].max(d[axis]) && c[axis].min(d[axis]) <= a[axis].max(b[axis]));
     }
@@ -42,7 +42,7 @@ fn segments_touch(a: Corner, b: Corner, c: Corner, d: Corner) -> bool {
     !apart(c_side, d_side) && !apart(a_side, b_side)
 }
 
-/// Whether a ring holds a point, by the even-odd rule.
+/// Whether a ring contains a point, by the even-odd rule.
 fn holds(ring: &[Corner], point: Corner) -> bool {
     let crossings = edges(ring).filter(|(a, b)| {
         (a[1] > point[1]) != (b[1] > point[1]) && point[0] < a[0] + (point[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
@@ -55,7 +55,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// A route's zig-zag, 2 m wide: rights at y = 1, lefts at y = −1, points 2 m apart.
+    /// A route's zig-zag, 2 m wide: right corners at y = 1, left ones at y = −1, points 2 m apart.
     fn zigzag() -> Vec<Corner> {
         (0..5).flat_map(|i| [[2.0 * f64::from(i), 1.0], [2.0 * f64::from(i), -1.0]]).collect()
     }
@@ -90,7 +90,7 @@ mod tests {
     }
 
     proptest! {
-        /// Two rings that touch share a point: of an edge of one, within the other by the even-odd rule or on its edge.
+        /// Two rings that touch share a point: a point on an edge of one that is within the other by the even-odd rule, or on its edge.
         #[test]
         fn agrees_with_a_dense_search(x in -1.5..9.5f64, y in -2.0..2.0f64, half in 0.1..0.6f64) {
             let (route, walker) = (zigzag(), bow_tie(x, y, half));
@@ -100,7 +100,7 @@ mod tests {
             }));
             let dense = inside(&route, &walker) || inside(&walker, &route);
             let touch = rings_touch(&route, &walker);
-            // The search has gaps of a few centimetres, so a graze may slip through it; never the reverse.
+            // The search has gaps of a few centimetres, so it may miss a slight touch; the reverse never happens.
             prop_assert!(touch || !dense);
             let shrunk = bow_tie(x, y, half - 0.04);
             prop_assert!(dense || !rings_touch(&route, &shrunk) || !touch);

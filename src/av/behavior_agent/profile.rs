@@ -1,4 +1,4 @@
-/// How boldly the agent drives.
+/// The driving profile of the agent.
 ///
 /// # Source
 /// CARLA `agents/navigation/behavior_types.py`, the same in all releases.
@@ -16,11 +16,11 @@ pub enum Profile {
 /// The figures of a profile, in CARLA's units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ProfileTraits {
-    /// Never faster than this (km/h).
+    /// Its greatest speed (km/h).
     pub max_speed: f64,
-    /// Stays this far below the limit (km/h).
+    /// Its speed below the limit (km/h).
     pub below_limit: f64,
-    /// So much slower than a vehicle that is too close (km/h).
+    /// Its speed below that of a vehicle that is too close (km/h).
     pub speed_decrease: f64,
     /// Shortest time to collision with the vehicle ahead (s).
     pub safety_time: f64,
@@ -30,11 +30,11 @@ pub(super) struct ProfileTraits {
     pub braking_distance: f64,
 }
 
-/// Least speed behind another vehicle at a fair distance (km/h).
+/// Least speed when following another vehicle at a sufficient distance (km/h).
 const LEAST_SPEED: f64 = 5.0;
 
 impl ProfileTraits {
-    /// The speed behind another vehicle at a gap (m), before the limit caps it; speeds in km/h.
+    /// The speed when following another vehicle at a gap (m), before the limit caps it; speeds in km/h.
     pub fn following_speed(&self, gap: f64, own: f64, other: f64) -> f64 {
         let closing = ((own - other) / 3.6).max(1.0);
         let time = gap / closing;
@@ -49,7 +49,7 @@ impl ProfileTraits {
 }
 
 impl Profile {
-    /// All of them, from careful to bold.
+    /// All of them, from cautious to aggressive.
     pub const ALL: [Self; 3] = [Self::Cautious, Self::Normal, Self::Aggressive];
 
     /// Its name, as CARLA writes it.

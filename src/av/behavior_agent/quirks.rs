@@ -1,20 +1,20 @@
-/// The accidents of CARLA's agent, each of which can be switched off; all are on by default, as in CARLA.
+/// Probable mistakes of CARLA's agent. Each can be switched off; all are on by default, as in CARLA.
 ///
 /// Where a release does not have one of them, its switch does nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Quirks {
-    /// Q1: distances are measured from the bumper, and yet half the ego's length is subtracted again before they are
-    /// compared. Off: not subtracted again, so the agent brakes half a car later.
+    /// Q1: distances are measured from the bumper, and half the ego's length is nevertheless subtracted again before they are
+    /// compared. Off: it is not subtracted again, so the agent brakes half a car later.
     pub half_length_twice: bool,
-    /// Q2: an obstacle outside the ego's lane, by the nearest centre line, is invisible. Off: whatever is within reach
+    /// Q2: an obstacle outside the ego's lane, by the nearest centre line, is invisible. Off: every obstacle within reach
     /// and in the cone counts.
     pub lane_blind: bool,
     /// Q3: in junctions the route polygon is a zig-zag and the obstacle's a bow-tie, both with holes. Off: a corridor
     /// and a box.
     pub zigzag: bool,
-    /// Q4: with no walker near by, the walker step tests all vehicles with its wider cone. Off: it finds nothing.
+    /// Q4: without a walker near by, the walker step tests all vehicles with its wider cone. Off: it finds nothing.
     pub vehicles_for_walkers: bool,
-    /// Q5: the first obstacle found counts. Off: the nearest of all.
+    /// Q5: the first obstacle found counts. Off: the nearest one.
     pub first_hit: bool,
     /// Q6: an emergency stop straightens the wheels and freezes the planner. Off: the planner steers on.
     pub frozen_stop: bool,
@@ -29,7 +29,7 @@ pub struct Quirks {
 impl Quirks {
     /// As CARLA drives.
     pub const ALL: Self = Self::uniform(true);
-    /// As its authors meant it to drive, probably.
+    /// As its authors probably meant it to drive.
     pub const NONE: Self = Self::uniform(false);
 
     const fn uniform(on: bool) -> Self {

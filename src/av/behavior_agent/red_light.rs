@@ -23,7 +23,7 @@ impl Approach {
     }
 }
 
-/// The red-light step and what it remembers.
+/// The red-light step and its memory.
 #[derive(Debug, Clone, Default)]
 pub(super) struct RedLights {
     approaches: Vec<Option<Approach>>,
@@ -39,7 +39,7 @@ impl RedLights {
         self.look_up(perception);
     }
 
-    /// Whether a red light says stop.
+    /// Whether the agent must stop at a red light.
     pub fn stop(
         &mut self,
         traits: &ReleaseTraits,
@@ -53,7 +53,7 @@ impl RedLights {
         }
     }
 
-    /// A light that was red when the ego was already in the junction is passed and ignored until it lets go.
+    /// A light that was red when the ego was already in the junction counts as passed, and is ignored until it no longer affects the ego.
     fn affected(&mut self, perception: &Perception<'_>, here: impl FnOnce() -> Option<Here>) -> bool {
         let light = perception.affecting_light;
         let red =
@@ -73,7 +73,7 @@ impl RedLights {
         false
     }
 
-    /// A light once found is kept while it is red.
+    /// A light once found is remembered while it is red.
     fn ahead(&mut self, perception: &Perception<'_>, ego: &EgoBody, here: impl FnOnce() -> Option<Here>) -> bool {
         let red = |index: usize| perception.lights.get(index).is_some_and(|light| light.colour == LightColour::Red);
         if self.kept.is_some_and(red) {

@@ -1,7 +1,7 @@
 use super::controller::{CITY_GAINS_0_9_11, GAINS, Gains, HIGHWAY_GAINS_0_9_11};
 use crate::road::LaneFilter;
 
-/// A release of CARLA whose agent is meant. 0.9.10 behaves as 0.9.11, 0.9.14 as 0.9.15.
+/// The release of CARLA that the agent reproduces. 0.9.10 behaves as 0.9.11, 0.9.14 as 0.9.15.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Release {
     /// 0.9.10.1 and 0.9.11.
@@ -15,7 +15,7 @@ pub enum Release {
     V0_9_15,
 }
 
-/// AcrossRuns which points an obstacle's distance and bearing are measured outside junctions.
+/// The points between which an obstacle's distance and bearing are measured outside junctions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Measure {
     /// From the ego's centre to the obstacle's.
@@ -29,34 +29,34 @@ pub(super) enum Measure {
 pub(super) enum PolygonRule {
     /// Never.
     Never,
-    /// When the ego and the obstacle are in junctions; the first such obstacle settles the question for all.
+    /// When the ego and the obstacle are in junctions; the first such obstacle decides for all.
     BothInJunctions,
-    /// When the ego or the obstacle is in a junction, or the ego is wider than its lane; what is out of reach is
-    /// skipped before its lane is looked up.
+    /// When the ego or the obstacle is in a junction, or the ego is wider than its lane. Obstacles out of reach are
+    /// skipped before their lane is looked up.
     EitherInJunction,
 }
 
 /// Which red lights stop the agent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum RedLightRule {
-    /// The one in whose trigger box the server says the vehicle stands.
+    /// The light in whose trigger box the vehicle stands, according to the server.
     Affected,
-    /// The ones whose trigger box the agent finds ahead on its road.
+    /// The lights whose trigger box the agent finds ahead on its road.
     OwnTest,
 }
 
-/// What differs between releases.
+/// The differences between releases.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ReleaseTraits {
     /// Brake of an emergency stop.
     pub emergency_brake: f64,
-    /// Among which lanes the nearest one of an obstacle is sought.
+    /// The kind of lanes among which an obstacle's lane is sought.
     pub obstacle_lane: LaneFilter,
     /// How obstacles are measured.
     pub measure: Measure,
     /// Bearings of obstacles are taken from a heading computed in 64 bits, not from CARLA's 32-bit vector.
     pub exact_heading: bool,
-    /// The queue's point whose lane counts like the ego's own.
+    /// The point of the queue whose lane counts like the ego's own.
     pub accepted_point: usize,
     /// When polygons are used.
     pub polygons: PolygonRule,
@@ -64,17 +64,17 @@ pub(super) struct ReleaseTraits {
     pub vehicles_for_walkers: bool,
     /// Which red lights count.
     pub red_light: RedLightRule,
-    /// Slows down where a turn comes.
+    /// Slows down before a turn.
     pub slows_for_turns: bool,
     /// Runs the planner twice when following or turning.
     pub repeats_planner: bool,
     /// The planner has a buffer of points besides its queue, and drops points after steering.
     pub buffered_planner: bool,
-    /// The controllers forget everything every tick.
+    /// The controllers forget their errors every tick.
     pub forgetful: bool,
     /// Gains up to 50 km/h.
     pub gains: Gains,
-    /// Gains above.
+    /// Gains above 50 km/h.
     pub fast_gains: Gains,
     /// Spacing of a route without destination (m).
     pub step: f64,
@@ -128,7 +128,7 @@ impl Release {
     /// All of them, oldest first.
     pub const ALL: [Self; 4] = [Self::V0_9_11, Self::V0_9_12, Self::V0_9_13, Self::V0_9_15];
 
-    /// Its number as CARLA writes it.
+    /// Its number in CARLA's notation.
     pub fn name(self) -> &'static str {
         match self {
             Self::V0_9_11 => "0.9.11",

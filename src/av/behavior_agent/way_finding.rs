@@ -1,12 +1,12 @@
 use crate::road::ForkRule;
 
-/// How the agent finds its way until it is given a plan.
+/// How the agent finds its way without a plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WayFinding {
-    /// On and on, choosing at each fork.
+    /// Without an end, with a choice at each fork.
     Wander(ForkRule),
     /// To a destination drawn uniformly among the waypoints on driving lanes outside junctions, where CARLA's spawn points
-    /// are too, by the route that CARLA's planner finds.
+    /// are, too. The route is that of CARLA's planner.
     Destination(AtDestination),
 }
 
@@ -16,13 +16,13 @@ impl Default for WayFinding {
     }
 }
 
-/// What the agent does where its route ends.
+/// What the agent does at the end of its route.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum AtDestination {
-    /// Draws the next destination after one tick of full brake, as CARLA's example scripts do. The planner of 0.9.11 is
-    /// given the next route as soon as the last five points are in its buffer, and does not brake.
+    /// Draws the next destination after one tick of full brake, as CARLA's example scripts do. The planner of 0.9.11 gets
+    /// the next route as soon as the last five points are in its buffer, and does not brake.
     #[default]
     Next,
-    /// Brakes and stays, as CARLA's agent does when it is left alone.
+    /// Brakes and stays, as CARLA's agent does without further commands.
     Stop,
 }

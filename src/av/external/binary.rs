@@ -9,7 +9,7 @@ use crate::sim::LightColour;
 /// Numbers of an action: id, throttle or acceleration, brake, steer.
 const ACTION: usize = 4;
 
-/// The most actors and route points of a world: with them every world takes as much room.
+/// The greatest numbers of actors and route points of a world; with them every world takes the same number of bytes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Room {
     pub actors: usize,
@@ -56,10 +56,10 @@ pub(super) fn answer_length(worlds: usize) -> usize {
     worlds * ACTION * size_of::<f64>()
 }
 
-/// Reads a driver's decisions for the worlds that it was asked about, in their order.
+/// Reads a driver's decisions for the requested worlds, in their order.
 ///
 /// # Errors
-/// Other worlds, or another order.
+/// The answer is for other worlds, or in another order.
 pub(super) fn read_decisions(
     answer: &[u8],
     asked: &[u32],

@@ -20,16 +20,16 @@ pub struct External {
     view: View,
     /// The seed of an episode that has not been sent to the program.
     seed: Option<u64>,
-    /// Which start of the program the episode started with.
+    /// The number of the program's start in which the episode started.
     generation: u64,
-    /// The place of this tick's question in the session.
+    /// The index of this tick's request in the session.
     asked: Option<usize>,
     mode: DrivingMode,
     fault: Option<Fault>,
 }
 
 impl External {
-    /// What it takes in a scenario.
+    /// Its keys in a scenario.
     pub fn signature() -> Signature {
         let count = |max| Type::Integer { min: 1, max };
         let time = || Type::Quantity { dimension: Dimension::TIME, min: 0.001, max: 3600.0 };
@@ -67,7 +67,7 @@ impl External {
         )
     }
 
-    /// Makes one. Nothing is started before the first tick.
+    /// Makes one. The program is not started before the first tick.
     pub fn new(program: Program, settings: Settings, opener: Arc<dyn Opener>) -> Self {
         Self::within(Arc::new(Mutex::new(Session::new(opener, program, settings))), settings)
     }
@@ -124,7 +124,7 @@ fn locked(session: &Mutex<Session>) -> MutexGuard<'_, Session> {
 
 impl DrivingPolicy for External {
     fn reset(&mut self, perception: &Perception<'_>, mut stream: Stream) {
-        // 53 bits are exact in every language's numbers.
+        // Numbers in every language represent 53 bits exactly.
         self.seed = Some(stream.next_u64() >> 11);
         self.path.reset(perception, stream);
         self.asked = None;

@@ -1,29 +1,29 @@
 use super::Program;
 use crate::av::Fault;
 
-/// A connection to a driver that runs elsewhere: a message out, an answer in.
+/// A connection to a driver that runs elsewhere: it sends a message and receives an answer.
 ///
 /// Dropping it ends the driver.
 pub trait Link: Send {
-    /// Sends a message. The answer has to be complete within the limit (s), which begins now.
+    /// Sends a message. The answer must be complete within the limit (s), which starts now.
     ///
     /// # Errors
-    /// The driver has ended, or does not take the message in time.
+    /// The driver has ended, or does not accept the message in time.
     fn send(&mut self, message: &[u8], limit: f64) -> Result<(), Fault>;
 
-    /// Receives a line without its end into an empty buffer.
+    /// Receives a line without its line end into an empty buffer.
     ///
     /// # Errors
     /// It does not come in time, the driver has ended, or the line is longer than the limit (bytes).
     fn line(&mut self, line: &mut Vec<u8>, longest: usize) -> Result<(), Fault>;
 
-    /// Receives exactly as many bytes as the buffer is long.
+    /// Receives exactly as many bytes as the buffer holds.
     ///
     /// # Errors
     /// They do not come in time, or the driver has ended.
     fn exact(&mut self, bytes: &mut [u8]) -> Result<(), Fault>;
 
-    /// Tells people about something that the driver did wrong.
+    /// Reports a mistake of the driver to the user.
     fn note(&self, text: &str) {
         let _ = text;
     }
@@ -31,10 +31,10 @@ pub trait Link: Send {
 
 /// Starts drivers.
 pub trait Opener: Send + Sync {
-    /// Looks whether a program could be started, without starting it.
+    /// Checks whether a program could be started, without starting it.
     ///
     /// # Errors
-    /// What is missing, as half a sentence.
+    /// The missing part, as half a sentence.
     fn find(&self, program: &Program) -> Result<(), String> {
         let _ = program;
         Ok(())

@@ -42,7 +42,7 @@ impl Vehicle {
     }
 }
 
-/// How messages after the greeting are written.
+/// The encoding of messages after the greeting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Encoding {
@@ -51,7 +51,7 @@ pub(super) enum Encoding {
     Binary,
 }
 
-/// What the first two numbers of a binary answer mean.
+/// The meaning of the first two numbers of a binary answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Pedals {
@@ -109,7 +109,7 @@ struct World<'a> {
     route: Each<'a, crate::geometry::Pose, [f64; 3]>,
 }
 
-/// A list whose members are turned into their written form on the way, without a list in between.
+/// A list whose members are converted while they are written, without a second list.
 struct Each<'a, T, U>(&'a [T], fn(&T) -> U);
 
 impl<T, U: Serialize> Serialize for Each<'_, T, U> {
@@ -160,7 +160,7 @@ pub(super) struct Decision {
     pub mode: DrivingMode,
 }
 
-/// What a driver does with its feet.
+/// A driver's use of the pedals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Choice {
     Pedals { throttle: f64, brake: f64 },
@@ -168,7 +168,7 @@ pub(super) enum Choice {
 }
 
 impl Decision {
-    /// The control at this speed; numbers beyond their ends are taken as the ends.
+    /// The control at this speed; numbers out of range are clamped.
     pub fn control(&self, perception: &Perception<'_>) -> Control {
         let steer = self.steer.clamp(-1.0, 1.0);
         match self.pedals {
@@ -179,7 +179,7 @@ impl Decision {
         }
     }
 
-    /// Makes sure that all its numbers are finite.
+    /// Checks that all its numbers are finite.
     pub fn finite(self) -> Result<Self, Fault> {
         let finite = match self.pedals {
             Choice::Pedals { throttle, brake } => throttle.is_finite() && brake.is_finite(),
@@ -207,10 +207,10 @@ struct Action {
     mode: String,
 }
 
-/// Reads a driver's decisions for the worlds that it was asked about, in their order.
+/// Reads a driver's decisions for the requested worlds, in their order.
 ///
 /// # Errors
-/// A line that is no answer, or one that does not answer each world once.
+/// The line is not an answer, or does not answer each world once.
 pub(super) fn read_decisions(line: &[u8], asked: &[u32], decisions: &mut Vec<Decision>) -> Result<(), Fault> {
     let answers: Answers = serde_json::from_slice(line).map_err(|_| Fault::Answer("not the JSON of an answer"))?;
     if answers.actions.len() != asked.len() {
@@ -218,7 +218,7 @@ pub(super) fn read_decisions(line: &[u8], asked: &[u32], decisions: &mut Vec<Dec
     }
     decisions.clear();
     for (place, id) in asked.iter().enumerate() {
-        // Most drivers answer in the order in which they were asked.
+        // Most drivers answer in the order of the request.
         let here = &answers.actions[place];
         let action = Some(here).filter(|here| here.id == *id);
         let action = action.or_else(|| answers.actions.iter().find(|action| action.id == *id));

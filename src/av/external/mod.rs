@@ -1,4 +1,4 @@
-//! A driver that is a program of its own, in whatever language: it gets what it sees as messages and answers with controls.
+//! A driver in a separate program, in any language: it receives its view as messages and answers with controls.
 //!
 //! ```text
 //! External ──┐ prepare:  adds its world to the request
@@ -6,8 +6,8 @@
 //! External ──┘ drive: takes its answer; the first one     (handshake, encoding,     (pipes, deadlines:
 //!              sends the request                           restart after a fault)    given from above)
 //! ```
-//!
 //! The protocol is described in `scenarios/external/README.md`. Nothing here starts a process or reads a clock: a [`Link`]
+//! does both, and an [`Opener`] makes the link.
 //! does, which an [`Opener`] makes.
 
 mod link;

@@ -1,19 +1,19 @@
 use std::path::PathBuf;
 
-/// A program with its arguments, and the folder in which it is to run. No shell is involved.
+/// A program with its arguments, and its working folder. No shell is involved.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Program {
     /// The program, then its arguments; never empty.
     pub words: Vec<String>,
-    /// Where it runs.
+    /// The folder in which it runs.
     pub folder: PathBuf,
 }
 
 impl Program {
-    /// Splits a command at its blanks; what stands in single or double quotes stays together.
+    /// Splits a command at its blanks; text in single or double quotes stays together.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// The reason why it cannot be split.
     ///
     /// # Example
     /// ```

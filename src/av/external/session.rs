@@ -6,23 +6,23 @@ use super::{Link, Opener, Program};
 use crate::av::view::View;
 use crate::av::{Fault, Perception};
 
-/// Longest line that a driver may answer with (bytes).
+/// Longest line of a driver's answer (bytes).
 const LONGEST_LINE: usize = 1 << 20;
-/// How much of a wrong answer is shown (bytes).
+/// The number of bytes of a wrong answer that are shown.
 const SHOWN: usize = 200;
 
-/// How a driver from outside is talked to.
+/// The settings of the exchange with an external driver.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Time for the answer to a tick (s).
     pub timeout: f64,
     /// Time for the greeting (s).
     pub start_timeout: f64,
-    /// Episodes at the same time.
+    /// The number of episodes at the same time.
     pub worlds: usize,
-    /// Most road users in a message.
+    /// The greatest number of road users in a message.
     pub actors: usize,
-    /// Most points of the route in a message.
+    /// The greatest number of points of the route in a message.
     pub route_points: usize,
 }
 
@@ -32,7 +32,7 @@ impl Default for Settings {
     }
 }
 
-/// A running driver with its questions of a tick, and the answers.
+/// A running driver with the requests of a tick, and the answers.
 pub(super) struct Session {
     opener: Arc<dyn Opener>,
     program: Program,
@@ -40,7 +40,7 @@ pub(super) struct Session {
     connection: Option<Connection>,
     /// How many times the driver has been started.
     generation: u64,
-    /// Why it could not be started; asked again when another episode begins.
+    /// Why it could not be started; the next episode tries again.
     refusal: Option<Fault>,
     worlds: u32,
     asked: Vec<u32>,
@@ -80,12 +80,12 @@ impl Session {
         self.worlds - 1
     }
 
-    /// Lets the driver be started again if it could not be before.
+    /// Allows another start of the driver after a failed one.
     pub fn forgive(&mut self) {
         self.refusal = None;
     }
 
-    /// Starts the driver if it does not run; gives the number of times that it has been started.
+    /// Starts the driver if it does not run; returns the number of its starts.
     pub fn ready(&mut self, perception: &Perception<'_>) -> Result<u64, Fault> {
         if let Some(fault) = self.refusal {
             return Err(fault);
@@ -136,7 +136,7 @@ impl Session {
         }
     }
 
-    /// Adds a world's question to those of this tick; gives its place among them.
+    /// Adds a world's request to those of this tick; returns its index among them.
     pub fn ask(&mut self, id: u32, tick: u32, seed: Option<u64>, view: &View) -> usize {
         let encoding = self.connection.as_ref().map_or(Encoding::Json, |connection| connection.encoding);
         if self.outcome.take().is_some() {
@@ -151,7 +151,7 @@ impl Session {
             }
             Encoding::Binary => {
                 if self.asked.is_empty() {
-                    // The length is known when all have asked.
+                    // The length is known after all requests.
                     self.request.extend_from_slice(&[0; 4]);
                 }
                 let room = Room { actors: self.settings.actors, points: self.settings.route_points };
@@ -162,14 +162,14 @@ impl Session {
         self.asked.len() - 1
     }
 
-    /// The answer for the question at this place; the first to want one sends them all.
+    /// The answer to the request at this index; the first call of a tick sends all requests.
     pub fn answer(&mut self, place: usize) -> Result<Decision, Fault> {
         let outcome = match self.outcome {
             Some(outcome) => outcome,
             None => {
                 let outcome = self.exchange();
                 if outcome.is_err() {
-                    // Whatever it would say next is no answer to what it is asked next.
+                    // Anything it sends later would not be the answer to a later request.
                     self.connection = None;
                 }
                 *self.outcome.insert(outcome)

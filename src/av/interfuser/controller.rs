@@ -7,9 +7,9 @@ use super::pid::Pid;
 use super::settings::Settings;
 use crate::sim::Control;
 
-/// Room that is left to a road user in the way (m).
+/// Distance that it leaves to a road user in the way (m).
 const GAP: f64 = 2.0;
-/// Less room than this (m) is braked for at any speed.
+/// It brakes for less room than this (m) at any speed.
 const LEAST_ROOM: f64 = 3.0;
 /// Ticks at rest after which it creeps.
 const PATIENCE: u32 = 1200;
@@ -21,14 +21,14 @@ const CREEP_THROTTLE: f64 = 0.8;
 const RED_PATIENCE: u32 = 1000;
 /// Ticks for which it is ignored.
 const RED_IGNORED: u32 = 80;
-/// Way for which a stop sign is not looked at again (m).
+/// Distance for which a stop sign is not checked again (m).
 const STOP_SIGN_WAY: f64 = 2.0;
-/// How often a stop sign takes effect again after that way.
+/// How often a stop sign takes effect again after that distance.
 const STOP_SIGN_TIMES: u32 = 3;
-/// Length of a tick that the way is counted with (s).
+/// Length of a tick for counting that distance (s).
 const TICK: f64 = 0.05;
 
-/// What the controller gets at a tick beside the [`Forecast`].
+/// The inputs of the controller at a tick in addition to the [`Forecast`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Inputs {
     /// Speed of the ego (m/s).
@@ -43,29 +43,29 @@ pub struct Inputs {
     pub p_no_stop_sign: f64,
 }
 
-/// What the controller remembers from tick to tick, beside its windows.
+/// The memory of the controller between ticks, except its windows.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Counters {
-    /// Ticks at rest, less ten for each in motion.
+    /// Ticks at rest, minus ten for each tick in motion.
     pub stop_steps: u32,
-    /// Ticks that it will go on creeping.
+    /// Remaining ticks of creeping.
     pub forced_forward_steps: u32,
     /// Ticks at a red light.
     pub red_light_steps: u32,
-    /// Ticks for which it will go on ignoring red lights.
+    /// Remaining ticks for which it ignores red lights.
     pub block_red_light: u32,
     /// Whether a stop sign holds it.
     pub in_stop_sign_effect: bool,
-    /// Way for which no new stop sign takes effect (m).
+    /// Remaining distance for which no new stop sign takes effect (m).
     pub block_stop_sign_distance: f64,
     /// How often the last stop sign will take effect again.
     pub stop_sign_trigger_times: u32,
 }
 
-/// Why the car is not as fast as it likes.
+/// Why the car is slower than its wanted speed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Reason {
-    /// It is.
+    /// It is not slower.
     #[default]
     None,
     /// A road user is, or will be, in the way further ahead.
@@ -83,7 +83,7 @@ pub enum Reason {
 pub struct Decision {
     /// Points of the path that was tested.
     pub path_points: usize,
-    /// How far the path is free at each of [`HORIZONS`] (m).
+    /// Room now, over the next 0.75 s and over the next 2 s, minus the gap (m).
     pub safe_distances: [f64; HORIZONS.len()],
     /// Room now, over the next 0.75 s and over the next 2 s, less the gap (m).
     pub room: [f64; 3],
@@ -95,9 +95,9 @@ pub struct Decision {
     pub steer: f64,
     /// Throttle, 0 to 1.
     pub throttle: f64,
-    /// Whether it brakes; it knows full brakes only.
+    /// Whether it brakes; it only brakes fully.
     pub brake: bool,
-    /// Why it is slower than it likes.
+    /// Why it is slower than its wanted speed.
     pub reason: Reason,
 }
 
@@ -115,7 +115,7 @@ impl Decision {
 /// Turns a forecast and ten points of the route into pedals and a wheel, twenty times a second.
 ///
 /// # Source
-/// InterFuser `team_code/interfuser_controller.py`. The linear programme of the paper is replaced by closed forms there;
+/// InterFuser `team_code/interfuser_controller.py`. Closed forms replace the linear programme of the paper there;
 /// the forecast for one second is drawn and not used.
 #[derive(Debug, Clone)]
 pub struct Controller {
@@ -127,7 +127,7 @@ pub struct Controller {
 }
 
 impl Controller {
-    /// Makes one that has seen nothing yet.
+    /// Makes one in its initial state.
     pub fn new(settings: &Settings) -> Self {
         Self {
             settings: *settings,
@@ -145,12 +145,12 @@ impl Controller {
         self.counters = Counters::default();
     }
 
-    /// What it remembers.
+    /// Its memory.
     pub fn counters(&self) -> &Counters {
         &self.counters
     }
 
-    /// Decides; to be called once a tick, even if the decision is not carried out.
+    /// Decides; call it once per tick, even if the decision is not carried out.
     pub fn step(&mut self, inputs: &Inputs, forecast: &Forecast) -> Decision {
         let speed = inputs.speed;
         let p_red = self.count(inputs);
@@ -193,7 +193,7 @@ impl Controller {
         decision
     }
 
-    /// Counts on; returns the probability of a red light that is left after too long a wait.
+    /// Updates the counters; returns the probability of a red light, reduced after too long a wait.
     fn count(&mut self, inputs: &Inputs) -> f64 {
         let (counters, speed) = (&mut self.counters, inputs.speed);
         counters.stop_steps =
@@ -228,7 +228,7 @@ impl Controller {
         p_red
     }
 
-    /// Steers for the middle of the first two waypoints.
+    /// Steers for the midpoint of the first two waypoints.
     fn steer(&mut self, inputs: &Inputs) -> f64 {
         let aim = (inputs.waypoints[1] + inputs.waypoints[0]) / 2.0;
         let angle = (FRAC_PI_2 - libm::atan2(-aim.y, aim.x)).to_degrees() / 90.0;

@@ -2,19 +2,19 @@ use super::EgoVector;
 use super::forecast::{Forecast, HORIZONS};
 use super::image::{Bounds, Image, Rectangle, in_crop};
 
-/// Points of the route that the planner gets.
+/// The number of points of the route for the planner.
 pub const WAYPOINTS: usize = 10;
 /// Greatest spacing of the path (m).
 const PRECISION: f64 = 0.2;
-/// Half extents of the ego as the planner knows it (m), before the margin.
+/// Half extents of the ego in the planner (m), before the margin.
 const EGO: EgoVector = EgoVector::new(2.45, 1.0);
 /// The last points of a path have no direction.
 const UNDIRECTED: usize = 2;
 
-/// The ego's way through a forecast, place by place.
+/// The ego's path through a forecast, place by place.
 ///
-/// The box that is tested is multiplied by a direction that is not normalised: on a path with points every 0.2 m it is
-/// about 1.4 m long and 0.6 m wide (halves), less than the car.
+/// The tested box is multiplied by a direction that is not normalised. On a path with points every 0.2 m it is
+/// about 1.4 m long and 0.6 m wide (halves), smaller than the car.
 ///
 /// # Source
 /// InterFuser `team_code/interfuser_controller.py`, `downsample_waypoints` and `get_max_safe_distance`.
@@ -40,7 +40,7 @@ impl Corridor {
         }
     }
 
-    /// Follows a path through the waypoints, densely; returns its number of points.
+    /// Builds a dense path through the waypoints; returns its number of points.
     pub fn follow(&mut self, waypoints: &[EgoVector; WAYPOINTS]) -> usize {
         self.path.clear();
         let mut last = EgoVector::zeros();
@@ -58,8 +58,8 @@ impl Corridor {
         self.path.len()
     }
 
-    /// How far (m) the ego can go at each horizon before it would stand in another's box; the places are those of all
-    /// times, the boxes those of one.
+    /// How far (m) the ego can go at each horizon before it would be in another's box. The places are those of all
+    /// times, the boxes those of one time.
     pub fn safe_distances(&mut self, forecast: &Forecast) -> [f64; HORIZONS.len()] {
         let places = self.path.len() - UNDIRECTED;
         let free = length(self.path[places - 1]);
@@ -75,7 +75,7 @@ impl Corridor {
             let corners = Rectangle { centre, direction, half: self.half }.corners();
             let bounds = Bounds::around(&corners);
             let near = open.iter().flatten().any(|image| image.bounds().meets(&bounds));
-            // Most places are far from everybody; then it is enough to know that some of the box is in the image.
+            // Most places are far from all boxes; then it is enough to know that a part of the ego's box is in the image.
             let pixels = if near || !corners.iter().any(|&corner| in_crop(corner)) {
                 self.ego.clear();
                 self.ego.fill(&corners);

@@ -1,13 +1,13 @@
 use super::object_map::{Cell, ObjectMap};
 
-/// What a detection is taken for.
+/// The class of a detection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ObjectClass {
     /// More than 4 m long.
     Car,
     /// More than half longer than wide.
     Bike,
-    /// Everybody else.
+    /// All others.
     Pedestrian,
 }
 
@@ -26,12 +26,12 @@ impl ObjectClass {
 const CERTAIN: f64 = 0.9;
 /// Existence above which a cell is a detection if it exceeds its neighbours.
 const LIKELY: f64 = 0.4;
-/// The neighbours compared (row, column); the one above to the left is forgotten, as published.
+/// The compared neighbours (row, column); the one above to the left is missing, as published.
 const NEIGHBOURS: [(isize, isize); 7] = [(0, -1), (0, 1), (1, 1), (-1, 1), (1, -1), (-1, 0), (1, 0)];
 
 /// Finds the cells that count as a road user, in row-major order.
 ///
-/// Two certain cells are two detections of one person, and equal neighbours are none.
+/// Two certain cells are two detections of one person, and of two equal neighbours neither is a detection.
 ///
 /// # Source
 /// InterFuser `team_code/render.py`, `find_peak_box`.

@@ -15,25 +15,25 @@ use crate::sim::{Control, LightColour};
 
 /// The first waypoint is the last point of the route within this distance (m).
 const FIRST_WAYPOINT: f64 = 4.0;
-/// What a network that is right says; a softmax never says 0 or 1.
+/// The output of a network that is right; a softmax never gives 0 or 1.
 const SURE: f64 = 0.95;
 /// Red and yellow lights affect the ego from here (m), or from their trigger boxes.
 const LIGHT: f64 = 8.0;
-/// A light belongs to the lane when its stop is so near to a point of the route (m).
+/// A light belongs to the lane when its stop is within this distance of a point of the route (m).
 const LIGHT_ASIDE: f64 = 1.0;
-/// Until this step every command is carried out and every map is taken; from then on every second one.
+/// Before this step every command is carried out and every map is used; from it on every second one.
 const FIRST_STEPS: u32 = 4;
 
-/// InterFuser with ideal eyes: its published planner and controller on the map that its network is trained to give.
+/// InterFuser with ideal perception: its published planner and controller on the map that its network is trained to give.
 ///
-/// **A surrogate.** *Exact*, against the published code: the map's geometry, peaks, classes, tracker, forecast, drawing to
+/// **A surrogate.** *Exact*, compared with the published code: the map's geometry, peaks, classes, tracker, forecast, drawing to
 /// the pixel, distances, speed decision, controllers, counters, and the order and rates of all these. *Assumed*: the
-/// network. It sees whatever actors the [`Perception`] lists, through walls, at once and without noise; it follows its
-/// route and knows its junctions; a light affects it where the expert that it learned from brakes. There are no stop
+/// network. It sees every actor that the [`Perception`] lists, through walls, at once and without noise; it follows its
+/// route and knows its junctions; a light affects it where the expert of its training data brakes. There are no stop
 /// signs in our towns.
 ///
-/// It counts ticks, as published, so its times hold for ticks of 0.05 s. At the end of the road it brakes and stays, which
-/// is ours.
+/// It counts ticks, as published, so its times are right for ticks of 0.05 s. At the end of the road it brakes and stays; that
+/// rule is our own.
 ///
 /// # Source
 /// Shao et al., *Safety-Enhanced Autonomous Driving Using Interpretable Sensor Fusion Transformer*, CoRL 2022;
@@ -47,13 +47,13 @@ pub struct InterFuser {
     forecast: Forecast,
     controller: Controller,
     step: u32,
-    /// The command in force and its reason.
+    /// The current command and its reason.
     command: (Control, DrivingMode),
     decision: Option<Decision>,
 }
 
 impl InterFuser {
-    /// Makes one that has no way to go until [`DrivingPolicy::reset`].
+    /// Makes one without a way until [`DrivingPolicy::reset`].
     pub fn new(settings: &Settings) -> Self {
         Self {
             path: Path::default(),
@@ -73,12 +73,12 @@ impl InterFuser {
         self.decision.as_ref()
     }
 
-    /// Whom it takes notice of, as the tracker left them.
+    /// The road users that it reacts to, as the tracker left them.
     pub fn detections(&self) -> &[Cell] {
         &self.detections
     }
 
-    /// Draws the map anew, finds everybody in it and forecasts where they go.
+    /// Draws the map anew, finds all road users in it and forecasts where they go.
     fn look(&mut self, perception: &Perception<'_>) {
         let ego = &perception.ego.pose;
         let actors = perception.pedestrians.iter().chain(perception.vehicles);
@@ -90,7 +90,7 @@ impl InterFuser {
         self.forecast.draw(&self.detections);
     }
 
-    /// Ten points of the route ahead, in the ego's frame; none where the road ends before.
+    /// Ten points of the route ahead, in the ego's frame; none if the road ends before.
     fn waypoints(&self, perception: &Perception<'_>) -> Option<[EgoVector; WAYPOINTS]> {
         let ego = &perception.ego.pose;
         let here = ego.position();

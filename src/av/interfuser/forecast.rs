@@ -5,16 +5,16 @@ use super::detection::ObjectClass;
 use super::image::{Image, Rectangle};
 use super::object_map::{Cell, centre};
 
-/// Times ahead at which others are drawn (s).
+/// Times of the forecast images (s).
 pub const HORIZONS: [f64; 6] = [0.0, 0.5, 0.75, 1.0, 1.5, 2.0];
-/// Bikes are forecast to move at least so fast (m/s).
+/// Bikes are forecast to move at least at this speed (m/s).
 const LEAST_BIKE_SPEED: f64 = 4.0;
-/// Boxes are at least so wide (half, m).
+/// Least half width of boxes (m).
 const LEAST_HALF_WIDTH: f64 = 0.4;
 /// Boxes with a smaller half length (m) are drawn twice as large.
 const SMALL: f64 = 1.5;
 
-/// Where everybody will be, one image for each of [`HORIZONS`], everybody going straight on.
+/// The forecast places of all road users, one image for each of [`HORIZONS`]; all of them go straight on.
 #[derive(Debug, Clone, Default)]
 pub struct Forecast {
     images: [Image; HORIZONS.len()],
@@ -23,7 +23,7 @@ pub struct Forecast {
 }
 
 impl Forecast {
-    /// A forecast without anybody.
+    /// A forecast without road users.
     pub fn new() -> Self {
         Self { clear: [true; HORIZONS.len()], ..Self::default() }
     }

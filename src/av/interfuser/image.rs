@@ -15,7 +15,7 @@ const CROP_LEFT: u32 = 40;
 /// One in 16.16 fixed point.
 const ONE: i64 = 1 << 16;
 
-/// A rectangle as the renderer takes it: the two directions need not have length 1.
+/// A rectangle in the renderer's form: the two directions need not have length 1.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rectangle {
     pub centre: EgoVector,
@@ -29,7 +29,7 @@ pub(super) struct Rectangle {
 pub(super) type Corners = [(i64, i64); 4];
 
 impl Rectangle {
-    /// The corners, rounded half to even; the order of the sums is the renderer's, since pixels depend on it.
+    /// The corners, rounded half to even; the sums are in the renderer's order, since pixels depend on it.
     pub fn corners(&self) -> Corners {
         let along = self.half.x * self.direction;
         let across = self.half.y * EgoVector::new(-self.direction.y, self.direction.x);
@@ -42,7 +42,7 @@ impl Rectangle {
     }
 }
 
-/// Least and greatest pixel of something, inclusive.
+/// Least and greatest pixel of a shape, inclusive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Bounds {
     pub left: i64,
@@ -90,10 +90,10 @@ pub(super) fn in_crop((x, y): (i64, i64)) -> bool {
     columns.contains(&x) && (0..CROP_ROWS as i64).contains(&y)
 }
 
-/// A black and white bird's-eye image around the ego, ahead is up.
+/// A black and white bird's-eye image around the ego, with the direction ahead at the top.
 ///
-/// Filled rectangles are those of OpenCV's `fillConvexPoly` to the pixel: the union of four Bresenham edges and a scan
-/// fill in fixed point, which differ by a pixel here and there.
+/// Filled rectangles are identical to those of OpenCV's `fillConvexPoly`, to the pixel: the union of four Bresenham edges and a
+/// scan fill in fixed point, which differ by a pixel in some places.
 ///
 /// # Source
 /// OpenCV 4.8 `modules/imgproc/src/drawing.cpp`, as InterFuser's `render.py` uses it.
@@ -118,12 +118,12 @@ impl Image {
         self.bounds = Bounds::NOTHING;
     }
 
-    /// Where white pixels may be.
+    /// Bounds of the white pixels.
     pub fn bounds(&self) -> &Bounds {
         &self.bounds
     }
 
-    /// The planner's part of a row below [`CROP_ROWS`], the leftmost pixel in the lowest bit.
+    /// The planner's part of a row below [`CROP_ROWS`], with the leftmost pixel in the lowest bit.
     pub fn crop(&self, row: usize) -> u128 {
         let [low, middle, high] = self.rows[row].map(u128::from);
         let shifted = (low >> CROP_LEFT) | (middle << (64 - CROP_LEFT)) | (high << (128 - CROP_LEFT));
@@ -141,7 +141,7 @@ impl Image {
         self.crop_rows().map(|row| self.crop(row).count_ones()).sum()
     }
 
-    /// White pixels in all.
+    /// The number of white pixels.
     pub fn pixels(&self) -> u32 {
         self.bounds.rows().flat_map(|row| self.rows[row]).map(u64::count_ones).sum()
     }
@@ -229,7 +229,7 @@ impl Image {
     }
 }
 
-/// One side of a quadrangle on the way down.
+/// One side of a quadrangle on the scan downwards.
 #[derive(Debug)]
 struct Chain {
     corner: usize,
@@ -245,7 +245,7 @@ impl Chain {
         Self { corner, step, end: top, x: -ONE, slope: 0 }
     }
 
-    /// Turns to the next edge that leads down, where its edge has ended; `edges` is how many both chains have left.
+    /// Moves to the next edge that leads down when its edge has ended; `edges` is the number of edges that both chains have left.
     fn reach(&mut self, y: i64, corners: &Corners, edges: &mut u32) {
         if y < self.end {
             return;

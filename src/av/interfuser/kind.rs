@@ -3,9 +3,9 @@ use crate::signature::{Arguments, Param, Signature, Type};
 use crate::units::Dimension;
 
 impl InterFuser {
-    /// What it takes in a scenario.
+    /// Its keys in a scenario.
     pub fn signature() -> Signature {
-        // What it tests lies within a picture of 36 m.
+        // The tests of the planner are within an image of 36 m.
         let room = Type::Quantity { dimension: Dimension::LENGTH, min: 0.0, max: 36.0 };
         let margin = |name, default, doc| Param::with_default(name, room.clone(), default, doc);
         Signature::new(

@@ -1,13 +1,13 @@
-//! InterFuser as a car under test: its planner and controller as published, its network replaced by what it is trained
-//! to say.
+//! InterFuser as a car under test: its planner and controller as published, with the ideal output of its network in place of the
+//! network.
 //!
-//! Ten times a second the ideal `object_map` is drawn around the ego, `detection` finds the people in it, the `tracker`
-//! corrects (or spoils) their speeds and the `forecast` draws where they will be. Twenty times a second the `controller`
-//! pushes the ego along a `corridor` through these drawings and decides; every second decision is carried out, and held
+//! Ten times a second the ideal `object_map` is drawn around the ego, `detection` finds the road users in it, the `tracker`
+//! corrects (or worsens) their speeds, and the `forecast` draws where they will be. Twenty times a second the `controller`
+//! moves the ego along a `corridor` through these drawings and decides. Every second decision is carried out, and held
 //! for a tick.
 //!
-//! InterFuser's frames live in here: [`EgoVector`] is (right, back) of the ego in metres, headings are half turns with 0
-//! to the right and 0.5 towards the ego, steer is positive to the right.
+//! This folder uses InterFuser's frames: [`EgoVector`] is (right, back) of the ego in metres, headings are half turns with 0
+//! to the right and 0.5 towards the ego, and steer is positive to the right.
 //!
 //! # Source
 //! `opendilab/InterFuser` at 14ca80e, `leaderboard/team_code` and `interfuser/timm/data`.

@@ -7,19 +7,19 @@ use crate::geometry::Pose;
 
 /// Rows and columns of the map.
 pub(super) const CELLS: usize = 20;
-/// What one of each channel of the network means: existence (1), offset to the right and ahead (m), heading (π rad), half
+/// The units of the network's channels: existence (1), offset to the right and ahead (m), heading (π rad), half
 /// length and half width (m), speed (m/s).
 const SCALE: [f64; 7] = [1.0, 3.5, 3.5, 2.0, 3.5, 2.0, 8.0];
 /// Actors with a smaller half length (m) are drawn larger, by this factor.
 const ENLARGED: (f64, f64) = (1.5, 1.5);
 /// White pixels that a cell of 25 needs: five in a hundred of its brightness.
 const LEAST_PIXELS: u32 = 2;
-/// Actors nearer to the ego (m) are taken for itself.
+/// Actors nearer to the ego (m) count as the ego itself.
 const ITSELF: f64 = 1.0;
-/// Actors further away (m) are not looked at.
+/// Actors farther away (m) are ignored.
 const FAR: f64 = 21.0 * std::f64::consts::SQRT_2;
 
-/// Another road user as the ideal map sees it.
+/// Another road user on the ideal map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sighting {
     /// Metres to the right of the ego's middle.
@@ -83,9 +83,9 @@ pub(super) fn centre(row: usize, col: usize) -> (f64, f64) {
     (col as f64 - 9.5, 17.5 - row as f64)
 }
 
-/// What the network says about others: 20 × 20 cells of a metre, 18 m ahead, 2 m behind, 10 m to each side.
+/// The network's output about others: 20 × 20 cells of a metre, 18 m ahead, 2 m behind, 10 m to each side.
 ///
-/// Values are kept as the network's channels, since later pixels depend on their last bits.
+/// Values are stored as the network's channels, since later pixels depend on their last bits.
 #[derive(Debug, Clone)]
 pub struct ObjectMap {
     channels: Box<[[f64; 7]; CELLS * CELLS]>,
@@ -136,7 +136,7 @@ impl ObjectMap {
         Cell { row: index / CELLS, col: index % CELLS, existence, dx, dy, theta, half_length, half_width, speed }
     }
 
-    /// The existence of a cell as peaks are searched in it: lower in the two rows behind the ego, none outside.
+    /// The existence of a cell in the search for peaks: lower in the two rows behind the ego, none outside.
     pub(super) fn existence(&self, row: isize, col: isize) -> f64 {
         let inside = 0..CELLS as isize;
         if !inside.contains(&row) || !inside.contains(&col) {
@@ -146,7 +146,7 @@ impl ObjectMap {
         if row >= 18 { existence - 0.1 } else { existence }
     }
 
-    /// Draws the map that the network is trained to give; returns how many pixels the others fill in the drawing.
+    /// Draws the map that the network is trained to give; returns the number of pixels that other road users fill in the drawing.
     ///
     /// # Source
     /// InterFuser `timm/data/{heatmap_utils,det_utils}.py`.
@@ -215,7 +215,7 @@ impl ObjectMap {
         self.set(&cell);
     }
 
-    /// Clamps all channels to [0, 1], the values that the network can give.
+    /// Clamps all channels to [0, 1], the range of the network.
     ///
     /// Negative offsets become 0: a road user in the left or rear half of a cell is reported on its middle line.
     pub fn clamp(&mut self) {

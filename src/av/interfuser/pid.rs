@@ -1,7 +1,7 @@
-/// Errors that are averaged.
+/// The number of errors that are averaged.
 const WINDOW: usize = 40;
 
-/// A controller whose integral is the mean over a window that begins full of zeros.
+/// A controller whose integral is the mean over a window that is initially full of zeros.
 ///
 /// # Source
 /// InterFuser `team_code/interfuser_controller.py`, `PIDController`.
@@ -9,7 +9,7 @@ const WINDOW: usize = 40;
 pub(super) struct Pid {
     gains: [f64; 3],
     window: [f64; WINDOW],
-    /// Place of the newest error.
+    /// Index of the newest error.
     newest: usize,
 }
 
@@ -19,7 +19,7 @@ impl Pid {
         Self { gains, window: [0.0; WINDOW], newest: WINDOW - 1 }
     }
 
-    /// The answer to an error; to be called once a tick.
+    /// The output for an error; call it once per tick.
     pub fn step(&mut self, error: f64) -> f64 {
         let before = self.window[self.newest];
         self.newest = (self.newest + 1) % WINDOW;

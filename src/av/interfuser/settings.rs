@@ -1,6 +1,6 @@
 use super::tracker::TrackerMode;
 
-/// What can be set about the planner; by default as published.
+/// The planner's settings; the defaults are the published ones.
 ///
 /// # Source
 /// InterFuser `team_code/interfuser_config.py`.
@@ -8,17 +8,17 @@ use super::tracker::TrackerMode;
 pub struct Settings {
     /// How speeds are corrected over time.
     pub tracker: TrackerMode,
-    /// The greatest speed that it wants (m/s).
+    /// The greatest wanted speed (m/s).
     pub max_speed: f64,
     /// Room that is added to the ego's half length and half width (m).
     pub margin: [f64; 2],
-    /// Share of the ego's box from which a road user is in the way.
+    /// Share of the ego's box above which a road user is in the way.
     pub overlap: f64,
     /// The most throttle, except while creeping.
     pub max_throttle: f64,
-    /// Speed over wanted speed above which it brakes.
+    /// Ratio of speed to wanted speed above which it brakes.
     pub brake_ratio: f64,
-    /// The most that the throttle hears of a lack of speed (m/s).
+    /// The greatest speed error that the throttle receives (m/s).
     pub speed_step: f64,
     /// Proportional, integral and derivative gains of the throttle.
     pub speed_gains: [f64; 3],

@@ -1,4 +1,4 @@
-//! The behaviour that follows from the published code, in its numbers.
+//! The behaviour that follows from the published code, in numbers.
 
 use super::*;
 use crate::geometry::Point;
@@ -6,7 +6,7 @@ use crate::geometry::Point;
 const ADULT: [f64; 2] = [0.187_68, 0.187_68];
 const CAR: [f64; 2] = [2.45, 1.06];
 
-/// A straight route as the network draws it, the first point at 3.5 m.
+/// A straight route in the network's form, the first point at 3.5 m.
 fn straight() -> [EgoVector; WAYPOINTS] {
     std::array::from_fn(|index| EgoVector::new(0.0, -3.5 - index as f64))
 }
@@ -15,7 +15,7 @@ fn inputs(speed: f64) -> Inputs {
     Inputs { speed, waypoints: straight(), p_not_junction: 0.9, p_red: 0.05, p_no_stop_sign: 0.95 }
 }
 
-/// A pedestrian in exactly this place, in its cell.
+/// A pedestrian at exactly this place, in its cell.
 fn someone(forward: f64, right: f64, theta: f64, half: [f64; 2], speed: f64) -> Cell {
     let (row, col) = ((18.0 - forward).floor(), (right + 10.0).floor());
     Cell {
@@ -37,7 +37,7 @@ fn decide(speed: f64, cells: &[Cell]) -> Decision {
     Controller::new(&Settings::default()).step(&inputs(speed), &forecast)
 }
 
-/// The greatest of the multiples of 5 cm for which something holds, none beyond.
+/// The greatest multiple of 5 cm for which a condition is true; none is true beyond.
 fn last(holds: impl Fn(f64) -> bool) -> f64 {
     (0..320).map(|step| f64::from(step) * 0.05).filter(|value| holds(*value)).fold(f64::NAN, f64::max)
 }
@@ -81,7 +81,7 @@ fn a_person_on_a_cell_corner_is_nobody_and_one_on_a_border_is_two() {
     assert_eq!((count(0.5, 18.6), count(10.6, 7.5), count(0.5, -2.6)), (0, 0, 0), "outside of the map");
 }
 
-/// The speed that the forecast gives a pedestrian that walks at 2 m/s, after two seconds; the car stands.
+/// The forecast speed of a pedestrian that walks at 2 m/s, after two seconds; the car stands.
 fn forecast_speed(mode: TrackerMode, theta: f64, start: (f64, f64)) -> f64 {
     let (sin, cos) = libm::sincos(theta * std::f64::consts::PI);
     let mut tracker = Tracker::new(mode);
@@ -94,7 +94,7 @@ fn forecast_speed(mode: TrackerMode, theta: f64, start: (f64, f64)) -> f64 {
         map.clamp();
         find_detections(&map, &mut found);
         tracker.update(&mut found, Point::origin(), 0.0, i64::from(update));
-        // A second detection of the same person has a younger track; the best one is followed here.
+        // A second detection of the same person has a younger track; this test follows the best one.
         speed = found.iter().map(|cell| (cell.speed - 2.0).abs()).fold(f64::NAN, f64::max);
     }
     speed
@@ -102,7 +102,7 @@ fn forecast_speed(mode: TrackerMode, theta: f64, start: (f64, f64)) -> f64 {
 
 #[test]
 fn the_published_tracker_takes_the_heading_for_the_speed() {
-    // Right to left the forecast is about 1 m/s, left to right it is 0.
+    // From right to left the forecast is about 1 m/s, from left to right it is 0.
     for (theta, start, forecast) in [(1.0, (5.0, 8.5), 1.06), (0.0, (-5.0, 8.5), 0.015), (0.5, (0.6, 16.4), 0.51)] {
         let published = forecast_speed(TrackerMode::Published, theta, start);
         assert!((published - (2.0 - forecast)).abs() < 0.04, "{theta}: {published}");

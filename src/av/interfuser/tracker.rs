@@ -3,14 +3,14 @@ use std::f64::consts::PI;
 use super::object_map::{Cell, centre};
 use crate::geometry::{Point, Vector};
 
-/// How the tracker corrects what a single frame says about speeds.
+/// How the tracker corrects the speeds of a single frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TrackerMode {
-    /// As published: the speed is blended with the heading's channel, so that from the third update of a track on
-    /// everybody is forecast to move at about as many m/s as his heading has half turns.
+    /// As published: the speed is blended with the heading's channel. From the third update of a track on,
+    /// every road user is therefore forecast at about as many m/s as its heading has half turns.
     #[default]
     Published,
-    /// The speed is blended with itself, as was meant.
+    /// The speed is blended with itself, as was intended.
     FixedSpeed,
     /// No tracker.
     Off,
@@ -18,17 +18,17 @@ pub enum TrackerMode {
 
 /// Updates a second.
 const FREQUENCY: f64 = 10.0;
-/// Updates that a track is looked back.
+/// The number of updates over which a track is evaluated.
 const LOOK_BACK: i64 = 12;
-/// Updates that a track lives without a detection.
+/// The number of updates that a track survives without a detection.
 const LIFE: i64 = 6;
-/// A detection belongs to a track at most this far away (m).
+/// Greatest distance of a detection from its track (m).
 const GATE: f64 = 2.0;
-/// Displacements per update count from this speed on (m/s), and up to this one.
+/// Displacements per update count from this speed (m/s) up to this one.
 const SPEEDS: (f64, f64) = (0.2, 7.0);
 /// Weight of the track against the frame, at full confidence.
 const MERGE: f64 = 0.4 * 0.1;
-/// Points that a track keeps: an update a point, and two more for the double updates at the start of an episode.
+/// The number of points of a track: one per update, and two more for the double updates at the start of an episode.
 const KEPT: usize = LOOK_BACK as usize + 4;
 
 /// Where and when a road user was detected; the places are north and east (m).
@@ -71,7 +71,7 @@ impl Track {
             let moved = self.places[first + 2] - self.places[first];
             let updates = self.updates[first + 1] - self.updates[first];
             let distance = moved.norm();
-            // Two updates of the same number make this infinite; then it has no weight but does count as a sample.
+            // Two updates of the same number make this infinite; then it has no weight but counts as a sample.
             let speed = (0.5 * FREQUENCY * distance / updates as f64 - SPEEDS.0).clamp(0.0, SPEEDS.1);
             samples += 1;
             if updates > 0 {
@@ -89,7 +89,7 @@ impl Track {
         let clockwise = if mean.y < 0.0 { 2.0 * PI - clockwise } else { clockwise };
         Motion {
             speed: (weights > 0).then(|| (speeds / weights as f64, confidence(samples))),
-            // Displacements that cancel out have no direction.
+            // Displacements that cancel have no direction.
             heading: (headings > 0 && mean.x.is_finite())
                 .then(|| ((4.0 - clockwise / PI).rem_euclid(2.0), confidence(headings))),
         }
@@ -105,7 +105,7 @@ struct Motion {
 /// Follows detections over time and corrects their headings and speeds.
 ///
 /// # Source
-/// InterFuser `team_code/tracker.py`, with its three slips: the offsets of a cell are swapped, directions are blended in
+/// InterFuser `team_code/tracker.py`, with its three mistakes: the offsets of a cell are swapped, directions are blended in
 /// another convention than the map's, and [`TrackerMode::Published`].
 #[derive(Debug, Clone)]
 pub struct Tracker {
@@ -117,7 +117,7 @@ pub struct Tracker {
 impl Tracker {
     /// Makes one without tracks.
     pub fn new(mode: TrackerMode) -> Self {
-        // Room for more people than a map can show, so that updating allocates nothing.
+        // Room for more people than a map can show, so that updates allocate nothing.
         Self { mode, tracks: Vec::with_capacity(128), taken: Vec::with_capacity(128) }
     }
 
@@ -128,8 +128,8 @@ impl Tracker {
 
     /// Corrects the detections of an update.
     ///
-    /// `place` is the ego's (x east, y north), `compass` its heading from north (rad), clockwise, and `update` counts
-    /// tenths of seconds.
+    /// `place` is the ego's (x east, y north), `compass` its heading from north (rad), clockwise, and `update` a counter
+    /// of tenths of seconds.
     pub fn update(&mut self, detections: &mut [Cell], place: Point, compass: f64, update: i64) {
         if self.mode == TrackerMode::Off {
             return;

@@ -15,29 +15,29 @@ use crate::sim::Control;
 use crate::units::Dimension;
 
 const VERSIONS: &[&str] = &["v1", "v2", "v2_fast"];
-/// Half of the length of the car that LAV was trained in (m): its networks know no other.
+/// Half of the length of the car that LAV was trained in (m); its networks know no other car.
 const TRAINED_HALF_LENGTH: f64 = 2.450_842;
-/// What the detector says of a vehicle that it sees.
+/// The detector's score for a vehicle that it sees.
 const SEEN: f64 = 0.9;
-/// Detections nearer than this are the ego itself to the planner (m).
+/// The planner treats nearer detections as the ego itself (m).
 const OWN_BODY: f64 = 1.0;
-/// What v1 believes of others' speeds, as a share of the speed that it would drive: it cannot see them.
+/// v1's guess of others' speeds, as a share of the speed that it would drive, since it cannot see them.
 const GUESSED_SPEED: f64 = 0.5;
 
-/// LAV (*Learning from All Vehicles*), planner-faithful: its own rules, fed by a surrogate of its networks.
+/// LAV (*Learning from All Vehicles*), faithful to its planner: its own rules, with a surrogate of its networks as input.
 ///
-/// **Exact**, held by numbers computed with its code: the gates of the detection map, the transformation of forecasts, the
-/// check of plan against forecasts, both PID controllers, the rules that take over, their order in a tick, creeping.
-/// **Exact as a rule, assumed as a network**: it brakes for pedestrians when the rules that labelled its training data say so
-/// ([`BrakeRules`]), within the cameras' 184° and with free sight, behind a first-order filter. **Assumed**: the plan is
-/// the centre line of the route at the training expert's speed, or full braking for a hazard; vehicles in sight are
-/// detected up to where they were labelled, drive where they point, and v1 guesses their speed; a red light's line brakes as
-/// near as a pedestrian standing there would. The wheel was tuned for the Lincoln MKZ.
+/// **Exact**, tested with numbers computed by its code: the gates of the detection map, the transformation of forecasts, the
+/// check of plan against forecasts, both PID controllers, the overriding rules, their order in a tick, creeping.
+/// **Exact as a rule, assumed as a network**: it brakes for pedestrians when the rules that labelled its training data do
+/// ([`BrakeRules`]), within the cameras' 184° and with free sight, after a first-order filter. **Assumed**: the plan is
+/// the centre line of the route at the training expert's speed, or full braking for a hazard. Vehicles in sight are
+/// detected up to where they were labelled and drive where they point; v1 guesses their speed. It brakes for a red light's line
+/// at the distance at which it would brake for a pedestrian there. The wheel was tuned for the Lincoln MKZ.
 ///
-/// So it never forecasts pedestrians, and brakes with all its force or not at all. Its first tick is empty.
+/// It therefore never forecasts pedestrians, and brakes fully or not at all. Its first tick is empty.
 ///
-/// Closed loop with the MKZ under 30 km/h, which is 6.6 m/s for v1 and 4.0 m/s for v2, and an adult at full speed at once; distances
-/// at the first brake are between middles, gaps between bodies:
+/// Closed loop with the MKZ under 30 km/h, which is 6.6 m/s for v1 and 4.0 m/s for v2, and an adult at full speed at once. Distances
+/// at the first brake are between middles, gaps are between bodies:
 ///
 /// | a pedestrian | v1 | v2 |
 /// |---|---|---|
@@ -73,7 +73,7 @@ pub struct Lav {
 }
 
 impl Lav {
-    /// What it takes in a scenario.
+    /// Its keys in a scenario.
     pub fn signature() -> Signature {
         Signature::new(
             "lav",
@@ -115,7 +115,7 @@ impl Lav {
         Self::new(version, arguments.number("response"), arguments.number("brake_range"))
     }
 
-    /// Makes one whose classifier has a time constant (s) and whose distances of braking are scaled.
+    /// Makes one whose classifier has a time constant (s) and whose braking distances are scaled.
     pub fn new(version: Version, response: f64, brake_range: f64) -> Self {
         let room = 64;
         Self {
@@ -137,7 +137,7 @@ impl Lav {
         }
     }
 
-    /// What its controller decided in the last tick, and why; none after the empty first one.
+    /// Its controller's decision in the last tick, with the reason; none after the empty first one.
     pub fn verdict(&self) -> Option<&Verdict> {
         self.verdict.as_ref()
     }

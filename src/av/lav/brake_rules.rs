@@ -4,20 +4,20 @@ use crate::geometry::Pose;
 
 /// Walkers farther away are not on the map of hazards (m).
 const MAP_REACH: f64 = 15.0;
-/// What is added around a walker on that map, beside half of the ego's length (m).
+/// The margin around a walker on that map, in addition to half of the ego's length (m).
 const MAP_MARGIN: f64 = 1.0;
-/// What is added behind a vehicle on that map, beside the ego's length (m).
+/// The margin behind a vehicle on that map, in addition to the ego's length (m).
 const BEHIND_VEHICLES: f64 = 4.0;
 /// The expert brakes for walkers with a smaller gap, half sizes subtracted (m).
 const EXPERT_GAP: f64 = 6.0;
-/// Walkers count so close to the lane point under the ego (m).
+/// Walkers count within this distance of the lane point under the ego (m).
 const NEAR_LANE: f64 = 10.0;
-/// The expert looks at least this far (m); else a third of the limit in km/h.
+/// Least look-ahead of the expert (m); otherwise it is a third of the limit in km/h.
 const LEAST_LOOK_AHEAD: f64 = 12.0;
 /// Half of the expert's cone (rad).
 const EXPERT_CONE: f64 = 60.0 * std::f64::consts::PI / 180.0;
 
-/// A walker as the rules see it.
+/// A walker in the terms of the rules.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WalkerView {
     /// Where it is.
@@ -42,14 +42,14 @@ pub struct WalkerView {
 pub struct BrakeRules {
     /// Half of the ego's length (m).
     pub ego_half_length: f64,
-    /// Limit that holds for the ego (m/s).
+    /// The ego's speed limit (m/s).
     pub speed_limit: f64,
-    /// What all distances are multiplied with: 1 in LAV.
+    /// The factor of all distances: 1 in LAV.
     pub scale: f64,
 }
 
 impl BrakeRules {
-    /// Whether either rule says brake for a walker.
+    /// Whether either rule brakes for a walker.
     pub fn brake(&self, walker: &WalkerView) -> bool {
         self.on_map(walker) || self.by_expert(walker)
     }
@@ -67,7 +67,7 @@ impl BrakeRules {
             && centre.distance(EgoPoint::default()) < radius
     }
 
-    /// The expert's full brake: the walker is in the ego's lane, in the cone and near. One exactly dead ahead is overlooked.
+    /// The expert's full brake: the walker is in the ego's lane, in the cone and near. One exactly dead ahead is missed.
     pub fn by_expert(&self, walker: &WalkerView) -> bool {
         let distance = self.distance(walker);
         let bearing = bearing(walker.place).abs();
@@ -80,7 +80,7 @@ impl BrakeRules {
             && distance - walker.half - self.ego_half_length < EXPERT_GAP
     }
 
-    /// How far a walker can be and still be braked for (m); beyond it no rule needs to be asked.
+    /// The greatest distance of a walker for which a rule brakes (m).
     pub fn reach(&self, half: f64) -> f64 {
         let on_map = 2.0 * self.ego_half_length + half + MAP_MARGIN;
         self.scale * on_map.max(half + self.ego_half_length + EXPERT_GAP)
@@ -93,8 +93,8 @@ impl BrakeRules {
         local.y.abs() < vehicle.half.y && local.x < vehicle.half.x && local.x > -reach
     }
 
-    /// Whether a red light's line at this distance ahead of the ego's centre (m) is a hazard: as near as a walker would be. LAV's own
-    /// distance is not known.
+    /// Whether a red light's line at this distance ahead of the ego's centre (m) is a hazard; the distance is that of a walker. LAV's
+    /// own distance is not known.
     pub fn at_line(&self, ahead: f64) -> bool {
         ahead > 0.0 && ahead < self.scale * (2.0 * self.ego_half_length + MAP_MARGIN)
     }
@@ -121,7 +121,7 @@ mod tests {
         WalkerView { place, half: 0.187_679, on_sidewalk: false, in_lane, from_lane_point }
     }
 
-    /// The farthest place ahead at which a rule says brake (m), to a centimetre.
+    /// The farthest place ahead at which a rule brakes (m), to a centimetre.
     fn farthest(rule: impl Fn(f64) -> bool) -> f64 {
         (0..2000).rev().map(|i| f64::from(i) * 0.01).find(|ahead| rule(*ahead)).unwrap()
     }

@@ -1,10 +1,10 @@
-/// What the classifier says of a hazard, and of none.
+/// The classifier's scores with a hazard and without one.
 const SCORES: (f64, f64) = (0.95, 0.02);
 
-/// The surrogate of LAV's brake classifier: the label behind a first-order filter.
+/// The surrogate of LAV's brake classifier: the label after a first-order filter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Classifier {
-    /// Time constant (s); 0 for at once.
+    /// Time constant (s); 0 for no delay.
     pub response: f64,
     score: f64,
 }
@@ -14,7 +14,7 @@ impl Classifier {
         Self { response, score: SCORES.1 }
     }
 
-    /// Forgets what it saw.
+    /// Resets the filter.
     pub fn reset(&mut self) {
         self.score = SCORES.1;
     }

@@ -5,15 +5,15 @@ use super::version::Traits;
 
 /// Modes below this score are ignored.
 const LEAST_SCORE: f64 = 0.2;
-/// Who begins farther behind the ego than this is ignored (m).
+/// A vehicle that starts farther behind the ego than this is ignored (m).
 const BEHIND: f64 = 2.0;
-/// Who moves less than this between two points stands, to v2 (m).
+/// A vehicle that moves less than this between two points stands, for v2 (m).
 const STANDS: f64 = 0.2;
 
-/// Whether the plan comes too near to a forecast: same time, centre to centre, whatever their sizes.
+/// Whether the plan comes too near to a forecast: at the same time, from centre to centre, whatever their sizes.
 ///
 /// # Source
-/// `plan_collide` of LAV. Whether a vehicle is behind is asked of its first branch, a turn to the left.
+/// `plan_collide` of LAV. Only a vehicle's first branch, a turn to the left, decides whether it is behind.
 pub(super) fn plan_collides(traits: &Traits, plan: &[EgoPoint], forecasts: &[Forecast]) -> bool {
     forecasts.iter().filter(|forecast| forecast.modes[Command::Left.index()][0].back <= BEHIND).any(|forecast| {
         forecast.modes.iter().zip(forecast.scores).filter(|(_, score)| *score >= LEAST_SCORE).any(|(mode, _)| {

@@ -2,7 +2,7 @@ use crate::av::Path;
 use crate::geometry::Point;
 use crate::road::RoadOption;
 
-/// What the route asks for, in the order of LAV's branches.
+/// The command of the route, in the order of LAV's branches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Command {
     /// To the left at a junction.
@@ -20,7 +20,7 @@ pub enum Command {
     ChangeRight,
 }
 
-/// Distances at which the command changes (m): on leaving lane following, and otherwise.
+/// Distances at which the command changes (m): when it leaves lane following, and otherwise.
 const CHANGE_WITHIN: (f64, f64) = (4.5, 3.0);
 
 impl Command {
@@ -28,7 +28,7 @@ impl Command {
     pub const ALL: [Self; 6] =
         [Self::Left, Self::Right, Self::Straight, Self::LaneFollow, Self::ChangeLeft, Self::ChangeRight];
 
-    /// Its place in [`Command::ALL`].
+    /// Its index in [`Command::ALL`].
     pub fn index(self) -> usize {
         self as usize
     }

@@ -6,7 +6,7 @@ use super::pid::{Gains, Pid};
 use super::version::{Traits, Version};
 
 const SPEED_GAINS: Gains = Gains { proportional: 5.0, integral: 0.5, differential: 1.0 };
-/// Points of a plan in a second: turns their spacing into a speed.
+/// Points of a plan per second: converts their spacing into a speed.
 const POINTS_PER_SECOND: f64 = 4.0;
 /// A plan slower than this brakes (m/s).
 const STOP_BELOW: f64 = 0.8;
@@ -17,29 +17,29 @@ const MAX_THROTTLE: f64 = 0.8;
 const THROTTLE_UP_TO: f64 = 35.0 / 3.6;
 /// Below this speed (m/s) v2 counts its ticks at rest.
 const AT_REST: f64 = 0.1;
-/// So many ticks at rest make it creep,
+/// It creeps after this number of ticks at rest,
 const PATIENCE: u32 = 600;
 /// for this number of ticks,
 const CREEP_FOR: u32 = 20;
 /// with this throttle.
 const CREEP_THROTTLE: f64 = 0.4;
 
-/// What the controller decides on in a tick.
+/// The inputs of the controller in a tick.
 #[derive(Debug, Clone, Copy)]
 pub struct Situation<'a> {
     /// Speed of the ego (m/s).
     pub speed: f64,
-    /// What the route asks for.
+    /// The command of the route.
     pub command: Command,
     /// Score of the brake classifier, 0 to 1.
     pub brake_score: f64,
     /// The ego's plan, points 0.25 s apart, the first one 0.25 s from now; at least as long as its version aims ahead.
     pub plan: &'a [EgoPoint],
-    /// Forecasts of what was detected as a vehicle.
+    /// Forecasts of the detected vehicles.
     pub forecasts: &'a [Forecast],
 }
 
-/// Pedals and wheel as LAV gives them.
+/// Pedals and wheel in LAV's form.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Pedals {
     /// Accelerator, 0 to 1.
@@ -50,7 +50,7 @@ pub struct Pedals {
     pub steer: f64,
 }
 
-/// Who took the pedals from the PID controllers.
+/// The rule that overrode the PID controllers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Overruled {
     /// The brake classifier.
@@ -59,28 +59,28 @@ pub enum Overruled {
     Collision,
 }
 
-/// What the controller decided, and why.
+/// The controller's decision, with the reason.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Verdict {
     /// Mean speed of the plan (m/s); NaN for a plan with NaN.
     pub desired_speed: f64,
-    /// What the PID controllers wanted.
+    /// The output of the PID controllers.
     pub pid: Pedals,
-    /// Whether plan and forecasts collide, asked or not.
+    /// Whether plan and forecasts collide, whether or not the rules check it.
     pub collides: bool,
-    /// Who took the pedals from them.
+    /// The rule that overrode them.
     pub overruled: Option<Overruled>,
-    /// Ticks at rest in a row; v1 does not count.
+    /// Consecutive ticks at rest; v1 does not count.
     pub ticks_at_rest: u32,
-    /// Ticks of creeping left.
+    /// Remaining ticks of creeping.
     pub creeping: u32,
-    /// What is done.
+    /// The resulting pedals.
     pub pedals: Pedals,
 }
 
-/// LAV's controller: from a plan to pedals, with the rules that take over, in LAV's order.
+/// LAV's controller: from a plan to pedals, with the overriding rules in LAV's order.
 ///
-/// The desired speed is the plan's mean spacing; a plan that only slows down lifts the foot and never brakes.
+/// The desired speed is the plan's mean spacing; a plan that only slows down releases the throttle and never brakes.
 ///
 /// # Source
 /// `pid_control`, `PIDController` and `run_step` of LAV.
@@ -94,7 +94,7 @@ pub struct Controller {
 }
 
 impl Controller {
-    /// The controller of a version, without a past.
+    /// The controller of a version, in its initial state.
     pub fn new(version: Version) -> Self {
         let traits = version.traits();
         Self { traits, turn: Pid::new(traits.turn), speed: Pid::new(SPEED_GAINS), ticks_at_rest: 0, creeping: 0 }
@@ -136,7 +136,7 @@ impl Controller {
         }
     }
 
-    /// The PID controllers; a plan that is not of numbers gives nothing.
+    /// The PID controllers; a plan with NaN gives no output.
     fn follow(&mut self, situation: &Situation<'_>, desired_speed: f64) -> Pedals {
         let aim = situation.plan.get(self.traits.aim[situation.command.index()]).or(situation.plan.last());
         let Some(aim) = aim.filter(|_| !desired_speed.is_nan()) else { return Pedals::default() };

@@ -7,9 +7,9 @@ const SIDE: f64 = 320.0;
 const EGO: (f64, f64) = (160.0, 280.0);
 /// A peak is the greatest value within this distance (px).
 const PEAK_REACH: f64 = 3.0;
-/// What lies so near to the ego is the ego (px).
+/// A peak within this distance of the ego is the ego (px).
 const EGO_RADIUS: f64 = 2.0;
-/// The fast variant sees no farther (px).
+/// The range of the fast variant (px).
 const FAST_RADIUS: f64 = 120.0;
 /// Least half length of a vehicle (px).
 const LEAST_HALF_LENGTH: f64 = 0.4;
@@ -19,13 +19,13 @@ const LEAST_HALF_WIDTH: f64 = 0.8;
 /// The map a peak is on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum BlobKind {
-    /// Pedestrians: LAV draws no conclusion from them.
+    /// Pedestrians: LAV does not react to them.
     Pedestrian,
-    /// Vehicles, and pedestrians that are taken for one.
+    /// Vehicles, and pedestrians that are mistaken for one.
     Vehicle,
 }
 
-/// What a body leaves on the detection map: a bell around a pixel, `score · exp(−d²)` with d in pixels.
+/// The trace of a body on the detection map: a bell around a pixel, `score · exp(−d²)` with d in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Blob {
     /// The map it is on.
@@ -76,7 +76,7 @@ impl Blob {
 pub struct Detection {
     /// The peak.
     pub blob: Blob,
-    /// Where it is, to a quarter of a metre.
+    /// Its place, to a quarter of a metre.
     pub place: EgoPoint,
 }
 
@@ -88,15 +88,15 @@ pub struct Detector {
 }
 
 impl Detector {
-    /// A detector of a version.
+    /// The detector of a version.
     pub fn new(version: Version) -> Self {
         Self { traits: version.traits(), found: Vec::with_capacity(64) }
     }
 
-    /// What is detected of these blobs, pedestrians first, then by score, the best one first.
+    /// The detections among these blobs: pedestrians first, then by score, the best one first.
     ///
     /// # Source
-    /// `extract_peak` and `det_inference` of LAV. Where bells overlap the map is the greater one.
+    /// `extract_peak` and `det_inference` of LAV. Where bells overlap, the map has the greater value.
     pub fn detect(&mut self, blobs: &[Blob]) -> &[Detection] {
         self.found.clear();
         let on_map = |value: f64| (0.0..SIDE).contains(&value);

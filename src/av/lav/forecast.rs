@@ -5,25 +5,25 @@ use super::version::{LONGEST, Traits};
 
 /// Time between points of plans and forecasts (s).
 pub(super) const STEP: f64 = 0.25;
-/// Narrower than this (half width in m) a vehicle may be a person, and turns are believed.
+/// Below this half width (m) a vehicle may be a person, and forecasts of turns are possible.
 const NARROW: f64 = 0.5;
 /// Radius of a turn (m).
 const TURN_RADIUS: f64 = 8.0;
 
-/// Where LAV believes a vehicle will be, one path for each command.
+/// LAV's forecast of a vehicle, one path for each command.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Forecast {
     /// Points 0.25 s apart, the first one 0.25 s from now; v1 looks at ten of them.
     pub modes: [[EgoPoint; LONGEST]; 6],
-    /// How likely each is, 0 to 1; they need not sum to one.
+    /// The probability of each, 0 to 1; they need not sum to one.
     pub scores: [f64; 6],
 }
 
 impl Forecast {
-    /// The surrogate's forecast of a detection that drives at a speed (m/s): LAV moves everybody like an ego vehicle, so
-    /// everybody drives where it points.
+    /// The surrogate's forecast of a detection that drives at a speed (m/s). LAV moves every vehicle like an ego vehicle, so
+    /// each drives where it points.
     ///
-    /// A vehicle keeps its heading, at a score of 0.9. Of something narrow LAV knows less: 0.6 for keeping its heading, 0.2
+    /// A vehicle keeps its heading, at a score of 0.9. A narrow detection is less certain: 0.6 for keeping its heading, 0.2
     /// for a turn of 8 m to either side. All of these are assumptions.
     pub(super) fn of(detection: &Detection, speed: f64, traits: &Traits) -> Self {
         let narrow = detection.blob.half_width < NARROW * super::frame::PIXELS_PER_METRE;

@@ -1,6 +1,6 @@
 use crate::geometry::{Point, Pose, wrap_angle};
 
-/// Pixels of LAV's bird's-eye map in a metre.
+/// Pixels per metre of LAV's bird's-eye map.
 pub(super) const PIXELS_PER_METRE: f64 = 4.0;
 
 /// A place in LAV's ego frame (m).
@@ -8,7 +8,7 @@ pub(super) const PIXELS_PER_METRE: f64 = 4.0;
 pub struct EgoPoint {
     /// To the right of the ego.
     pub right: f64,
-    /// Behind the ego: what lies ahead is negative.
+    /// Behind the ego; a place ahead is negative.
     pub back: f64,
 }
 
@@ -18,13 +18,13 @@ impl EgoPoint {
         Self { right, back }
     }
 
-    /// A place of the world as the ego at this pose sees it.
+    /// A place of the world in the frame of the ego at this pose.
     pub fn seen_from(ego: &Pose, place: Point) -> Self {
         let local = ego.to_local(place);
         Self { right: -local.y, back: -local.x }
     }
 
-    /// The same place in the frame of the ego, for a point of an object's own frame.
+    /// The same place in the frame of the ego, for a point in an object's own frame.
     ///
     /// The object's yaw (rad) is relative to the ego and positive clockwise.
     ///

@@ -10,12 +10,12 @@ const CAMERAS: f64 = 1.5;
 const SECTOR: f64 = 92.0 * std::f64::consts::PI / 180.0;
 /// The expert also compares lanes this far ahead (points of the path, 1 m apart): five of its waypoints of 4.5 m.
 const NEXT_LANE: usize = 22;
-/// A light's line crosses the route if it lies so near to a point of it (m), and heads so nearly the same way (rad).
+/// A light's line crosses the route if a point of the route is within this distance (m), and its heading within this angle (rad).
 const LINE_ALONG: f64 = 0.6;
 const LINE_BESIDE: f64 = 1.5;
 const LINE_HEADING: f64 = 1.0;
 
-/// Finds a hazard that LAV's training data was labelled for, and says what stopping for it is.
+/// Finds a hazard for which LAV's training data was labelled; returns the manoeuvre of stopping for it.
 pub(super) fn find(rules: &BrakeRules, path: &Path, perception: &Perception<'_>) -> Option<DrivingMode> {
     let in_sight = |actor: &Actor| perception.in_sight(actor);
     if perception.pedestrians.iter().any(|walker| brakes_for(walker, rules, path, perception) && in_sight(walker)) {
@@ -50,7 +50,7 @@ fn brakes_for(walker: &Actor, rules: &BrakeRules, path: &Path, perception: &Perc
     })
 }
 
-/// Whether the line of a red light crosses the route where the rules brake for it.
+/// Whether the line of a red light crosses the route at a place where the rules brake for it.
 fn at_red_line(rules: &BrakeRules, path: &Path, perception: &Perception<'_>) -> bool {
     let ego = &perception.ego.pose;
     perception.lights.iter().filter(|light| light.colour == LightColour::Red).any(|light| {

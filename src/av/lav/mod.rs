@@ -1,10 +1,10 @@
-//! LAV (*Learning from All Vehicles*) as a car under test, true to its planner's rules and without its networks.
+//! LAV (*Learning from All Vehicles*) as a car under test, faithful to its planner's rules and without its networks.
 //!
-//! What LAV computes by hand is repeated number for number: which peaks of its detection map count (`detection`), how a
-//! forecast of a vehicle comes into the ego's frame (`forecast`), when plan and forecasts collide (`collision`), and the
-//! controller with its rules in their order ([`Controller`]). What its networks compute is a surrogate made of what the
-//! simulator perceives: the plan (`plan`), the forecasts, and the classifier that says *brake*, which here is the rule that
-//! labelled its training data ([`BrakeRules`]) behind a filter (`classifier`). [`Lav`] puts them together.
+//! The parts of LAV that are ordinary code are repeated number for number: the valid peaks of its detection map (`detection`), the
+//! transformation of a vehicle's forecast into the ego's frame (`forecast`), the collision check of plan and forecasts
+//! (`collision`), and the controller with its rules in their order ([`Controller`]). Its networks are replaced by surrogates made
+//! from the simulator's perception: the plan (`plan`), the forecasts, and the brake classifier. The surrogate classifier is the rule
+//! that labelled the training data ([`BrakeRules`]), followed by a filter (`classifier`). [`Lav`] combines them.
 //!
 //! Inside this folder a place is an [`EgoPoint`], to the right and **back**, and steer is positive to the right.
 //!

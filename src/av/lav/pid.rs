@@ -1,4 +1,4 @@
-/// Errors that a controller remembers; before the first one they were zero.
+/// The number of errors that a controller remembers; before the first error they are zero.
 const MEMORY: usize = 40;
 
 /// Proportional, integral and differential gain, per tick.
@@ -9,7 +9,7 @@ pub(super) struct Gains {
     pub differential: f64,
 }
 
-/// LAV's controller: `P e + I · mean(last 40 errors) + D (e − last e)`; it knows no time step.
+/// LAV's controller: `P e + I · mean(last 40 errors) + D (e − last e)`; it has no time step.
 #[derive(Debug, Clone)]
 pub(super) struct Pid {
     gains: Gains,
@@ -22,7 +22,7 @@ impl Pid {
         Self { gains, errors: [0.0; MEMORY], next: 0 }
     }
 
-    /// Takes an error in and gives the output.
+    /// Adds an error and returns the output.
     pub fn run(&mut self, error: f64) -> f64 {
         let last = self.errors[(self.next + MEMORY - 1) % MEMORY];
         self.errors[self.next] = error;

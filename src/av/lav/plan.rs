@@ -7,12 +7,12 @@ use crate::geometry::Pose;
 const FASTEST: f64 = 40.0 / 3.6;
 const BELOW_LIMIT: f64 = 6.0 / 3.6;
 const BELOW_LIMIT_IN_TURNS: f64 = 5.0 / 3.6;
-/// Where a limit is so low that nothing would be left of it, this share of it.
+/// If the limit is too low for that difference, the share of the limit.
 const LEAST_SHARE: f64 = 0.5;
-/// Distance of the points of a plan that stands (m), so that the wheel still has a target.
+/// Distance between the points of a plan that stands (m), so that the wheel still has a target.
 const LEAST_SPACING: f64 = 0.01;
 
-/// How fast a plan drives along the route.
+/// The speed of a plan along the route.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Tempo {
     /// At this speed (m/s).
@@ -42,12 +42,12 @@ impl Tempo {
 
 /// Writes the surrogate's plan: points of the route's centre line, 0.25 s apart, starting abeam the ego.
 ///
-/// Where the road ends the plan stands.
+/// At the end of the road the plan stands.
 pub(super) fn write_plan(path: &Path, ego: &Pose, tempo: Tempo, plan: &mut [EgoPoint]) {
     let mut points = path.points().map(|point| &point.pose);
     let Some(mut from) = points.next() else { return plan.fill(EgoPoint::default()) };
     let mut to = points.next();
-    // The path's first point is the nearest to the ego, not abeam it.
+    // The path's first point is the nearest to the ego, not the one abeam it.
     let abeam = from.to_local(ego.position()).x;
     let (mut behind, mut before) = (0.0, 0.0);
     for (k, point) in plan.iter_mut().enumerate() {

@@ -1,6 +1,6 @@
 use super::pid::Gains;
 
-/// Which of LAV's agents drives.
+/// The version of LAV's agent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Version {
     /// The agent of the paper.
@@ -8,11 +8,11 @@ pub enum Version {
     /// The agent of the leaderboard.
     #[default]
     V2,
-    /// The leaderboard's agent in its fast variant, which differs here in what its detector lets pass.
+    /// The fast variant of the leaderboard's agent, which differs here in the detections that its detector accepts.
     V2Fast,
 }
 
-/// The points of a plan in the longest horizon.
+/// The number of points of the longest plan.
 pub(super) const LONGEST: usize = 20;
 
 /// The figures in which the agents differ.
@@ -20,7 +20,7 @@ pub(super) const LONGEST: usize = 20;
 pub(super) struct Traits {
     /// Points of plans and forecasts, 0.25 s apart.
     pub horizon: usize,
-    /// The point of the plan that is steered at, by command.
+    /// The index of the plan's point to steer for, by command.
     pub aim: [usize; 6],
     /// Share of the plan's speed that is driven, by command.
     pub speed_ratio: [f64; 6],
@@ -34,15 +34,15 @@ pub(super) struct Traits {
     pub collision_standing: f64,
     /// Whether it creeps after a long stop.
     pub creeps: bool,
-    /// Strongest peaks of each detection map that are looked at.
+    /// The number of strongest peaks of each detection map that are evaluated.
     pub peaks: usize,
-    /// Their least score, itself excluded.
+    /// Their least score, exclusive.
     pub peak_score: f64,
     /// The fast variant's gates of size and range.
     pub fast_gates: bool,
     /// Vehicles up to this distance were labelled when the detector was trained (m).
     pub labelled_within: f64,
-    /// Whether it can see how fast others drive.
+    /// Whether it perceives the speeds of others.
     pub senses_speed: bool,
 }
 

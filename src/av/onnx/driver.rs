@@ -19,7 +19,7 @@ pub struct Onnx {
     fault: Option<Fault>,
 }
 
-/// The network with the questions of a tick.
+/// The network with the requests of a tick.
 struct Shared {
     engine: Engine,
     batch: Batch,
@@ -27,7 +27,7 @@ struct Shared {
 }
 
 impl Onnx {
-    /// What it takes in a scenario.
+    /// Its keys in a scenario.
     pub fn signature() -> Signature {
         Signature::new(
             "onnx",
@@ -57,7 +57,7 @@ impl Onnx {
     }
 }
 
-/// What is shared is whole between two calls, whatever became of the thread that made them.
+/// The shared state is consistent between two calls, even if the thread that made them panicked.
 fn locked(shared: &Mutex<Shared>) -> MutexGuard<'_, Shared> {
     shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -118,7 +118,7 @@ impl DrivingPolicy for Onnx {
     }
 }
 
-/// The control that a network's two or three numbers mean.
+/// The control for a network's two or three numbers.
 fn control(numbers: &[f32], perception: &Perception<'_>) -> Control {
     match *numbers {
         [throttle, brake, steer] => Control {

@@ -15,8 +15,8 @@ pub(super) struct Batch {
 
 /// A thread on which a network runs.
 ///
-/// The runtime has threads of its own, and a caller on a thread of a campaign would take up other work of the campaign while
-/// it waits for them, so that evaluations nest in each other. This thread is one of the runtime's, the only one of its
+/// The runtime has threads of its own. A caller on a thread of a campaign would start other tasks of the campaign while
+/// it waits for them, and evaluations would nest in each other. This thread is therefore one of the runtime's, the only one of its
 /// pool, and its caller waits. Every world is computed alone: in batches the last bits would depend on the other worlds.
 pub(super) struct Engine {
     questions: Sender<Batch>,
@@ -44,7 +44,7 @@ impl Engine {
         Self { questions, answers }
     }
 
-    /// Answers the questions of a batch.
+    /// Answers the requests of a batch.
     pub fn answer(&self, batch: &mut Batch) {
         let gone = || Err(Fault::Answer("the network failed"));
         let count = batch.questions.len();

@@ -1,7 +1,7 @@
 //! A learnt driver: a network in an ONNX file.
 //!
-//! The network has some of these inputs, distinguished by their names, in 32-bit floats, all in the ego's frame (x ahead, y to the
-//! left, angles counter-clockwise), in m, m/s, rad:
+//! The network has some of these inputs, distinguished by their names, in 32-bit floats. All are in the ego's frame (x ahead, y to
+//! the left, angles counter-clockwise), in m, m/s, rad:
 //!
 //! | input | shape | numbers |
 //! |---|---|---|

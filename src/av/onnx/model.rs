@@ -7,17 +7,17 @@ use crate::av::view::View;
 use crate::geometry::{Pose, Vector, wrap_angle};
 use crate::sim::LightColour;
 
-/// Most actors and points of the route that a network may ask for.
+/// The greatest number of actors and of points of the route in a network's inputs.
 const MOST_ACTORS: usize = 64;
 const MOST_POINTS: usize = 40;
 
-/// Why a file holds no driver.
+/// Why a file contains no driver.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ModelError {
-    /// It is no ONNX, or has operators that are not known here.
+    /// It is not ONNX, or has operators that are not supported here.
     #[error("{0}")]
     Unreadable(String),
-    /// An input has a name that means nothing here.
+    /// An input has an unknown name.
     #[error("its input `{0}` is none of `ego`, `actors`, `route`")]
     UnknownInput(String),
     /// An input has a shape that does not fit its name.
@@ -25,7 +25,7 @@ pub enum ModelError {
     Shape {
         /// The input.
         name: &'static str,
-        /// What its shape must be.
+        /// The required shape.
         wanted: &'static str,
     },
     /// It has no input, or not exactly one output.
@@ -44,7 +44,7 @@ pub enum ModelError {
     Unrunnable(String),
 }
 
-/// What an input of the network receives, with the number of rows.
+/// The content of an input of the network, with the number of rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Input {
     Ego,
@@ -71,12 +71,12 @@ pub struct Model {
 }
 
 impl Model {
-    /// Reads a network from the bytes of an ONNX file, and tries it once.
+    /// Reads a network from the bytes of an ONNX file, and evaluates it once.
     ///
     /// # Errors
-    /// It is no ONNX, has operators that are not known here, or does not fit the contract of this module.
+    /// It is not ONNX, has operators that are not supported here, or does not fit the contract of this module.
     pub fn read(bytes: Vec<u8>) -> Result<Self, ModelError> {
-        // The file is the user's, and the runtime is not ours: what it does not expect must be an error here, too.
+        // The file is the user's, and the runtime is a dependency: a panic of the runtime must be an error here, too.
         let panicked = |_| Err(ModelError::Unreadable("the runtime cannot cope with it".into()));
         std::panic::catch_unwind(|| Self::read_and_try(bytes)).unwrap_or_else(panicked)
     }
@@ -99,7 +99,7 @@ impl Model {
         if [2, 3].contains(&answer.len()) { Ok(this) } else { Err(ModelError::Output(answer.len())) }
     }
 
-    /// The most actors and points of the route that it receives.
+    /// The greatest number of actors and of points of the route that it receives.
     pub(super) fn room(&self) -> (usize, usize) {
         let mut room = (0, 0);
         for (_, input) in &self.inputs {
@@ -143,7 +143,7 @@ impl Model {
     }
 }
 
-/// What an input receives, by its name and shape.
+/// The content of an input, by its name and shape.
 fn input(network: &rten::Model, id: NodeId) -> Result<Input, ModelError> {
     let info = network.node_info(id);
     let name = info.as_ref().and_then(|info| info.name()).unwrap_or_default().to_string();

@@ -8,7 +8,7 @@ use super::GRAVITY;
 pub struct BrakeProfile {
     /// Time without braking (s).
     pub wait: f64,
-    /// Time from no to full braking (s); 0 for a step.
+    /// Time from no braking to full braking (s); 0 for a step.
     pub ramp: f64,
     /// Full deceleration (m/s²).
     pub full: f64,
@@ -25,7 +25,7 @@ impl BrakeProfile {
         (self.speed_lost(time + dt) - self.speed_lost(time)) / dt
     }
 
-    /// The distance to standstill from a speed (m/s), the wait included (m).
+    /// The distance to standstill from a speed (m/s), including the wait (m).
     pub fn stopping_distance(&self, speed: f64) -> f64 {
         let (v, r) = (speed, self.ramp);
         let waiting = v * self.wait;

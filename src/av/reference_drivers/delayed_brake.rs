@@ -1,14 +1,14 @@
 use super::{BrakeProfile, GRAVITY, OwnMotion, ReferenceDriver, Threat};
 
-/// Brakes to standstill a fixed time after a pedestrian moves into the path, and where wanted only when it is near enough.
+/// Brakes to standstill a fixed time after a pedestrian moves into the path; with a gate only when it is near enough.
 ///
-/// The automatic brake that UN R157 adds for an other that is fully in front is left out: within the careful human's ramp it
+/// The automatic brake that UN R157 adds for another road user fully in front is left out: within the careful human's ramp it
 /// changes little, and the ideal brake shows what a machine could do.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DelayedBrake {
     /// The clock starts when the time to collision is at most this (s); without it, at once.
     pub gate: Option<f64>,
-    /// What happens from then on.
+    /// The wait and the braking from then on.
     pub profile: BrakeProfile,
     clock: Option<f64>,
 }
@@ -24,7 +24,7 @@ impl DelayedBrake {
         Self::new(None, BrakeProfile::careful_human(1.15))
     }
 
-    /// UN R157's careful human whose risk evaluation is over when the time to collision falls to 2 s.
+    /// UN R157's careful human whose risk evaluation ends when the time to collision falls to 2 s.
     ///
     /// # Source
     /// The gate for pedestrians is `esmini`'s (`ALKS_R157SM`); the regulation has it for cut-ins.
@@ -37,7 +37,7 @@ impl DelayedBrake {
         Self::new(None, BrakeProfile { wait: 0.35, ramp: 0.6, full: 0.85 * GRAVITY })
     }
 
-    /// What no brake on a dry road betters: 0.85 g at once.
+    /// The bound of all brakes on a dry road: 0.85 g at once.
     pub fn bound() -> Self {
         Self::new(None, BrakeProfile { wait: 0.0, ramp: 0.0, full: 0.85 * GRAVITY })
     }

@@ -1,6 +1,6 @@
 use super::{GRAVITY, OwnMotion, ReferenceDriver, Threat};
 
-/// The Fuzzy Safety Model: brakes a little when the distance begins to be unsafe, and harder the more it is.
+/// The Fuzzy Safety Model: it brakes weakly when the distance starts to be unsafe, and harder the more unsafe it is.
 ///
 /// With the speeds `v` and `u` of car and other along the path, `d` the gap, `x = d − d₁`:
 /// the proactive measure `PFS` falls from 1 at `U = v τ + v²/2 b_max − u²/2 b_l` to 0 at `S = v τ + v²/2 b_comf − u²/2 b_l + d₂`
@@ -16,16 +16,16 @@ use super::{GRAVITY, OwnMotion, ReferenceDriver, Threat};
 ///
 /// # Source
 /// `ec-jrc/JRC-FSM`, whose code uses both margins and counts the reaction time down only while the distance is unsafe.
-/// Where `v₁ < u` the code divides by the deceleration without its limit, and so do we.
+/// For `v₁ < u` the code divides by the deceleration without its limit, and so do we.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FuzzySafety {
     /// Time until it brakes (s).
     pub reaction: f64,
-    /// Deceleration that it likes (m/s²).
+    /// Its comfortable deceleration (m/s²).
     pub comfortable: f64,
-    /// Deceleration that it asks for at most (m/s²).
+    /// Its greatest deceleration (m/s²).
     pub hardest: f64,
-    /// Deceleration that it expects of the other (m/s²).
+    /// The deceleration that it expects of the other (m/s²).
     pub others: f64,
     /// Margin taken off the gap (m).
     pub margin: f64,
@@ -54,14 +54,14 @@ impl Default for FuzzySafety {
 }
 
 impl FuzzySafety {
-    /// How unsafe a gap (m) to an other of speed `along` (m/s) is as a precaution, 0 to 1.
+    /// The proactive measure, 0 to 1: how unsafe a gap (m) is to another road user of speed `along` (m/s).
     pub fn proactive(&self, speed: f64, along: f64, gap: f64) -> f64 {
         let left = along * along / (2.0 * self.others);
         let stop = |braking: f64| speed * self.reaction + speed * speed / (2.0 * braking) - left;
         between(gap - self.margin, stop(self.comfortable) + self.safe_margin, stop(self.hardest))
     }
 
-    /// How unsafe a gap (m) is when the car keeps its acceleration (m/s²) for its reaction time, 0 to 1.
+    /// The critical measure, 0 to 1: how unsafe a gap (m) is when the car keeps its acceleration (m/s²) for its reaction time.
     pub fn critical(&self, speed: f64, acceleration: f64, along: f64, gap: f64) -> f64 {
         let closing = speed - along;
         if closing <= 0.0 {
@@ -77,7 +77,7 @@ impl FuzzySafety {
         between(gap, stop(self.comfortable), stop(self.hardest))
     }
 
-    /// The deceleration that it would like now (m/s²).
+    /// The present wanted deceleration (m/s²).
     pub fn wanted(&self, own: &OwnMotion, threat: &Threat) -> f64 {
         if !crosses_in_time(own, threat) {
             return 0.0;
@@ -120,7 +120,7 @@ impl ReferenceDriver for FuzzySafety {
     fn brake(&mut self, own: &OwnMotion, threat: Option<&Threat>, dt: f64) -> Option<f64> {
         let wanted = threat.map_or(0.0, |threat| self.wanted(own, threat));
         if wanted <= 0.0 {
-            // Safe again: it keeps its speed, and the brake stays as far in as it was.
+            // Safe again: it keeps its speed, and the brake stays as far applied as it was.
             return self.braking.map(|_| 0.0);
         }
         if self.waiting > 0.0 {

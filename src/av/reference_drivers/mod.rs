@@ -1,7 +1,7 @@
 //! Reference drivers: published rules for when a car must brake for a pedestrian in its way, as baselines for a car under test.
 //!
-//! They decide about the brake alone, along a path that is given, from a [`Threat`] in the frame of that path; so a failure
-//! can be run again with each of them in the seat, and a driving policy can be built about one.
+//! They decide only about the brake, along a given path, from a [`Threat`] in the frame of that path. A failure
+//! can therefore be run again with each of them, and a driving policy can be built around one.
 //!
 //! | driver | from | brakes |
 //! |---|---|---|
@@ -12,8 +12,8 @@
 //! | [`DelayedBrake::ideal`] | our choice | 0.35 s after it sees the danger, in 0.6 s to 0.85 g |
 //! | [`DelayedBrake::bound`] | physics | at once, 0.85 g |
 //!
-//! UN R157 is written for roads without pedestrians: every use on one is an extrapolation, so the figures belong beside
-//! the verdict.
+//! UN R157 is written for roads without pedestrians, so every use for pedestrians is an extrapolation. Show the figures next
+//! to the verdict.
 //!
 //! # Source
 //! UN R157, annex 4 appendix 3; `ec-jrc/JRC-FSM`; `esmini`, controller `ALKS_R157SM`; Shalev-Shwartz et al., arXiv 1708.06374;
@@ -35,5 +35,5 @@ pub use rss::Rss;
 pub use rss_limits::{RssLimits, lateral_distance, longitudinal_distance};
 pub use threat::{OwnMotion, ReferenceDriver, Threat};
 
-/// Gravity (m/s²), as the regulations count it.
+/// Gravity (m/s²) in the regulations.
 const GRAVITY: f64 = 9.81;

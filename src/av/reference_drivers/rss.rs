@@ -3,25 +3,25 @@ use super::{OwnMotion, ReferenceDriver, RssLimits, Threat};
 /// Responsibility-Sensitive Safety towards a pedestrian: the rule for unstructured scenes.
 ///
 /// Each actor has a set `T_b` of places that it may reach when it brakes after its response time, and `T_f` when it continues.
-/// It is safe when car and pedestrian could both still stop apart: `T_b` misses `T_b`. Otherwise the car brakes, unless at
-/// the last safe instant the pedestrian alone could still have given way (its `T_b` missed the car's `T_f`, while the car's
-/// `T_b` met its `T_f`): then it is the pedestrian's turn, and the car continues. The car brakes for a danger that exists from the start.
+/// The situation is safe when car and pedestrian could both still stop apart: their `T_b` do not meet. Otherwise the car brakes,
+/// unless at the last safe instant the pedestrian alone could still have given way (its `T_b` missed the car's `T_f`, while the
+/// car's `T_b` met its `T_f`). Then the pedestrian must give way, and the car continues. The car brakes for a danger that exists from the start.
 ///
-/// The rule expects a pedestrian that walks up to the lane to stop; we do not. Such a driver hits pedestrians.
+/// The rule expects a pedestrian that walks up to the lane to stop; our pedestrians do not. Such a driver hits pedestrians.
 ///
-/// Simplified: the car keeps to its path, so its sets are stretches of the swept path, and driving away is left out; a
-/// pedestrian's set is a fan of straight ways about its direction, as wide as the permitted turn, instead of arcs; each `T_f` lasts
-/// as long as its actor's slowest stop; beyond the far side the swept path has no end.
+/// Simplified: the car keeps to its path, so its sets are stretches of the swept path, and driving away is left out. A
+/// pedestrian's set is a fan of straight ways around its direction, as wide as the permitted turn, instead of arcs. Each `T_f` lasts
+/// as long as its actor's slowest stop. Beyond the far side the swept path has no end.
 ///
 /// # Source
 /// `intel/ad-rss-lib`, unstructured scenes, with CARLA's parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rss {
-    /// What is assumed of the car.
+    /// The assumptions about the car.
     pub car: RssLimits,
-    /// What is assumed of the pedestrian.
+    /// The assumptions about the pedestrian.
     pub pedestrian: RssLimits,
-    /// The last instant that was safe, until danger begins.
+    /// The last safe instant, until danger starts.
     safe: Option<(OwnMotion, Threat)>,
     others_turn: bool,
     braked: bool,
@@ -33,11 +33,11 @@ impl Default for Rss {
     }
 }
 
-/// Half of the ways of a fan beside the middle one.
+/// The number of ways of a fan on each side of the middle one.
 const RAYS: i32 = 8;
 
 impl Rss {
-    /// Makes one with assumptions of its own.
+    /// Makes one with these assumptions.
     pub fn new(car: RssLimits, pedestrian: RssLimits) -> Self {
         Self { car, pedestrian, safe: None, others_turn: false, braked: false }
     }
@@ -72,7 +72,7 @@ impl Rss {
         (-RAYS..=RAYS).any(|ray| {
             let (sin, cos) = libm::sincos(middle + turn * f64::from(ray) / f64::from(RAYS));
             let (along, inward) = (cos * reach, -sin * reach);
-            // The part of the way that lies in the path, as shares of the way.
+            // The part of the way within the path, as shares of the way.
             let enters = if threat.aside <= 0.0 { 0.0 } else { threat.aside / inward };
             if !(0.0..=1.0).contains(&enters) {
                 return false;
@@ -99,7 +99,7 @@ impl ReferenceDriver for Rss {
             self.safe = Some((*own, *threat));
             return kept;
         }
-        // The last safe instant decides whose turn it is; it is needed only when danger starts.
+        // The last safe instant decides who must give way; it is needed only when danger starts.
         if let Some((own, threat)) = self.safe.take() {
             self.others_turn = self.is_others_turn(&own, &threat);
         }

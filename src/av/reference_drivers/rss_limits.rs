@@ -1,13 +1,13 @@
 use std::f64::consts::PI;
 
-/// What RSS assumes of an actor.
+/// The assumptions of RSS about an actor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RssLimits {
     /// Response time (s).
     pub response: f64,
     /// Greatest acceleration (m/s²).
     pub acceleration: f64,
-    /// Least deceleration that it owes (m/s²).
+    /// Least deceleration that the actor must apply (m/s²).
     pub braking: f64,
     /// Greatest deceleration that is expected of it (m/s²).
     pub hardest: f64,
@@ -33,18 +33,18 @@ impl RssLimits {
         Self { response: 0.75, acceleration: 3.0, braking: 6.0, hardest: 6.0, ..Self::car() }
     }
 
-    /// A car that answers fast and does not accelerate: the least that the rule can ask.
+    /// A car that responds fast and does not accelerate: the least demanding assumptions of the rule.
     pub fn bare() -> Self {
         Self { response: 0.5, acceleration: 0.0, braking: 8.0, hardest: 8.0, ..Self::car() }
     }
 
-    /// How far it gets (m) from a speed (m/s) if it accelerates during its response and then brakes as weakly as allowed.
+    /// The distance (m) from a speed (m/s) if it accelerates during its response and then brakes as weakly as allowed.
     pub fn braking_reach(&self, speed: f64) -> f64 {
         let after = speed + self.response * self.acceleration;
         (speed + after) / 2.0 * self.response + after * after / (2.0 * self.braking)
     }
 
-    /// How far it gets (m) in the time of that stop if it accelerates all the while.
+    /// The distance (m) in the time of that stop if it accelerates all the time.
     pub fn forward_reach(&self, speed: f64) -> f64 {
         let time = self.response + (speed + self.response * self.acceleration) / self.braking;
         let rising = ((self.fastest - speed).max(0.0) / self.acceleration).min(time);
@@ -53,7 +53,7 @@ impl RssLimits {
             + (time - rising) * (speed + self.acceleration * rising)
     }
 
-    /// By how much it may turn during its response (rad); anywhere when it stands.
+    /// The greatest turn during its response (rad); any direction when it stands.
     pub(super) fn turn(&self, speed: f64) -> f64 {
         if speed <= STANDING {
             return PI;
@@ -63,7 +63,7 @@ impl RssLimits {
     }
 }
 
-/// Who is slower stands (m/s).
+/// A slower actor counts as standing (m/s).
 const STANDING: f64 = 0.1;
 
 /// The safe distance (m) of a car behind another in the same direction.
@@ -73,7 +73,7 @@ pub fn longitudinal_distance(behind: f64, ahead: f64, limits: &RssLimits) -> f64
     (limits.braking_reach(behind) - ahead * ahead / (2.0 * limits.hardest)).max(0.0)
 }
 
-/// The safe distance (m) aside, of two that move at speeds towards the second one's side (m/s).
+/// The safe lateral distance (m) of two actors that move at speeds towards the second one's side (m/s).
 ///
 /// `d = μ + max(0, (2 v₁ + ρ a) ρ/2 + (v₁ + ρ a)²/(2 b) − (2 v₂ − ρ a) ρ/2 + (v₂ − ρ a)²/(2 b))`, with `a`, `b` the lateral
 /// acceleration and braking of both (m/s²), `μ` the margin (m), `ρ` the response (s).

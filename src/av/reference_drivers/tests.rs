@@ -22,7 +22,7 @@ struct Crossing {
 }
 
 impl Crossing {
-    /// The speed at the impact (m/s) of a car at first so fast (km/h); 0 without an impact.
+    /// The speed at the impact (m/s) of a car with this initial speed (km/h); 0 without an impact.
     fn drive(&self, kmh: f64, driver: &mut dyn ReferenceDriver) -> f64 {
         let dt = 1e-3;
         let (mut speed, mut time, mut acceleration) = (kmh / 3.6, -6.0, 0.0);

@@ -1,4 +1,4 @@
-/// The car as its reference driver feels it.
+/// The car's own motion, for its reference driver.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OwnMotion {
     /// Speed (m/s).
@@ -9,7 +9,7 @@ pub struct OwnMotion {
     pub length: f64,
 }
 
-/// A pedestrian that is, or may come, in the way, in the frame of the path that the car follows.
+/// A pedestrian in the way, or possibly so soon, in the frame of the path that the car follows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Threat {
     /// Clear distance along the path from the bumper to the near side (m); negative when the bumper is past it.
@@ -33,7 +33,7 @@ impl Threat {
         self.aside <= 0.0 || self.towards > STILL
     }
 
-    /// Time until the bumper is there at present speeds (s); infinite when they do not close in.
+    /// Time until the bumper reaches it at present speeds (s); infinite when they do not approach.
     pub fn time_to_collision(&self, speed: f64) -> f64 {
         let closing = speed - self.along;
         if closing > 0.0 { self.gap.max(0.0) / closing } else { f64::INFINITY }
@@ -45,7 +45,7 @@ pub trait ReferenceDriver: Send {
     /// Forgets the last encounter.
     fn begin(&mut self);
 
-    /// Decides for the coming `dt` (s), the threat being seen if there is one: the deceleration (m/s²), 0 to keep the speed;
+    /// Decides for the next `dt` (s); `threat` is the visible threat, if any. Returns the deceleration (m/s²), 0 to keep the speed;
     /// none as long as it has no reason to interfere.
     fn brake(&mut self, own: &OwnMotion, threat: Option<&Threat>, dt: f64) -> Option<f64>;
 }

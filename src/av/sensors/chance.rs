@@ -2,12 +2,12 @@ use rand::RngExt;
 
 use crate::seed::Stream;
 
-/// Whether something fails, correlated in time.
+/// A failure that is correlated in time.
 ///
-/// A number `u`, uniform in [0, 1), is kept from one update to the next with probability `exp(−Δt/τ)` and drawn anew
-/// otherwise; the failure of rate `p` happens while `u < p`. At a constant rate that is a two-state Markov chain: its
+/// A number `u`, uniform in [0, 1), stays the same from one update to the next with probability `exp(−Δt/τ)` and is drawn anew
+/// otherwise. A failure of rate `p` happens while `u < p`. At a constant rate this is a two-state Markov chain: its
 /// stationary rate is exactly `p`, its autocorrelation after a time `t` is `exp(−t/τ)`, and a failure lasts
-/// `Δt / ((1 − exp(−Δt/τ)) (1 − p))` on average, near `τ / (1 − p)`. As the draws do not depend on `p`, a sensor with a higher
+/// `Δt / ((1 − exp(−Δt/τ)) (1 − p))` on average, near `τ / (1 − p)`. The draws do not depend on `p`, so a sensor with a higher
 /// rate fails whenever one with a lower rate does.
 #[derive(Debug, Clone)]
 pub struct Luck {
@@ -16,12 +16,12 @@ pub struct Luck {
 }
 
 impl Luck {
-    /// Begins in the stationary state.
+    /// Starts in the stationary state.
     pub fn new(mut stream: Stream) -> Self {
         Self { u: stream.random(), stream }
     }
 
-    /// Goes on to the next update; `keep` is the probability that nothing is drawn anew.
+    /// Advances to the next update; `keep` is the probability that nothing is drawn anew.
     pub fn advance(&mut self, keep: f64) {
         let (change, fresh): (f64, f64) = (self.stream.random(), self.stream.random());
         if change >= keep {
@@ -43,17 +43,17 @@ pub struct Drift {
 }
 
 impl Drift {
-    /// How many errors there are, independent of each other.
+    /// The number of errors, independent of each other.
     pub const COUNT: usize = 6;
 
-    /// Begins in the stationary state.
+    /// Starts in the stationary state.
     pub fn new(stream: Stream) -> Self {
         let mut drift = Self { errors: [0.0; Self::COUNT], stream };
         drift.advance(0.0);
         drift
     }
 
-    /// Goes on to the next update; `keep` is the correlation with the last one.
+    /// Advances to the next update; `keep` is the correlation with the last one.
     pub fn advance(&mut self, keep: f64) {
         let fresh = (1.0 - keep * keep).sqrt();
         for pair in self.errors.chunks_exact_mut(2) {
@@ -66,7 +66,7 @@ impl Drift {
         }
     }
 
-    /// The errors now, each of mean 0 and variance 1.
+    /// The present errors, each of mean 0 and variance 1.
     pub fn errors(&self) -> &[f64; Self::COUNT] {
         &self.errors
     }

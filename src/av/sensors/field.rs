@@ -1,13 +1,13 @@
 use crate::geometry::{Point, Pose, Vector, wrap_angle};
 
-/// What a camera or a scanner covers: a piece of a circle about the eye.
+/// The coverage of a camera or a scanner: a sector of a circle around the eye.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sector {
     /// Direction of its middle from the heading (rad), positive to the left.
     pub facing: f64,
-    /// Whole angle that it covers (rad).
+    /// Whole angle of the sector (rad).
     pub width: f64,
-    /// How far it reaches (m).
+    /// Its range (m).
     pub range: f64,
 }
 
@@ -17,33 +17,33 @@ impl Sector {
     }
 }
 
-/// Directions in which more is missed, as where the pictures of two cameras meet.
+/// Directions in which more is missed, such as the seam between the images of two cameras.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Seam {
     /// Direction of its middle from the heading (rad), positive to the left.
     pub facing: f64,
     /// Whole angle that it covers (rad).
     pub width: f64,
-    /// Rate at which actors in it are missed on top of all else.
+    /// Rate at which actors in it are missed in addition to all other misses.
     pub miss: f64,
 }
 
-/// Where sensors look.
+/// The field of the sensors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Field {
-    /// How far ahead of the ego's middle (m).
+    /// Extent ahead of the ego's middle (m).
     pub ahead: f64,
-    /// How far behind it (m).
+    /// Extent behind it (m).
     pub behind: f64,
-    /// How far to either side (m).
+    /// Extent to either side (m).
     pub aside: f64,
-    /// How far from the eye (m).
+    /// Extent from the eye (m).
     pub range: f64,
-    /// How far the eye is ahead of the ego's middle (m).
+    /// Distance of the eye ahead of the ego's middle (m).
     pub eye: f64,
-    /// What is covered; everything around when empty.
+    /// The covered sectors; all directions when empty.
     pub sectors: Vec<Sector>,
-    /// Where more is missed.
+    /// The directions in which more is missed.
     pub seams: Vec<Seam>,
 }
 
@@ -56,12 +56,12 @@ impl Default for Field {
 }
 
 impl Field {
-    /// Where the eye of an ego at this pose is.
+    /// The place of the eye for an ego at this pose.
     pub fn eye(&self, ego: &Pose) -> Point {
         ego.to_world(Vector::new(self.eye, 0.0))
     }
 
-    /// The distance of a place from the eye (m) and the rate at which a seam hides it; `None` when it lies outside.
+    /// The distance of a place from the eye (m) and the rate at which a seam hides it; `None` when it is outside.
     pub fn covers(&self, ego: &Pose, place: Point) -> Option<(f64, f64)> {
         let local = ego.to_local(place);
         let offset = Vector::new(local.x - self.eye, local.y);

@@ -8,7 +8,7 @@ use crate::geometry::{Point, Pose, Vector};
 use crate::seed::{Seed, Stream};
 use crate::sim::PedestrianBody;
 
-/// Nearest and farthest a false alarm appears from the ego (m), and how far from its heading (rad): an assumption.
+/// Least and greatest distance of a false alarm from the ego (m), and greatest angle from its heading (rad): an assumption.
 const DISTANCE: (f64, f64) = (5.0, 30.0);
 const BEARING: f64 = FRAC_PI_3;
 
@@ -25,7 +25,7 @@ impl Ghost {
         Self { actor: None, stream: seed.child("false_alarms").stream() }
     }
 
-    /// Goes on by the time `dt` (s) to the next update of an ego at this pose.
+    /// Advances by the time `dt` (s) to the next update of an ego at this pose.
     pub fn update(&mut self, model: &SensorModel, ego: &Pose, dt: f64) -> Option<Actor> {
         let [change, distance, bearing, heading]: [f64; 4] = self.stream.random();
         self.actor = match self.actor {

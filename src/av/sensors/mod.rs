@@ -1,10 +1,10 @@
 //! Imperfect sensors in front of any driving policy.
 //!
-//! [`SensorWrapper`] is itself a [`DrivingPolicy`](super::DrivingPolicy): it takes the true perception and hands the policy inside
-//! one whose pedestrians and vehicles are what a [`SensorModel`] believes. Everything else (the road, the ego, the lights)
+//! [`SensorWrapper`] is itself a [`DrivingPolicy`](super::DrivingPolicy). It takes the true perception and passes on to the inner
+//! policy one with the pedestrians and vehicles that a [`SensorModel`] believes in. Everything else (the road, the ego, the lights)
 //! stays exact.
 //!
-//! At an *update* of the sensors each actor is looked for:
+//! At an *update* of the sensors each actor passes these steps:
 //!
 //! | step | what | in |
 //! |---|---|---|
@@ -14,9 +14,9 @@
 //! | measurement | where does it seem to be, how fast, how large? | [`Drift`] |
 //! | memory | if it was not found: is it still remembered? | `Track` |
 //!
-//! What was believed at the last update that is old enough (latency) reaches the driver, moved on by its velocity if the
-//! model says so. All draws come from streams named by actor and purpose below the policy's own, so that neither the
-//! policy's draws nor those of another purpose change with a setting.
+//! The driver gets the beliefs of the last update that is old enough (latency), moved on by their velocities if the
+//! model does so. All draws come from streams named by actor and purpose below the policy's own. Neither the
+//! policy's draws nor those of another purpose therefore change with a setting.
 
 mod chance;
 mod field;

@@ -1,12 +1,12 @@
 use super::Field;
 use crate::geometry::Vector;
 
-/// What sensors miss and mistake, and when it reaches the driver. The default is exact, immediate and sees through walls.
+/// The errors and delays of sensors. The default is exact, immediate and sees through walls.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SensorModel {
-    /// Where they look.
+    /// Their field.
     pub field: Field,
-    /// Time between two updates (s), rounded to whole ticks; every tick at least.
+    /// Time between two updates (s), rounded to whole ticks, at least one tick.
     pub period: f64,
     /// Age at which a measurement reaches the driver (s), rounded to whole ticks.
     pub latency: f64,
@@ -16,15 +16,15 @@ pub struct SensorModel {
     pub memory: f64,
     /// Share of an actor that must be visible; at 0 they see through everything.
     pub least_visible: f64,
-    /// Distance up to which `miss_near` holds (m).
+    /// Distance up to which `miss_near` applies (m).
     pub near: f64,
-    /// Distance from which `miss_far` holds (m); linear in between.
+    /// Distance from which `miss_far` applies (m); linear in between.
     pub far: f64,
     /// Rate of misses near by.
     pub miss_near: f64,
     /// Rate of misses far away.
     pub miss_far: f64,
-    /// Further rate of misses when only `least_visible` can be seen, falling linearly to none when all can.
+    /// Additional rate of misses when only `least_visible` can be seen, falling linearly to 0 when the whole actor can.
     pub miss_hidden: f64,
     /// Correlation time of misses (s).
     pub miss_correlation: f64,
@@ -38,21 +38,21 @@ pub struct SensorModel {
     pub size_noise: f64,
     /// Correlation time of all these errors (s).
     pub noise_correlation: f64,
-    /// Share of `walking_speed` in the believed speed of pedestrians, the rest being their true one.
+    /// Weight of `walking_speed` in the believed speed of pedestrians; the rest is the weight of their true speed.
     pub speed_pull: f64,
     /// Speed that the sensors expect of pedestrians (m/s).
     pub walking_speed: f64,
-    /// Share of time for which a pedestrian that is found is taken for a vehicle.
+    /// Share of time for which a detected pedestrian is mistaken for a vehicle.
     pub confusion: f64,
-    /// Correlation time of that (s).
+    /// Correlation time of that mistake (s).
     pub confusion_correlation: f64,
-    /// Whether it is believed to be both.
+    /// Whether the vehicle is believed in addition to the pedestrian.
     pub confusion_adds: bool,
-    /// Half extents of the vehicle that it is taken for (m).
+    /// Half extents of that vehicle (m).
     pub confused_half: Vector,
-    /// Rate at which pedestrians appear that do not exist (1/s).
+    /// Rate at which false pedestrians appear (1/s).
     pub false_alarms: f64,
-    /// How long one stays on average (s).
+    /// The mean duration of one (s).
     pub false_alarm_length: f64,
 }
 
@@ -89,7 +89,7 @@ impl Default for SensorModel {
 }
 
 impl SensorModel {
-    /// The rate at which an actor in the field is missed: at a distance (m), with a visible share, behind a seam
+    /// The rate at which an actor in the field is missed: at a distance (m), with a visible share, in a seam
     /// of this rate. The three causes are independent.
     pub fn miss_rate(&self, distance: f64, visible: f64, seam: f64) -> f64 {
         let beyond = distance - self.near;
@@ -99,7 +99,7 @@ impl SensorModel {
         1.0 - (1.0 - plain) * (1.0 - seam) * (1.0 - self.miss_hidden * hidden.clamp(0.0, 1.0))
     }
 
-    /// Whether anything depends on how much of an actor can be seen.
+    /// Whether a setting depends on how much of an actor is visible.
     pub fn looks(&self) -> bool {
         self.least_visible > 0.0 || self.miss_hidden > 0.0
     }
@@ -109,12 +109,12 @@ impl SensorModel {
         [self.position_noise, self.velocity_noise, self.heading_noise, self.size_noise].iter().any(|noise| *noise > 0.0)
     }
 
-    /// Ticks of this length (s) between two updates.
+    /// The number of ticks of this length (s) between two updates.
     pub fn ticks_between(&self, dt: f64) -> u32 {
         ((self.period / dt).round() as u32).max(1)
     }
 
-    /// Ticks of this length (s) until a measurement reaches the driver.
+    /// The number of ticks of this length (s) until a measurement reaches the driver.
     pub fn ticks_late(&self, dt: f64) -> u32 {
         (self.latency / dt).round() as u32
     }

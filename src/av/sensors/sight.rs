@@ -1,12 +1,12 @@
 use crate::av::Actor;
 use crate::geometry::{Obstacles, OrientedBox, Point, Vector};
 
-/// Places on an actor that rays are sent to, as shares of its half width as the eye sees it.
+/// The targets of rays on an actor, as shares of its half width as the eye sees it.
 const RAYS: [f64; 5] = [-0.8, -0.4, 0.0, 0.4, 0.8];
 
-/// The share of an actor that an eye sees: of five rays to points across its outline, those that nothing stops.
+/// The share of an actor that an eye sees: the share of five rays to points across its outline that are not blocked.
 ///
-/// Seen from above: what stands between hides, however low. `half_width` is half the actor's width as the eye sees it (m).
+/// Seen from above: every obstacle in between hides, however low. `half_width` is half the actor's width as the eye sees it (m).
 pub fn visible_share<'a>(
     eye: Point,
     actor: &Actor,

@@ -5,7 +5,7 @@ use crate::geometry::{Pose, Vector};
 use crate::seed::Seed;
 use crate::sim::ActorId;
 
-/// What is known and believed of one actor.
+/// The knowledge and beliefs about one actor.
 #[derive(Debug, Clone)]
 pub struct Track {
     /// The actor that it follows.
@@ -16,18 +16,18 @@ pub struct Track {
     last: Option<Belief>,
 }
 
-/// An actor as the sensors have it.
+/// An actor as the sensors report it.
 #[derive(Debug, Clone, Copy)]
 pub struct Belief {
     /// The actor.
     pub actor: Actor,
-    /// Whether a pedestrian is taken for a vehicle.
+    /// Whether a pedestrian is mistaken for a vehicle.
     pub confused: bool,
-    /// How long ago it was found (s).
+    /// Time since it was detected (s).
     age: f64,
 }
 
-/// What kind of actor a track follows.
+/// The kind of actor that a track follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     Pedestrian,
@@ -35,7 +35,7 @@ pub enum Kind {
 }
 
 impl Track {
-    /// Starts without having seen the actor. All draws come from `seed` and the actor's number.
+    /// Starts before any detection of the actor. All draws come from `seed` and the actor's number.
     pub fn new(id: ActorId, seed: &Seed) -> Self {
         let seed = seed.index(id.number() as u64);
         Self {
@@ -47,7 +47,7 @@ impl Track {
         }
     }
 
-    /// Goes on by the time `dt` (s) to the next update.
+    /// Advances by the time `dt` (s) to the next update.
     pub fn advance(&mut self, model: &SensorModel, dt: f64) {
         self.miss.advance(correlation(dt, model.miss_correlation));
         self.confusion.advance(correlation(dt, model.confusion_correlation));
@@ -60,7 +60,7 @@ impl Track {
         }
     }
 
-    /// Looks for the actor; `rate` is that of misses, `None` when it cannot be found at all.
+    /// Updates the detection of the actor; `rate` is that of misses, `None` when it cannot be detected at all.
     pub fn update(&mut self, model: &SensorModel, kind: Kind, actor: &Actor, rate: Option<f64>) -> Option<Belief> {
         if rate.is_some_and(|rate| !self.miss.fails(rate)) {
             let confused = kind == Kind::Pedestrian && self.confusion.fails(model.confusion);
@@ -91,7 +91,7 @@ impl Track {
     }
 }
 
-/// An actor after it has gone on with its velocity for a time (s).
+/// An actor moved on by its velocity for a time (s).
 pub fn moved(actor: &Actor, time: f64) -> Actor {
     let place = actor.pose.position() + actor.velocity * time;
     Actor { pose: Pose { x: place.x, y: place.y, ..actor.pose }, ..*actor }

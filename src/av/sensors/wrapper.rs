@@ -8,7 +8,7 @@ use crate::av::{Actor, DrivingMode, DrivingPolicy, Fault, Perception};
 use crate::seed::{Seed, Stream};
 use crate::sim::{ActorId, Control};
 
-/// A driver that knows of other actors only what its sensors report.
+/// A driver that perceives other actors only through its sensors.
 ///
 /// Actors are distinguished by their ids ([`Actor::id`]); their order in the true perception does not matter.
 pub struct SensorWrapper {
@@ -18,16 +18,16 @@ pub struct SensorWrapper {
     people: Vec<Track>,
     cars: Vec<Track>,
     ghost: Ghost,
-    /// What was believed at the last updates; the update number `n` is at `n` modulo the length.
+    /// The beliefs of the last updates; the update number `n` is at `n` modulo the length.
     history: Vec<Snapshot>,
     updates: u32,
-    /// The tick at which the episode began for this driver.
+    /// The tick of the episode's start for this driver.
     began: u32,
     pedestrians: Vec<Actor>,
     vehicles: Vec<Actor>,
 }
 
-/// What was believed at an update.
+/// The beliefs of an update.
 #[derive(Debug, Clone, Default)]
 struct Snapshot {
     pedestrians: Vec<Actor>,
@@ -53,7 +53,7 @@ impl SensorWrapper {
         }
     }
 
-    /// Updates the sensors if it is time, and fills in what reaches the driver now.
+    /// Updates the sensors if it is time, and sets what reaches the driver now.
     fn look(&mut self, perception: &Perception<'_>) {
         let between = self.model.ticks_between(perception.dt);
         let tick = perception.tick.saturating_sub(self.began);
@@ -109,7 +109,7 @@ impl SensorWrapper {
     }
 }
 
-/// The rate at which an actor is missed now; `None` when it is outside the field or hidden.
+/// The present rate at which an actor is missed; `None` when it is outside the field or hidden.
 fn miss_rate(model: &SensorModel, perception: &Perception<'_>, kind: Kind, actor: &Actor) -> Option<f64> {
     let ego = &perception.ego.pose;
     let (distance, seam) = model.field.covers(ego, actor.pose.position())?;

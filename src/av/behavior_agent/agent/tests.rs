@@ -35,7 +35,7 @@ fn town(in_junction: bool) -> Town {
     Town::new(TownParts { roads: vec![road], junctions: vec![junction], ..TownParts::default() })
 }
 
-/// The ego stands 50 m down the road with its bumper at x = 52.4; everything else is given.
+/// The ego stands 50 m down the road with its bumper at x = 52.4; the other fields set everything else.
 struct Scene {
     town: Town,
     blueprint: VehicleBlueprint,
@@ -177,7 +177,7 @@ fn in_junctions_walkers_hide_in_the_zigzag() {
 
 #[test]
 fn without_walkers_the_wide_cone_looks_at_vehicles() {
-    // Its back is 39 degrees aside, though its centre is in the lane.
+    // Its back is 39 degrees to the side, though its centre is in the lane.
     let aside = Actor { pose: Pose::new(57.0, -1.0, -0.4), ..vehicle(0.0, 0.0, 0.0) };
     let scene = Scene { vehicles: vec![aside], ..Scene::new() };
     let found = Release::ALL.map(|release| scene.decide(release, Quirks::ALL).1.walker.is_some());
@@ -200,7 +200,7 @@ fn a_slow_vehicle_ahead_is_followed() {
     let scene = Scene { vehicles: vec![vehicle(64.7, -1.9, 5.0)], ..Scene::new() };
     let (_, decision) = scene.decide(Release::V0_9_13, only_vehicles);
     assert!((decision.target_speed * 3.6 - 8.0).abs() < 1e-9, "10 km/h slower than 18: {decision:?}");
-    // A car whose back is far enough away has its centre out of the newest release's reach.
+    // If the back of a car is far enough away, its centre is out of the newest release's reach.
     assert!(!scene.stops(NEWEST, only_vehicles));
     assert_eq!(scene.decide(NEWEST, only_vehicles).1.vehicle, None);
 }

@@ -80,7 +80,7 @@ impl Drive {
     }
 }
 
-/// The outcome of meeting a pedestrian.
+/// The outcome of an encounter with a pedestrian.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Meeting {
     /// Distance between the middles when the brake was first pressed (m); none if it never was.
@@ -126,7 +126,7 @@ fn street() -> Arc<Town> {
     town(&[(0.0, 0.0), (150.0, 0.0), (300.0, 0.0)], &[&[0, 1, 2]])
 }
 
-/// What is to become of it.
+/// The expected outcome.
 enum Expected {
     /// It brakes at a distance between the middles and stops with a gap (m).
     Stops(f64, f64),
@@ -209,7 +209,7 @@ fn the_same_seed_gives_the_same_drive() {
             drive.tick(WalkCommand::default());
         });
         let once = drive.world.ego().state;
-        // The same driver again: nothing of its past is left.
+        // The same driver again: none of its past remains.
         begin(&mut drive.world, start);
         drive.lav.reset(&drive.sensors.perceive(&drive.world, 0), Seed::root(seed).stream());
         (0..2000).for_each(|_| {
@@ -225,7 +225,7 @@ fn the_same_seed_gives_the_same_drive() {
 
 #[test]
 fn v2_creeps_into_who_blocks_it_for_long_and_v1_waits() {
-    // After 30 s at rest it moves on by some decimetres, again and again.
+    // After 30 s at rest it moves on by some decimetres, repeatedly.
     let (v1, v2) = (Version::V1, Version::V2);
     assert_eq!(meet(v1, 20.0, 0.0, Vector::zeros(), 8000).hit, None);
     assert_eq!(meet(v2, 20.0, 0.0, Vector::zeros(), 600).hit, None);
@@ -257,7 +257,7 @@ fn it_stops_where_the_road_ends() {
     }
 }
 
-/// Drives past whatever it perceives beside the world, and reports where it first braked, and for what.
+/// Drives past everything in `extras` in addition to the world; reports where it first braked, and for what.
 fn drive_with(version: Version, ticks: u32, extras: &Extras) -> (Drive, Option<(f64, DrivingMode)>) {
     let mut drive = Drive::new(&street(), version, Pose::new(40.0, -2.0, 0.0), 1);
     let mut braked = None;
@@ -273,7 +273,7 @@ fn drive_with(version: Version, ticks: u32, extras: &Extras) -> (Drive, Option<(
     (drive, braked)
 }
 
-/// What the world does not hold.
+/// Actors and lights that the world does not contain.
 #[derive(Default)]
 struct Extras {
     walkers: Vec<Actor>,
@@ -357,7 +357,7 @@ fn who_is_hidden_or_beyond_the_cameras_is_not_braked_for() {
     let (_, seen) = drive_with(Version::V2, 500, &beside(false));
     assert_eq!(seen.map(|(_, mode)| mode), Some(DrivingMode::EmergencyStop));
     assert_eq!(drive_with(Version::V2, 500, &beside(true)).1, None);
-    // Nearly abeam the wedge is wide, but no camera looks there.
+    // Nearly abeam the wedge is wide, but no camera covers that direction.
     for (ahead, seen) in [(1.6, true), (0.8, false)] {
         let mut drive = Drive::new(&street(), Version::V2, Pose::new(40.0, -2.0, 0.0), 1);
         drive.tick(WalkCommand::default());
