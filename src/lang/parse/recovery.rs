@@ -71,7 +71,7 @@ impl Reader {
         let is_word = text.chars().all(|c| c == '_' || c.is_ascii_alphanumeric());
         let said = match rule {
             Rule::whole_item if before.starts_with("import ") && before.ends_with('"') => {
-                "an import ends with its path; names stand before it: `import a, b from \"path\"`"
+                "an import ends with its path; names come before it: `import a, b from \"path\"`"
             }
             Rule::whole_item if before.contains('=') && key_first(text) => "the keys of a kind need parentheses",
             Rule::whole_entry if is_word && !before.is_empty() => "this does not belong to the value before it",
