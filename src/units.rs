@@ -123,7 +123,7 @@ impl fmt::Display for Dimension {
 pub struct Unit {
     /// SI units per one of these.
     pub factor: f64,
-    /// What it measures.
+    /// Its dimension.
     pub dimension: Dimension,
 }
 

@@ -50,7 +50,7 @@ impl Actor {
 pub struct Light {
     /// Middle of its trigger box.
     pub trigger: Pose,
-    /// What it shows.
+    /// Its colour.
     pub colour: LightColour,
 }
 

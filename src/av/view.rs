@@ -8,7 +8,7 @@ const LIGHT_ASIDE: f64 = 6.0;
 /// Every second path point is a point of the route: 2 m apart.
 const STRIDE: usize = 2;
 
-/// What a road user is.
+/// The kind of a road user.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// On foot.
@@ -20,7 +20,7 @@ pub enum Kind {
 /// A road user in sight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Seen {
-    /// What it is.
+    /// Its kind.
     pub kind: Kind,
     /// Middle of its box on the ground, and its heading.
     pub pose: Pose,
@@ -33,7 +33,7 @@ pub struct Seen {
 /// The next traffic light that faces the ego.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightAhead {
-    /// What it shows.
+    /// Its colour.
     pub colour: LightColour,
     /// How far ahead of the ego's middle the middle of its trigger box is, along the ego's heading (m).
     pub distance: f64,

@@ -196,7 +196,7 @@ impl Lowering<'_> {
 
     pub fn policy(&mut self, id: DeclarationId) -> Option<PolicyMaker> {
         let declaration = self.program.get(id);
-        // A variant may change the declaration behind a name and leave the policy as it is.
+        // A variant may change the declaration behind a name without changing the policy.
         let contents: Vec<Block> =
             reached(self.program, id).into_iter().map(|each| self.program.get(each).block.clone()).collect();
         let known = self.shared.policies.get(&id).into_iter().flatten();

@@ -155,7 +155,7 @@ pub struct Driver {
     pub surrogate: &'static str,
 }
 
-/// What distinguishes a training from the others of its campaign.
+/// The names that distinguish a training from the others of its campaign.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct TrainingKey {
     /// Name of the town.
@@ -185,9 +185,9 @@ impl fmt::Display for TrainingKey {
 /// One training.
 #[derive(Debug, Clone)]
 pub struct Training {
-    /// What it is.
+    /// Its names.
     pub key: TrainingKey,
-    /// What is trained in.
+    /// The scenario of the training.
     pub scenario: Arc<Scenario>,
     /// Its settings.
     pub config: PpoConfig,
@@ -197,7 +197,7 @@ pub struct Training {
     pub fingerprint: Fingerprint,
 }
 
-/// What controls the pedestrian of an evaluation.
+/// The controller of the pedestrian of an evaluation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum ControllerKind {
     /// The mean of a trained policy: the training's index in [`Campaign::trainings`].
@@ -230,7 +230,7 @@ impl ControllerKind {
 pub struct Evaluation {
     /// Its short name.
     pub id: RunId,
-    /// What controls the pedestrian.
+    /// The controller of the pedestrian.
     pub controller: ControllerKind,
     /// Its training; for an untrained controller, the reward and run that its rows are compared with.
     pub trained: Arc<TrainingKey>,
@@ -254,7 +254,7 @@ pub struct Evaluation {
     pub halfwidth: Option<f64>,
 }
 
-/// What distinguishes a search from the others of its campaign.
+/// The names that distinguish a search from the others of its campaign.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct SearchKey {
     /// Its short name.
@@ -293,7 +293,7 @@ impl fmt::Display for SearchKey {
 /// One falsifier that looks for failures of one policy in one town.
 #[derive(Debug, Clone)]
 pub struct Search {
-    /// What it is.
+    /// Its names.
     pub key: SearchKey,
     /// The scenario of the search.
     pub scenario: Arc<Scenario>,

@@ -6,18 +6,18 @@ use crate::lang::tokens::{TokenKind, is_word, tokens};
 use crate::signature::{Param, Signature};
 use crate::units::Dimension;
 
-/// What the text before the cursor determines about the word at the cursor.
+/// The cursor's context, as the text before it determines it.
 #[derive(Debug)]
 pub struct Cursor<'a> {
     /// The whole word at the cursor; may be empty.
     pub word: &'a str,
-    /// What the word is.
+    /// The role of the word.
     pub place: Place<'a>,
     /// The owner of the innermost braces or parentheses.
     pub signature: Option<&'a Signature>,
 }
 
-/// What a word is.
+/// The role of a word.
 #[derive(Debug, Clone, Copy)]
 pub enum Place<'a> {
     /// The first word of a declaration.
@@ -149,7 +149,7 @@ pub fn cursor<'a>(text: &'a str, byte: usize, catalog: &'a Catalog) -> Cursor<'a
     Cursor { word: &text[start..end + rest], place, signature: frame.signature }
 }
 
-/// What a word of an `import` or a `param` is; none in other statements.
+/// The role of a word of an `import` or a `param`; none in other statements.
 fn statement<'a>(frame: &Frame<'a>, before: &str, behind: &'a str) -> Option<Place<'a>> {
     let words: Vec<&str> = frame.tokens.iter().map(|token| token.text).collect();
     let last = frame.tokens.last()?;

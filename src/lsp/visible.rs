@@ -43,7 +43,7 @@ impl<'a> Visible<'a> {
         self.params().find(|param| param.name.text == name)
     }
 
-    /// A parameter as it is declared.
+    /// A parameter as declared.
     pub fn declared(self, param: &ast::Param) -> String {
         format!("param {}: {} = {}", param.name.text, param.ty.text, self.sources.text(param.value.span))
     }

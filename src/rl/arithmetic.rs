@@ -46,7 +46,7 @@ impl Arithmetic for Fused {
 /// Implementations are marked `#[inline(always)]`, as are all functions that they call: only code that is inlined into
 /// [`Path::run`] is compiled for the wide instructions.
 pub trait Kernel {
-    /// What the loop computes.
+    /// The result of the loop.
     type Output;
 
     /// Runs the loop.

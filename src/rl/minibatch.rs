@@ -61,7 +61,7 @@ impl<T: Real> Minibatch<T> {
         }
     }
 
-    /// Gives the advantages mean 0 and variance 1; a single one stays as it is.
+    /// Scales the advantages to mean 0 and variance 1; a single one is not changed.
     ///
     /// # Source
     /// stable-baselines3: the unbiased standard deviation, plus 10⁻⁸.

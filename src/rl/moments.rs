@@ -3,7 +3,7 @@
 /// The weight of the initial estimate, mean 0 and variance 1, in samples.
 const FIRST_GUESS: f64 = 1e-4;
 
-/// What is added to a variance before it divides.
+/// The ε that is added to a variance before it divides.
 const EPSILON: f64 = 1e-8;
 
 /// The bound of a normalised number.

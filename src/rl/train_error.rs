@@ -13,7 +13,7 @@ pub enum TrainError {
     NonFinite {
         /// The update, from 1.
         update: u64,
-        /// What was not finite.
+        /// The quantity that was not finite.
         quantity: Quantity,
     },
     /// The observer asked to stop.

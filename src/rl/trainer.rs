@@ -97,7 +97,7 @@ impl Trainer {
         self.collect(envs)?.learn()
     }
 
-    /// Does the first half of [`Trainer::update`]: collects a rollout with the policy as it is.
+    /// Does the first half of [`Trainer::update`]: collects a rollout with the present policy.
     ///
     /// # Errors
     /// As [`Trainer::update`].

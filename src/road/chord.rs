@@ -4,7 +4,7 @@ use super::lane_network::{LaneNetwork, LaneSlot, NetworkLane};
 use super::{LaneFilter, Road};
 use crate::geometry::{Point, Vector};
 
-/// How far the heading turns before the next chord begins (rad).
+/// How far the heading turns before the next chord starts (rad).
 const TURN: f64 = std::f64::consts::PI / 100.0;
 /// The longest chord on a curved lane (m).
 const LONGEST: f64 = 100.0;

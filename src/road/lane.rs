@@ -3,7 +3,7 @@ use super::Profile;
 /// The number of a lane as in OpenDRIVE: negative to the right of the reference line, positive to its left, 0 the line.
 pub type LaneId = i32;
 
-/// What a lane is for; the types of OpenDRIVE that matter here.
+/// The use of a lane; the types of OpenDRIVE that matter here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum LaneKind {
@@ -60,7 +60,7 @@ impl LaneKind {
 pub struct Lane {
     /// Its number.
     pub id: LaneId,
-    /// What it is for.
+    /// Its use.
     pub kind: LaneKind,
     /// Its width (m) over the distance from the start of the road (not of the section).
     pub width: Profile,

@@ -19,7 +19,7 @@ pub enum RoadEnd {
     End,
 }
 
-/// What a road is linked to at one of its ends.
+/// The target of a road's link at one of its ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum RoadLink {
     /// Another road, at one of its ends.
@@ -63,9 +63,9 @@ pub struct Road {
     pub lane_offset: Profile,
     /// Lane sections in order; never empty.
     pub sections: Vec<LaneSection>,
-    /// What lies before `s = 0`.
+    /// The road or junction before `s = 0`.
     pub predecessor: Option<RoadLink>,
-    /// What lies after `s = length`.
+    /// The road or junction after `s = length`.
     pub successor: Option<RoadLink>,
 }
 

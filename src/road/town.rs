@@ -12,7 +12,7 @@ use crate::geometry::{OrientedBox, Point, Pose};
 /// The greatest distance between the samples of a lane for the bounds (m).
 const BOUND_STEP: f64 = 10.0;
 
-/// What a town is made of, before it is indexed.
+/// The parts of a town, before they are indexed.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TownParts {
     /// Its name.
@@ -123,7 +123,7 @@ impl Town {
         self.network.slot(waypoint).map_or(0.0, |slot| self.network.width(self.network.lane(slot), waypoint.s))
     }
 
-    /// What the lane at a waypoint is for.
+    /// The use of the lane at a waypoint.
     pub fn lane_kind(&self, waypoint: Waypoint) -> LaneKind {
         self.network.slot(waypoint).map_or(LaneKind::None, |slot| self.network.lane(slot).kind)
     }

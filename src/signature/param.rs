@@ -10,7 +10,7 @@ pub const MOST: f64 = 1e9;
 pub enum Type {
     /// One number with a dimension; bounds are in SI and inclusive.
     Quantity {
-        /// What it measures.
+        /// Its dimension.
         dimension: Dimension,
         /// Least value.
         min: f64,
@@ -19,7 +19,7 @@ pub enum Type {
     },
     /// `low .. high`, low not above high; bounds are in SI and inclusive.
     Range {
-        /// What both ends measure.
+        /// The dimension of both ends.
         dimension: Dimension,
         /// Least value of the low end.
         min: f64,
@@ -29,7 +29,7 @@ pub enum Type {
     /// A distribution of a quantity: a value, a range, `truncated(normal(mean, deviation), low .. high)`, `choice(a, b)`,
     /// `weighted((2, a), (1, b))`; bounds are in SI and inclusive.
     Distribution {
-        /// What it measures.
+        /// Its dimension.
         dimension: Dimension,
         /// Least value.
         min: f64,

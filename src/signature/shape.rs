@@ -69,7 +69,7 @@ pub struct Form {
 pub struct Variable {
     /// Its name in formulas.
     pub name: &'static str,
-    /// What it measures; its value is in SI.
+    /// Its dimension; the value is in SI.
     pub dimension: Dimension,
     /// The bounds of its value in all situations, in SI.
     pub bounds: (f64, f64),

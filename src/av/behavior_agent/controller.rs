@@ -25,9 +25,9 @@ pub(super) struct Pid {
 /// Gains of both controllers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Gains {
-    /// Of the pedals, on km/h.
+    /// For the pedals; the error is in km/h.
     pub longitudinal: Pid,
-    /// Of the wheel, on radians.
+    /// For the wheel; the error is in radians.
     pub lateral: Pid,
 }
 

@@ -78,7 +78,7 @@ pub enum Reason {
     StopSign,
 }
 
-/// What the controller decided at a tick.
+/// The controller's decision at a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Decision {
     /// Points of the path that was tested.

@@ -68,7 +68,7 @@ impl InterFuser {
         }
     }
 
-    /// What the planner decided in the last [`DrivingPolicy::drive`], carried out or not; none at the end of the road.
+    /// The planner's decision in the last [`DrivingPolicy::drive`], carried out or not; none at the end of the road.
     pub fn decision(&self) -> Option<&Decision> {
         self.decision.as_ref()
     }

@@ -71,7 +71,7 @@ impl Blob {
     }
 }
 
-/// What LAV's detector reports.
+/// A detection of LAV's detector.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Detection {
     /// The peak.

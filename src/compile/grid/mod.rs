@@ -50,7 +50,8 @@ impl Lowering<'_> {
             self.said.push(diagnostics::beside_nobody(block.place("beside")));
         }
         if ["train", "evaluate", "search"].iter().all(|word| block.nested(word).next().is_none()) {
-            let message = "this campaign trains no pedestrian, evaluates no controller and searches for nothing".to_string();
+            let message =
+                "this campaign trains no pedestrian, evaluates no controller and searches for nothing".to_string();
             let help = "give it a block: `train { … }`, `evaluate { … }` or `search { … }`";
             self.said.push(diagnostics::contradiction(block.head, message).help(help));
         }

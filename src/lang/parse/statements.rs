@@ -1,4 +1,4 @@
-//! Statements: editions, imports, parameters, declarations, and what is inside a block.
+//! Statements: editions, imports, parameters, declarations, and the contents of blocks.
 
 use pest::iterators::Pair;
 

@@ -51,7 +51,7 @@ pub enum DesignError {
     UnknownNode {
         /// The street.
         street: String,
-        /// The place that was asked for.
+        /// The requested index.
         node: usize,
     },
     /// A street names a node twice in a row.

@@ -46,7 +46,7 @@ impl Tile {
     }
 }
 
-/// What every road covers, sidewalks and all.
+/// The area that every road covers, including sidewalks.
 #[derive(Debug)]
 pub(super) struct Surfaces {
     roads: Vec<Vec<Tile>>,

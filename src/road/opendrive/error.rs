@@ -8,7 +8,7 @@ pub enum OpenDriveError {
         line: u32,
         /// The column there, from 1.
         column: u32,
-        /// What the XML parser says.
+        /// The message of the XML parser.
         message: String,
     },
     /// The outermost element has another name.
@@ -32,7 +32,7 @@ pub struct OpenDriveWarning {
     pub road: Option<String>,
     /// The line of the element, from 1.
     pub line: u32,
-    /// What it is.
+    /// The problem.
     pub problem: OpenDriveProblem,
 }
 
@@ -94,7 +94,7 @@ pub enum OpenDriveProblem {
     AmbiguousLink {
         /// The element.
         element: &'static str,
-        /// What the file says it leads to.
+        /// The target in the file.
         wanted: &'static str,
         /// What CARLA takes it for.
         found: &'static str,

@@ -31,7 +31,7 @@ impl Edge {
         Self { to, junction: entry.point.is_junction, directions, places: segment.places }
     }
 
-    /// What it costs to pass (points).
+    /// The cost of passing it (points).
     pub fn cost(&self) -> f64 {
         (self.places.len() - 1) as f64
     }
@@ -109,7 +109,7 @@ impl RouteGraph {
         self.nodes.len()
     }
 
-    /// The segments that begin at a node.
+    /// The segments that start at a node.
     pub fn edges(&self, node: Node) -> &[Edge] {
         &self.edges[node as usize]
     }

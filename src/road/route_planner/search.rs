@@ -122,7 +122,7 @@ mod tests {
         graph
     }
 
-    /// What networkx 3.6 finds on the same graph.
+    /// The result of networkx 3.6 on the same graph.
     #[test]
     fn ways_are_those_of_networkx() {
         let graph = tangle();
