@@ -10,13 +10,13 @@ use crate::record::{EpisodeRow, RunKey};
 use crate::rl::ActorCritic;
 use crate::seed::Seed;
 
-/// Episodes of a chunk as they end: several may go on at once, so not in their order.
+/// The episodes of a chunk as they end. Several may run at once, so they do not end in their order.
 struct Rows {
     /// The first ones, without a gap.
     settled: Vec<EpisodeRow>,
-    /// Those behind a gap.
+    /// The rows after a gap.
     others: BTreeMap<u32, EpisodeRow>,
-    /// Number of the episode that comes next behind the settled ones.
+    /// Number of the episode that follows the settled ones.
     next: u32,
     ticks: u64,
 }
@@ -32,7 +32,7 @@ impl Rows {
     }
 }
 
-/// Tries the episodes of a chunk that the result store does not have.
+/// Runs the episodes of a chunk that the result store does not have.
 pub(super) fn try_chunk(
     campaign: &Campaign,
     (index, chunk): (usize, u32),
@@ -103,7 +103,7 @@ pub(super) fn try_chunk(
     observer.chunk_ended(index, chunk, error.as_ref());
 }
 
-/// Whether the last ten episodes are in error: then no more were tried.
+/// Whether the last ten episodes are in error. Then no more are run.
 fn hopeless(rows: &[EpisodeRow]) -> bool {
     rows.len() >= 10 && rows.iter().rev().take(10).all(|row| row.outcome.fault().is_some())
 }

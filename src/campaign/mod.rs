@@ -1,7 +1,7 @@
 //! Runs a campaign: trainings, evaluations and searches as tasks, side by side on rayon's threads.
 //!
-//! A [`ResultStore`] takes what is finished and returns it in a later run; progress goes to an [`Observer`]. An evaluation begins when
-//! its pedestrian is trained. Results are in the order of the plan, whatever the threads did.
+//! A [`ResultStore`] stores finished tasks and returns them in a later run. An [`Observer`] gets the progress. An evaluation starts when
+//! its pedestrian is trained. Results are in the order of the plan and do not depend on the threads.
 
 mod task;
 mod observer;

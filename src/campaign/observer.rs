@@ -2,9 +2,9 @@ use super::{Task, TaskError};
 use crate::compile::{Evaluation, Training};
 use crate::rl::UpdateLog;
 
-/// Hears what a running campaign does; called from many threads.
+/// Observes a running campaign. Its methods are called from many threads.
 pub trait Observer: Sync {
-    /// A training begins. The number is its place in the campaign.
+    /// A training starts. The number is its place in the campaign.
     fn training_begun(&self, training: usize) {
         let _ = training;
     }
@@ -14,7 +14,7 @@ pub trait Observer: Sync {
         let _ = (training, plan, log);
     }
 
-    /// A training has ended, well or not.
+    /// A training has ended, with or without an error.
     fn training_ended(&self, training: usize, result: &super::TrainingResult) {
         let _ = (training, result);
     }
@@ -24,18 +24,17 @@ pub trait Observer: Sync {
         let _ = (evaluation, plan);
     }
 
-    /// A chunk of an evaluation has ended; all its episodes are there unless something is said to have gone wrong, or
-    /// somebody asked to stop.
+    /// A chunk of an evaluation has ended. All its episodes are stored, unless there is an error or the user asked to stop.
     fn chunk_ended(&self, evaluation: usize, chunk: u32, error: Option<&TaskError>) {
         let _ = (evaluation, chunk, error);
     }
 
-    /// A task was finished before, so nothing is done.
+    /// A task was finished in an earlier run, so it is not run again.
     fn reused(&self, task: Task) {
         let _ = task;
     }
 
-    /// A chunk is begun, of which so many episodes were there before.
+    /// A chunk starts. An earlier run has stored this number of its episodes.
     fn continued(&self, task: Task, episodes: u32) {
         let _ = (task, episodes);
     }
@@ -45,13 +44,13 @@ pub trait Observer: Sync {
         let _ = (search, result);
     }
 
-    /// Whether to stop after the work in hand.
+    /// Whether to stop after the current update or episode.
     fn stop(&self) -> bool {
         false
     }
 }
 
-/// Hears nothing and never stops.
+/// Ignores everything and never stops.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Silent;
 

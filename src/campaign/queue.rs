@@ -6,10 +6,10 @@ use super::Task;
 
 /// How long a worker without work waits before it looks whether it can help another.
 const PATIENCE: Duration = Duration::from_millis(2);
-/// How many of these waits it takes until tasks in other hands are asked for again.
+/// Number of these waits after which the queue again offers tasks that another process had.
 const ROUNDS: u32 = 20;
 
-/// The tasks that can be worked on, for several workers.
+/// The tasks that are ready, shared by several workers.
 pub(super) struct Queue {
     tasks: Mutex<Tasks>,
     bell: Condvar,
@@ -19,22 +19,22 @@ struct Tasks {
     ready: VecDeque<Task>,
     /// Tasks that another process works on.
     elsewhere: Vec<Task>,
-    /// Tasks of which nobody has told the end, those that wait for others included.
+    /// The number of tasks that have not ended, including those that wait for others.
     left: usize,
     rounds: u32,
     ended: bool,
 }
 
-/// What a worker is to do.
+/// The instruction to a worker.
 pub(super) enum Next {
     Work(Task),
-    /// Nothing is ready now.
+    /// No task is ready now.
     Wait,
     End,
 }
 
 impl Queue {
-    /// Begins with tasks that are ready, and a number of others that will be.
+    /// Starts with the tasks that are ready. `later` is the number of tasks that become ready later.
     pub fn new(ready: VecDeque<Task>, later: usize) -> Self {
         let left = ready.len() + later;
         let tasks = Tasks { ready, elsewhere: Vec::new(), left, rounds: 0, ended: false };
@@ -54,7 +54,7 @@ impl Queue {
         tasks.ready.pop_front().map_or(Next::Wait, Next::Work)
     }
 
-    /// Waits for a moment, unless something happens before.
+    /// Waits for a moment; a change of the queue ends the wait early.
     pub fn wait(&self) {
         let tasks = self.tasks();
         let (mut tasks, _) = self.bell.wait_timeout(tasks, PATIENCE).unwrap_or_else(PoisonError::into_inner);
@@ -65,12 +65,12 @@ impl Queue {
         }
     }
 
-    /// Puts a task aside that another process works on.
+    /// Defers a task that another process works on.
     pub fn put_aside(&self, task: Task) {
         self.tasks().elsewhere.push(task);
     }
 
-    /// Tells the end of a task, and which others can be worked on for that; they come first.
+    /// Marks a task as done. The tasks that it releases come first in the queue.
     pub fn done(&self, released: &[Task]) {
         let mut tasks = self.tasks();
         tasks.left -= 1;
@@ -81,7 +81,7 @@ impl Queue {
         self.bell.notify_all();
     }
 
-    /// Sends all workers home.
+    /// Ends all workers.
     pub fn end(&self) {
         self.tasks().ended = true;
         self.bell.notify_all();

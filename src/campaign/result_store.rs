@@ -48,8 +48,8 @@ pub trait ResultStore: Sync {
         Tally::default()
     }
 
-    /// Called with the episodes of a chunk that follow the stored ones, each time with all of them. `end` says whether more follow, and
-    /// why not.
+    /// Called with the episodes of a chunk that follow the stored ones, each time with all of them. `end` says whether more follow, and if
+    /// not, why.
     fn keep_episodes(&self, evaluation: usize, chunk: u32, rows: &[EpisodeRow], end: Progress<'_>);
 
     /// A finished search.
@@ -80,7 +80,7 @@ pub trait ResultStore: Sync {
 pub enum Progress<'a> {
     /// More episodes follow.
     UnderWay,
-    /// No more follow now: all are there, or the user asked to stop.
+    /// No more follow now: all episodes are there, or the user asked to stop.
     Ended,
     /// No more are needed: the stopping rule is met.
     Enough,

@@ -12,36 +12,35 @@ use crate::falsifier::TrainingRun;
 use crate::rl::{self, Trained};
 use crate::seed::Seed;
 
-/// What became of a training.
+/// The result of a training.
 #[derive(Debug, Clone)]
 pub struct TrainingResult {
     /// Which training.
     pub key: TrainingKey,
-    /// What it brought forth.
+    /// The trained networks, or the error that ended the training.
     pub result: Result<Trained, TaskError>,
 }
 
-/// What came of a campaign, beside the episodes that the result store has.
+/// The results of a campaign, except the episodes, which the result store has.
 #[derive(Debug, Clone)]
 pub struct Finished {
-    /// The trainings, in the plan's order. Those that were never begun are missing.
+    /// The trainings, in the plan's order. Trainings that never started are missing.
     pub trainings: Vec<TrainingResult>,
-    /// The searches, in the plan's order. Those that were never begun are missing.
+    /// The searches, in the plan's order. Searches that never started are missing.
     pub searches: Vec<SearchResult>,
-    /// Whether somebody asked to stop.
+    /// Whether the user asked to stop.
     pub interrupted: bool,
 }
 
 /// Runs a campaign on the present rayon pool.
 ///
-/// Every training and every evaluation has a seed of its own that depends on the names of its town, policy, reward and
-/// run alone: nothing changes when others are added to the campaign. What the result store has is not done again, which changes
-/// nothing either.
+/// Every training and every evaluation has its own seed. The seed depends only on the names of its town, policy, reward and run, so other
+/// entries of the campaign do not change it. Results that the store already has are not computed again; this does not change any number.
 pub fn run(campaign: &Campaign, seed: &Seed, results: &dyn ResultStore, observer: &dyn Observer) -> Finished {
     run_tasks(campaign, &tasks(campaign).collect::<Vec<_>>(), seed, results, observer)
 }
 
-/// Runs some tasks of a campaign as [`run`] runs all; with a chunk that needs a training comes the training.
+/// Runs some tasks of a campaign as [`run`] runs all. A chunk that needs a training brings that training with it.
 pub fn run_tasks(
     campaign: &Campaign,
     wanted: &[Task],
@@ -76,7 +75,7 @@ pub fn run_tasks(
     }
 }
 
-/// What a result store has of a campaign, without doing anything.
+/// Collects what a result store has of a campaign, without running anything.
 pub fn collect(campaign: &Campaign, results: &dyn ResultStore) -> Finished {
     let training = |(index, training): (usize, &Training)| {
         let trained = results.training(index)?;
@@ -110,7 +109,7 @@ struct Work<'a> {
     searches: Vec<OnceLock<SearchResult>>,
 }
 
-/// Sends all workers home when one of them panics, so that none waits for it.
+/// Ends all workers when one of them panics, so that none waits for it.
 struct Alarm<'a>(&'a Queue);
 
 impl Drop for Alarm<'_> {
@@ -122,7 +121,7 @@ impl Drop for Alarm<'_> {
 }
 
 impl Work<'_> {
-    /// Works until nothing is left or somebody asks to stop. A worker without work helps the trainings of others.
+    /// Works until no task is left or the user asks to stop. A worker without work helps with the trainings of others.
     fn carry_on(&self) {
         let _alarm = Alarm(&self.queue);
         loop {
@@ -189,7 +188,7 @@ impl Work<'_> {
         let begin = || TrainingRun::begin(scenario, training.environments, &training.config, &seed);
         let resume =
             |state: Vec<u8>| TrainingRun::resume(&state, scenario, training.environments, &training.config, &seed).ok();
-        // A state that does not fit is as good as none: the training is done from its beginning.
+        // A state that does not fit counts as missing: the training restarts.
         let mut run = match self.results.begun(index).and_then(resume) {
             Some(run) => run,
             None => begin()?,
@@ -216,7 +215,7 @@ impl Work<'_> {
         let evaluation = &self.campaign.evaluations[index];
         let trained = match evaluation.training().and_then(|training| self.trainings[training].get()) {
             Some(TrainingResult { result: Ok(trained), .. }) => Some(&trained.actor_critic),
-            // Whoever was stopped goes on another time.
+            // A training that was stopped continues in a later run.
             Some(TrainingResult { result: Err(TaskError::Training(error)), .. }) if error.is_stopped() => return,
             Some(TrainingResult { result: Err(error), .. }) => {
                 let error = TaskError::Untrained(Box::new(error.clone()));

@@ -11,7 +11,7 @@ impl Search {
     }
 }
 
-/// Carries a search out; none when somebody asks to stop before it has begun.
+/// Runs a search; none when the user asks to stop before it has started.
 pub fn search(
     index: usize,
     search: &Search,
@@ -24,7 +24,7 @@ pub fn search(
     if stop() {
         return None;
     }
-    // Ticks are what a search is given, so whether they are too many is known before.
+    // The budget of a search is in ticks, so whether it exceeds the limit is known in advance.
     if let Some(limit @ TaskError::Ticks { .. }) = results.limit(task, search.budget) {
         let spent = SearchOutcome { ticks: 0, episodes: 0, starts: 0, failures: Vec::new(), stopped: false };
         let (budget, tried) = (search.budget, Vec::new());

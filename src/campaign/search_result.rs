@@ -3,16 +3,16 @@ use crate::compile::SearchKey;
 use crate::env::Outcome;
 use crate::falsifier::SearchOutcome;
 
-/// What came of a search.
+/// The result of a search.
 #[derive(Debug, Clone)]
 pub struct SearchResult {
     /// Which search.
     pub key: SearchKey,
-    /// How many simulator ticks it might use.
+    /// The budget: the number of simulator ticks that it may use.
     pub budget: u64,
-    /// What it did with them.
+    /// What the search did with the budget.
     pub spent: SearchOutcome,
-    /// Fresh episodes of the pedestrian that it ended up with; empty without one.
+    /// Fresh episodes with the walk policy that the search ended up with; empty without one.
     pub tried: Vec<Outcome>,
     /// Why it ended early.
     pub error: Option<TaskError>,

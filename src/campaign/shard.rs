@@ -4,21 +4,21 @@ use super::run::training_of;
 use super::{Task, tasks};
 use crate::compile::Campaign;
 
-/// One of several parts of a campaign that are done apart, on several machines perhaps.
+/// One of several parts of a campaign that are run separately, for example on several machines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
-    /// Which one, from 0.
+    /// The number of this part, from 0.
     pub index: u32,
-    /// How many there are.
+    /// The number of parts.
     pub count: u32,
 }
 
 /// The tasks of a shard, in the plan's order, with the trainings that its evaluations need.
 ///
-/// It hangs on the plan and on nothing else, so every machine comes to the same. The tasks are laid in a row, each training before the
-/// evaluations that need it, and the row is cut into pieces of about equal work, counted in simulator ticks that may be needed. So
-/// a training is needed by one shard, or by a few neighbours; each of these takes it from where the others keep
-/// theirs, or does it again with the same result.
+/// It depends only on the plan, so every machine computes the same shards. The tasks are put in a row, each training before the
+/// evaluations that need it. The row is cut into parts of about equal work, counted in simulator ticks that may be needed. So one shard
+/// needs a training, or a few neighbouring ones do. Each of these takes the training from the store of the others, or repeats it with the
+/// same result.
 pub fn shard(campaign: &Campaign, shard: Shard) -> Vec<Task> {
     let mut wanted: BTreeSet<Task> = deal(campaign, shard.count)
         .into_iter()
@@ -29,7 +29,7 @@ pub fn shard(campaign: &Campaign, shard: Shard) -> Vec<Task> {
     wanted.into_iter().collect()
 }
 
-/// The shard that each task falls to.
+/// The shard of each task.
 pub fn deal(campaign: &Campaign, count: u32) -> Vec<(Task, u32)> {
     let mut row: Vec<Task> = tasks(campaign).collect();
     // Trained pedestrians by their training, then all others.
@@ -43,7 +43,7 @@ pub fn deal(campaign: &Campaign, count: u32) -> Vec<(Task, u32)> {
     row.into_iter()
         .map(|task| {
             let work = work(campaign, task);
-            // A task is where its middle is.
+            // A task belongs to the shard that contains its middle.
             let index = (2 * before + work) * u128::from(count) / (2 * whole).max(1);
             before += work;
             (task, index.min(u128::from(count) - 1) as u32)

@@ -1,6 +1,6 @@
 use crate::compile::{Campaign, ControllerKind};
 
-/// Shrinks a campaign to a trial of its machinery: one run, two updates, five episodes, searches as long as ten episodes.
+/// Shrinks a campaign to a quick check of the whole pipeline: one run, two updates, five episodes, searches as long as ten episodes.
 pub fn smoke(campaign: &mut Campaign) {
     let kept: Vec<usize> =
         (0..campaign.trainings.len()).filter(|index| campaign.trainings[*index].key.run == 0).collect();

@@ -2,14 +2,14 @@ use crate::statistics::{Weighted, wilson_at};
 
 /// Episodes until the first look; each further look comes at twice as many.
 const FIRST_LOOK: u32 = 1_000;
-/// The chance that an interval misses the rate, over all looks together.
+/// The probability that an interval misses the rate, over all looks together.
 const ALPHA: f64 = 0.05;
 
 /// When an evaluation stops: when the 95 % interval of its collision rate is narrow enough.
 ///
-/// It looks after 1,000 episodes, 2,000, 4,000 and so on, and at the end. Frequent looks with early stopping would make intervals too
-/// optimistic. So each of the K looks has an error of 0.05 / K (Bonferroni): in 95 % of all evaluations the intervals at all looks
-/// contain the rate. Looks depend on counts of whole episodes alone, never on time or threads.
+/// It looks after 1,000 episodes, 2,000, 4,000 and so on, and at the end. Frequent looks with early stopping would make the intervals too
+/// optimistic. So each of the K looks has an error of 0.05 / K (Bonferroni). In 95 % of all evaluations the intervals at all looks contain
+/// the rate. A look depends only on counts of whole episodes, never on time or threads.
 ///
 /// # Source
 /// Chow and Robbins, *On the asymptotic theory of fixed-width sequential confidence intervals for the mean*, Annals of
@@ -21,13 +21,13 @@ pub struct StoppingRule {
 }
 
 impl StoppingRule {
-    /// A rule that stops at this half-width, if there is one, and at the latest after `most` episodes.
+    /// A rule that stops at this half-width, if there is one, and after `most` episodes at the latest.
     pub fn new(halfwidth: Option<f64>, most: u32) -> Self {
         // No interval has a width of 0: without a half-width there is one look, at the end.
         Self { halfwidth: halfwidth.unwrap_or(0.0), most }
     }
 
-    /// How many episodes there are at each look; the last is the most.
+    /// The number of episodes at each look; the last is `most`.
     pub fn looks(&self) -> Vec<u32> {
         let doubled = std::iter::successors(Some(FIRST_LOOK), |look| look.checked_mul(2));
         let early = doubled.take_while(|look| self.halfwidth > 0.0 && *look < self.most);
@@ -40,7 +40,7 @@ impl StoppingRule {
         high - low <= 2.0 * self.halfwidth
     }
 
-    /// The interval that is looked at.
+    /// The interval that a look evaluates.
     pub fn interval(&self, collisions: impl Into<Weighted>, episodes: impl Into<Weighted>) -> (f64, f64) {
         wilson_at(collisions, episodes, ALPHA / self.looks().len() as f64)
     }

@@ -5,10 +5,10 @@ use crate::compile::{Campaign, ControllerKind, Evaluation};
 use crate::falsifier::TrainError;
 use crate::statistics::Weighted;
 
-/// Episodes of an evaluation that are one piece of work.
+/// Number of episodes of an evaluation in one task.
 pub const CHUNK: u32 = 10_000;
 
-/// A piece of work of a campaign, by its place in the plan.
+/// A task of a campaign, by its place in the plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Task {
     /// A training.
@@ -25,7 +25,7 @@ pub enum Task {
 }
 
 impl Evaluation {
-    /// How many pieces of work it is: one when its episodes decide how many there are.
+    /// The number of its tasks: one when the number of episodes depends on their results.
     pub fn chunks(&self) -> u32 {
         if self.halfwidth.is_some() { 1 } else { self.episodes.div_ceil(CHUNK) }
     }
@@ -39,12 +39,12 @@ impl Evaluation {
         start..self.episodes.min(start.saturating_add(CHUNK))
     }
 
-    /// Until when it goes on.
+    /// The rule that ends it.
     pub fn rule(&self) -> StoppingRule {
         StoppingRule::new(self.halfwidth, self.episodes)
     }
 
-    /// Whether so many of its episodes, so many of which the driver drove to their end, with so many collisions, are all that it needs.
+    /// Whether these episodes are all that it needs: their number, those that the driver drove to their end, and the collisions.
     pub fn is_finished_with(&self, episodes: u32, valid: impl Into<Weighted>, collisions: impl Into<Weighted>) -> bool {
         let rule = self.rule();
         let early = self.halfwidth.is_some() && rule.looks().contains(&episodes) && rule.is_met(collisions, valid);
@@ -60,7 +60,7 @@ impl Evaluation {
     }
 }
 
-/// All pieces of work of a campaign, in its order: trainings, chunks of evaluations, searches.
+/// All tasks of a campaign, in its order: trainings, chunks of evaluations, searches.
 pub fn tasks(campaign: &Campaign) -> impl Iterator<Item = Task> {
     let chunks = |(evaluation, planned): (usize, &Evaluation)| {
         (0..planned.chunks()).map(move |chunk| Task::Chunk { evaluation, chunk })
@@ -71,25 +71,25 @@ pub fn tasks(campaign: &Campaign) -> impl Iterator<Item = Task> {
         .chain((0..campaign.searches.len()).map(Task::Search))
 }
 
-/// Why a piece of work came to nothing.
+/// Why a task failed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TaskError {
-    /// A training could not go on.
+    /// A training could not continue.
     #[error(transparent)]
     Training(#[from] TrainError),
-    /// The training of the pedestrian that was to be tried came to nothing.
+    /// The training of the pedestrian that was to be evaluated failed.
     #[error("its training failed: {0}")]
     Untrained(Box<TaskError>),
-    /// The driver failed in so many episodes in a row that no more were tried.
+    /// The driver failed in this number of episodes in a row, so no more were run.
     #[error("not tried, since the driver had failed in ten episodes in a row")]
     Hopeless,
-    /// It took longer than it may.
+    /// It reached its time limit.
     #[error("not finished within the {seconds} s that a task may take")]
     Time {
         /// The limit (s).
         seconds: u64,
     },
-    /// It needs more simulator ticks than it may use.
+    /// It needs more simulator ticks than its limit.
     #[error("not finished within the {ticks} ticks that a task may use")]
     Ticks {
         /// The limit.

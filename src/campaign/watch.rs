@@ -6,11 +6,10 @@ use crate::falsifier::{ActionMode, Homing, Intercept, Random, TrainedWalker, Wal
 use crate::rl::ActorCritic;
 use crate::seed::Seed;
 
-/// Tries the pedestrian of an evaluation in the episodes with these numbers, and keeps what is noted of each.
+/// Runs the episodes of an evaluation with these numbers, and returns what `note` makes of each.
 ///
-/// An episode hangs on the user's seed, the names of the evaluation and its own number alone: it is the same in every range,
-/// and the same again when a failure is replayed. `trained` is what the evaluation's training has brought forth; untrained
-/// pedestrians need none.
+/// An episode depends only on the user's seed, the names of the evaluation and its own number. It is the same in every range, and the same
+/// when a failure is replayed. `trained` is the result of the evaluation's training; untrained controllers need none.
 ///
 /// Ends early, with the first episodes up to there, as [`evaluate_noting`] does.
 ///
@@ -28,7 +27,7 @@ pub fn watch<T>(
     watch_numbered(evaluation, trained, episodes, seed, note, observer)
 }
 
-/// Does as [`watch`], and tells the number of the episode that is noted: several may go on at once.
+/// As [`watch`], but `note` also gets the number of the episode: several episodes may run at once.
 pub(super) fn watch_numbered<T>(
     evaluation: &Evaluation,
     trained: Option<&ActorCritic>,
@@ -53,7 +52,7 @@ pub(super) fn watch_numbered<T>(
     evaluate_noting(walker.as_mut(), &evaluation.scenario, episodes, &place("evaluate"), &own, note, observer)
 }
 
-/// Breaks where `stop` is true.
+/// Breaks when `stop` is true.
 pub(super) fn flow(stop: bool) -> ControlFlow<()> {
     if stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
 }

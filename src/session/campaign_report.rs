@@ -3,12 +3,12 @@ use std::path::PathBuf;
 use crate::campaign::Shard;
 use crate::report::{Cell, Gate, Judged, Manifest, SearchCell};
 
-/// What a run made of the campaigns.
+/// The result of a run of campaigns.
 #[derive(Debug)]
 pub struct RunReport {
     /// The campaigns that were run, in order.
     pub campaigns: Vec<CampaignOutcome>,
-    /// Whether the run was stopped, so that later campaigns are missing.
+    /// Whether the run was stopped. Then later campaigns are missing.
     pub interrupted: bool,
 }
 
@@ -22,7 +22,7 @@ impl RunReport {
     }
 }
 
-/// What a run made of a campaign.
+/// The result of a run of one campaign.
 #[derive(Debug)]
 pub enum CampaignOutcome {
     /// A report.
@@ -36,14 +36,14 @@ pub enum CampaignOutcome {
     },
 }
 
-/// A report, with what people look at first.
+/// A report, with its main results.
 #[derive(Debug)]
 pub struct CampaignReport {
     /// The name of the report.
     pub name: String,
     /// Its folder.
     pub folder: PathBuf,
-    /// How it came about.
+    /// How it was made.
     pub manifest: Manifest,
     /// Means and intervals of each cell of the grid, in the order of the table `cells`.
     pub cells: Vec<Cell>,
@@ -56,7 +56,7 @@ pub struct CampaignReport {
 }
 
 impl CampaignReport {
-    /// Whether nothing failed, and everything that was planned is there or the run was stopped.
+    /// Whether nothing failed, and the report is complete or the run was stopped.
     pub fn is_sound(&self) -> bool {
         let whole = self.manifest.complete || self.manifest.stopped;
         !self.failed && whole && self.manifest.errors == 0
@@ -68,15 +68,15 @@ impl CampaignReport {
     }
 }
 
-/// What is there of a shard of a campaign.
+/// The result of one shard of a campaign.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ShardReport {
     /// The shard.
     pub shard: Shard,
     /// The name that the campaign's report will have.
     pub name: String,
-    /// Its tasks that are finished.
+    /// The number of its finished tasks.
     pub finished: usize,
-    /// All its tasks.
+    /// The number of all its tasks.
     pub all: usize,
 }

@@ -10,7 +10,7 @@ use crate::report::FileRecord;
 pub struct CheckOptions {
     /// The files.
     pub input: Input,
-    /// Whether the plan also has the towns that files import, as far as they can be built.
+    /// Whether the plan also has the towns that the files import, as far as they can be built.
     pub imported_towns: bool,
 }
 
@@ -19,7 +19,7 @@ pub struct CheckOptions {
 pub struct Checked {
     /// The plan and the diagnostics.
     pub compiled: Compiled,
-    /// The texts.
+    /// The texts of the files.
     pub sources: Sources,
     /// A record of each file that was read; without its digest after [`Session::check`].
     pub records: Vec<FileRecord>,
@@ -92,7 +92,7 @@ impl Session {
             }
         };
         if !unreadable.is_empty() {
-            // What is wrong with the other files can be reported all the same.
+            // The diagnostics of the other files are still reported.
             self.observer.diagnostics(&compiled.diagnostics, &sources);
             return Err(Error::Unreadable { files: unreadable });
         }

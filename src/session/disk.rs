@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::lang::Reader;
 use crate::report::FileRecord;
 
-/// The longest file that is read (bytes): a device may have no end.
+/// The longest file that is read (bytes): the data of a device may have no end.
 const MOST_BYTES: u64 = 512 << 20;
 
 /// Reads files of the disk, up to 512 MiB each.
@@ -20,7 +20,7 @@ impl Reader for Disk {
 
     fn bytes(&self, path: &Path) -> Result<Vec<u8>> {
         let file = File::open(path)?;
-        // Room for all of it, and one byte more to see that it has ended.
+        // Room for the whole file, and for one byte more to see that it has ended.
         let size = file.metadata().map_or(0, |known| known.len().min(MOST_BYTES) + 1);
         let mut bytes = Vec::with_capacity(size as usize);
         file.take(MOST_BYTES + 1).read_to_end(&mut bytes)?;

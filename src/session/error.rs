@@ -37,13 +37,13 @@ pub enum Error {
     Threads {
         /// The number that was asked for; 0 for one a core.
         threads: u16,
-        /// Why.
+        /// The cause.
         source: rayon::ThreadPoolBuildError,
     },
     /// There is no store to work with.
     #[error(transparent)]
     Store(#[from] StoreError),
-    /// Something could not be written while a campaign was run; what was finished before is kept.
+    /// Something could not be written while a campaign was run. What was finished before is stored.
     #[error("{source}\n  what was finished before is kept; run the same command again to go on (`{out}`)", out = out.display())]
     Keep {
         /// The folder for reports.
@@ -95,7 +95,7 @@ pub enum Error {
         /// Its name.
         name: EpisodeName,
     },
-    /// A table names an episode in a way that is not one.
+    /// A table has an episode name of another form.
     #[error("`{name}` in a table is no name of an episode")]
     BadName {
         /// The text.
@@ -106,7 +106,7 @@ pub enum Error {
     Incomparable {
         /// The episode.
         name: EpisodeName,
-        /// What the table library reports.
+        /// The error of the table library.
         reason: String,
     },
     /// Scenario files are not those that were run.
@@ -148,7 +148,7 @@ pub enum KeepError {
     Write(#[from] WriteError),
 }
 
-/// A difference between the files of a report and those of today.
+/// A difference between the files of a report and the files of now.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Change {
     /// A file was read for the report and is not read now.
@@ -166,7 +166,7 @@ pub enum Change {
     Contents {
         /// The file.
         path: String,
-        /// Its hash then, BLAKE3 in hexadecimal digits.
+        /// Its hash in the report, BLAKE3 in hexadecimal digits.
         then: String,
         /// Its hash now.
         now: String,

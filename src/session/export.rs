@@ -1,4 +1,4 @@
-//! Episodes in the formats of other programs: each format is one writer.
+//! Episodes in the formats of other programs. Each format is one writer.
 
 use std::path::PathBuf;
 
@@ -7,7 +7,7 @@ use crate::report::{self, WriteError};
 
 /// Writes an episode in a format.
 pub trait Export {
-    /// Writes the episode: its scenario, what happened in it, and the verdict.
+    /// Writes the episode: its scenario, its trace, and the verdict.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -15,7 +15,7 @@ pub trait Export {
 }
 
 impl Session {
-    /// Repeats an episode of a report and gives it to a writer, also when it differs from the report.
+    /// Repeats an episode of a report and passes it to a writer, even when it differs from the report.
     ///
     /// # Errors
     /// Those of [`Session::replay`], and those of the writer.
@@ -55,7 +55,7 @@ impl Export for Strip {
     }
 }
 
-/// One picture that moves, as SVG.
+/// An animation, as SVG.
 #[derive(Debug, Clone)]
 pub struct Animation {
     /// The file.

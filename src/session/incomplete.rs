@@ -4,7 +4,7 @@ use crate::campaign::{Task, deal};
 use crate::compile::Campaign;
 use crate::store::Taken;
 
-/// A campaign of which tasks are missing.
+/// A campaign with missing tasks.
 #[derive(Debug)]
 pub struct Incomplete {
     /// The campaign.
@@ -27,7 +27,7 @@ pub struct Missing {
 }
 
 impl Incomplete {
-    /// The shards, of this number, that would make what is missing.
+    /// The shards, out of this number, that contain the missing tasks.
     pub fn shards(&self, count: u32) -> BTreeSet<u32> {
         let deal: BTreeMap<Task, u32> = deal(&self.campaign, count).into_iter().collect();
         self.tasks.iter().map(|missing| deal[&missing.task]).collect()

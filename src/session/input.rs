@@ -14,12 +14,12 @@ pub struct Input {
 }
 
 impl Input {
-    /// One file, and nothing that replaces parts of it.
+    /// One file without replacements.
     pub fn file(path: impl Into<PathBuf>) -> Self {
         Self { files: vec![path.into()], ..Self::default() }
     }
 
-    /// What the compiler replaces.
+    /// The replacements, for the compiler.
     pub(super) fn overrides(&self) -> Overrides {
         let (maps, settings) = (self.maps.iter().cloned().collect(), self.settings.clone());
         Overrides { maps, settings, ..Overrides::default() }

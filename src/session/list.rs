@@ -17,10 +17,10 @@ pub struct Listing {
 }
 
 impl Session {
-    /// Finds out what a run would do, and changes nothing.
+    /// Finds out what a run would do. It changes nothing.
     ///
     /// # Errors
-    /// Files that cannot be read or have errors, and a cache that is not one.
+    /// Files that cannot be read or have errors, and a cache folder with other contents.
     pub fn list(&self, options: &RunOptions) -> Result<Vec<Listing>, Error> {
         let planned = self.campaigns(options)?;
         let store = Store::look(&options.out, options.cache.as_deref(), self.note())?;

@@ -1,4 +1,4 @@
-//! What a report says about how it came about, and when it is complete.
+//! What a report records about its origin, and when it is complete.
 
 use super::{Input, RunOptions, Session};
 use crate::campaign::{Finished, TrainingResult};
@@ -8,14 +8,14 @@ use crate::store::{CODE, vector_instructions};
 
 /// Wall times of a run (s).
 pub struct Times {
-    /// Of each training of the plan, whenever it was done.
+    /// Of each training of the plan, also of earlier runs.
     pub trainings: Vec<f64>,
     /// Of the whole run.
     pub run: f64,
 }
 
-/// Whether everything that was planned is there: all trainings, all episodes that the plan or a stopping rule asks for, each with a reward that is a
-/// number, an episode of each driver in each town that reached its end, and all searches to the end of their budgets.
+/// Whether the report is complete. It has all trainings, and all episodes that the plan or a stopping rule asks for, each with a reward
+/// that is a number. Each driver reached the end of an episode in each town. All searches used their budgets.
 fn is_complete(campaign: &Campaign, finished: &Finished, gathered: &Gathered) -> bool {
     let trained = finished.trainings.iter().filter(|training| training.result.is_ok()).count();
     trained == campaign.trainings.len()
@@ -59,7 +59,7 @@ impl Session {
         }
     }
 
-    /// What the session was given, for a later repetition.
+    /// The input of the session, for a later repetition.
     fn call(&self, input: &Input) -> Call {
         Call {
             folder: std::env::current_dir().map_or_else(|_| String::new(), |folder| folder.display().to_string()),

@@ -11,16 +11,16 @@ use crate::store::{Ids, Store, Taken, task_name};
 /// Options of [`Session::merge`].
 #[derive(Debug, Clone, Default)]
 pub struct MergeOptions {
-    /// What was run. How it was run (`fresh`, `limits`, `command`) has no meaning here.
+    /// The options of the run. Those on how it was run (`fresh`, `limits`, `command`) have no effect here.
     pub run: RunOptions,
     /// Folders with the tasks of shards, beside the store of the reports.
     pub from: Vec<PathBuf>,
-    /// Whether reports of what is there are written even when something is missing.
+    /// Whether reports are written even when tasks are missing.
     pub partial: bool,
 }
 
 impl Session {
-    /// Takes the tasks of shards over, and writes the reports when all are there; the observer hears of what is missing. None when reports were
+    /// Imports the tasks of shards, and writes the reports when all are there. The observer gets the missing tasks. None when reports were
     /// not written: tasks are missing, or the session was stopped.
     ///
     /// # Errors
@@ -30,7 +30,7 @@ impl Session {
         if let Some(missing) = options.from.iter().find(|folder| !folder.is_dir()) {
             return Err(Error::NoFolder { folder: missing.clone() });
         }
-        // What is damaged is reported with what to do about it.
+        // A damaged task is reported together with a remedy.
         let store = Store::open(&options.run.out, options.run.cache.as_deref(), Box::new(|_| {}))?;
         let others: Vec<Store> = options.from.iter().map(|folder| Store::within(folder, Box::new(|_| {}))).collect();
         for (folder, _) in options.from.iter().zip(&others).filter(|(_, store)| !store.is_there()) {
@@ -53,7 +53,7 @@ impl Session {
         if whole || options.partial { self.run_plan(&options.run, &planned, Work::None).map(Some) } else { Ok(None) }
     }
 
-    /// Takes all tasks of a campaign over; returns those that are missing, if any.
+    /// Imports all tasks of a campaign; returns those that are missing, if any.
     fn take_over(
         &self,
         campaign: &Campaign,

@@ -1,8 +1,8 @@
 //! The program as a library: `check`, `run`, `merge`, `replay`, `verify`, `status`, `export`.
 //!
 //! A [`Session`] holds what all calls share: the catalogue of the language, the reader of files, an [`Observer`] and a [`Stop`] flag. Each call
-//! takes a struct of plain options, returns a value or an [`Error`], and tells the observer what happens meanwhile. No call prints,
-//! reads the arguments or the environment of the process, installs a signal handler or starts a program that the catalogue does not allow.
+//! takes a struct of plain options, returns a value or an [`Error`], and reports events to the observer meanwhile. No call prints, reads
+//! the arguments or the environment of the process, installs a signal handler or starts a program that the catalogue does not allow.
 
 mod disk;
 mod error;

@@ -6,23 +6,23 @@ use crate::compile::Campaign;
 use crate::diagnostic::{Diagnostic, Sources};
 use crate::report::ReadError;
 
-/// Hears what happens during a call of a session. All methods do nothing by default; they may be called from several threads.
+/// Observes a call of a session. All methods do nothing by default. They may be called from several threads.
 pub trait Observer: Send + Sync {
-    /// The files were checked, and this was found in them. Nothing is called for [`Session::check`](super::Session::check) when all files
-    /// could be read: there the diagnostics are the result.
+    /// The files were checked, with these diagnostics. [`Session::check`](super::Session::check) does not call this when all files could
+    /// be read: its result has the diagnostics.
     fn diagnostics(&self, diagnostics: &[Diagnostic], sources: &Sources) {
         let _ = (diagnostics, sources);
     }
 
-    /// Something is worth knowing that does not end the call.
+    /// A notice that does not end the call.
     fn notice(&self, notice: &Notice) {
         let _ = notice;
     }
 
-    /// The options and files are sound, and work starts now.
+    /// The options and files are valid, and work starts now.
     fn begun(&self) {}
 
-    /// These tasks of a campaign are started now; the result hears of each of them, and is dropped when the last one has ended.
+    /// These tasks of a campaign start now. The result observes each of them, and is dropped when the last one has ended.
     fn campaign<'a>(&self, campaign: &'a Campaign, tasks: &[Task]) -> Box<dyn campaign::Observer + 'a> {
         let _ = (campaign, tasks);
         Box::new(campaign::Silent)
@@ -33,7 +33,7 @@ pub trait Observer: Send + Sync {
         let _ = report;
     }
 
-    /// A campaign was run, and its report stands.
+    /// A campaign was run, and its report is in its place.
     fn ended(&self, outcome: &CampaignOutcome) {
         let _ = outcome;
     }
@@ -51,7 +51,7 @@ pub enum Notice {
     /// A file of the store is damaged or cannot be read.
     #[error("{text}")]
     Store {
-        /// What the store reports.
+        /// The error of the store.
         text: String,
     },
     /// Rewards of a campaign are not numbers.
@@ -64,7 +64,7 @@ pub enum Notice {
         /// The first of them, with its reward.
         first: String,
     },
-    /// Episodes of a campaign are in error; they count for no rate.
+    /// Episodes of a campaign are in error. No rate counts them.
     #[error(
         "{errors} of {episodes} episodes are in error{} and count for nothing; the first is {first}",
         if *untried > 0 { format!(", {untried} of them not tried") } else { String::new() }
@@ -78,7 +78,7 @@ pub enum Notice {
         episodes: u64,
         /// Those in error that were not simulated.
         untried: u64,
-        /// The first of them, and what went wrong.
+        /// The first of them, with its error.
         first: String,
     },
     /// A folder to merge from holds no tasks.

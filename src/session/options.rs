@@ -12,25 +12,25 @@ pub struct RunOptions {
     pub input: Input,
     /// Folder for the reports, one folder in it for each campaign.
     pub out: PathBuf,
-    /// Folder for finished and half-finished work, which several folders for reports may share; `OUT/.falsify` without it.
+    /// Folder for finished and unfinished work, which several folders for reports may share; `OUT/.falsify` without it.
     pub cache: Option<PathBuf>,
-    /// Number from which everything random follows.
+    /// The seed of all random numbers.
     pub seed: u64,
-    /// Threads that work; results do not depend on it. 0: one for each core.
+    /// The number of threads; results do not depend on it. 0: one for each core.
     pub threads: u16,
     /// What each table of a report is written as.
     pub formats: Formats,
-    /// Whether only enough is run to see that everything works; reports are then named `NAME-smoke`.
+    /// Whether to run only a quick check of the whole pipeline. Reports are then named `NAME-smoke`.
     pub smoke: bool,
-    /// Whether all work is done again, also what is stored.
+    /// Whether to repeat all work, also what is stored.
     pub fresh: bool,
-    /// What a task may take, and how often it is saved.
+    /// The limits of a task, and the time between its checkpoints.
     pub limits: Limits,
     /// Episodes that a report also holds tick by tick.
     pub ticks: Ticks,
     /// Conditions under which a campaign fails.
     pub gates: Vec<Gate>,
-    /// How the caller goes on with this run, for `falsify status`; may be empty.
+    /// The command that continues this run, for `falsify status`; may be empty.
     pub command: String,
 }
 

@@ -1,7 +1,7 @@
 use crate::report::Manifest;
 use crate::store::{CODE, vector_instructions};
 
-/// A possible reason for an episode that comes out differently than in its report.
+/// A possible reason why an episode differs from its report.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Reason {
     /// The program has another version.
@@ -19,7 +19,7 @@ pub enum Reason {
     /// Scenarios could start programs as drivers.
     #[error("a driver from outside that does not drive the same way twice; try `falsify av check`")]
     External,
-    /// The version is the same and the code is not.
+    /// The version is the same, but the code is different.
     #[error("the program was built from other sources")]
     Sources,
     /// None of the others.

@@ -16,17 +16,17 @@ use crate::report::{self, Difference};
 pub struct Repeated {
     /// Its name.
     pub name: EpisodeName,
-    /// Who walked where and against whom, in words.
+    /// The controller, the place and the driver, in words.
     pub title: String,
     /// The scenario it belongs to.
     pub scenario: Arc<Scenario>,
-    /// How it ended now.
+    /// Its outcome now.
     pub outcome: Outcome,
-    /// What happened in it now.
+    /// Its trace now.
     pub trace: Trace,
-    /// What the reference drivers did in it; none without a collision.
+    /// The verdict of the reference drivers; none without a collision.
     pub verdict: Option<Verdict>,
-    /// The values of its row that came out differently.
+    /// The values of its row that differ from the report.
     pub differences: Vec<Difference>,
     /// Where it starts to differ from the stored one, in words, when that is known.
     pub divergence: Option<String>,
@@ -84,7 +84,7 @@ impl Source {
             return Err(Error::CommandsDiffer { name });
         };
         let failure = Failure { start: failure.start, ticks: failure.ticks, commands: failure.commands, outcome };
-        // A table of this failure alone would count it as the first.
+        // In a table of this failure alone it would be the first one. If it is no collision now, there is no row to compare.
         let again = if outcome.is_collision() { search_row(search, failure) } else { Default::default() };
         let key = &search.key;
         let title = format!("found by {key}");

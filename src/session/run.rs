@@ -12,21 +12,21 @@ use crate::rl::UpdateLog;
 use crate::seed::Seed;
 use crate::store::{CampaignStore, Ids, Index, Note, Store};
 
-/// How much is done.
+/// Which tasks are run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Work {
     /// All tasks that the store lacks.
     All,
-    /// No task: reports are made from what the store has.
+    /// No task: reports are made from stored tasks.
     None,
 }
 
 impl Session {
-    /// Runs the campaigns of scenario files and writes their reports. Work that the store has is not done again.
+    /// Runs the campaigns of scenario files and writes their reports. Stored work is not repeated.
     ///
     /// # Errors
     /// Files that cannot be read or have errors, and files or folders that cannot be written. A training, a search or an episode that
-    /// fails is a part of the report.
+    /// fails is not an error; the report has it.
     pub fn run(&self, options: &RunOptions) -> Result<RunReport, Error> {
         let planned = self.campaigns(options)?;
         self.run_plan(options, &planned, Work::All)
@@ -44,7 +44,7 @@ impl Session {
         Ok(planned)
     }
 
-    /// What the store tells the observer.
+    /// Passes notes of the store to the observer.
     pub(super) fn note(&self) -> Note {
         let observer = self.observer.clone();
         Box::new(move |text| observer.notice(&Notice::Store { text: text.to_string() }))
@@ -142,12 +142,12 @@ impl Session {
         })))
     }
 
-    /// What hears of the tasks of a campaign: the observer's, which the stop flag stops.
+    /// The observer of a campaign's tasks, which the stop flag stops.
     pub(super) fn listener<'a>(&self, campaign: &'a Campaign, tasks: &[Task]) -> Listener<'a> {
         Listener { inner: self.observer.campaign(campaign, tasks), stop: self.stop.clone() }
     }
 
-    /// Tells the observer what went wrong in episodes.
+    /// Reports errors of episodes to the observer.
     fn notice_errors(&self, gathered: &Gathered, name: &str) {
         let campaign = || name.to_string();
         if let Some(first) = gathered.first_unpaid.clone() {
@@ -161,7 +161,7 @@ impl Session {
 }
 
 impl RunOptions {
-    /// The name of a campaign's report. A trial of the machinery never replaces results.
+    /// The name of a campaign's report. A smoke run never replaces results.
     pub(super) fn report_name(&self, campaign: &Campaign) -> String {
         if self.smoke { format!("{}-smoke", campaign.name) } else { campaign.name.clone() }
     }
@@ -172,7 +172,7 @@ impl RunOptions {
     }
 }
 
-/// Starts threads that work, 0 for one a core.
+/// Starts this number of threads; 0 means one for each core.
 pub(super) fn pool(threads: u16) -> Result<rayon::ThreadPool, Error> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build();
     pool.map_err(|source| Error::Threads { threads, source })
@@ -183,7 +183,7 @@ fn has_failed(finished: &Finished) -> bool {
         || finished.searches.iter().any(|search| search.error.is_some())
 }
 
-/// Passes everything on to the observer of a campaign, and stops when the flag is raised.
+/// Passes all events to the observer of a campaign, and stops when the flag is raised.
 pub(super) struct Listener<'a> {
     inner: Box<dyn campaign::Observer + 'a>,
     stop: Arc<Stop>,

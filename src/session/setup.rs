@@ -4,7 +4,7 @@ use super::{Disk, Observer, Silent, Stop};
 use crate::compile::Catalog;
 use crate::lang::Reader;
 
-/// What all calls share: the language, the files, who listens, and who may stop them.
+/// What all calls share: the language, the reader of files, the observer and the stop flag.
 pub struct Session {
     pub(super) catalog: Catalog,
     pub(super) reader: Box<dyn Reader + Send + Sync>,
@@ -20,13 +20,13 @@ impl Default for Session {
 }
 
 impl Session {
-    /// Files of the disk, no observer, no way to stop, and this language: the catalogue may hold policies of the caller, and an opener that
-    /// lets scenarios start programs.
+    /// Reads files from the disk, without observer and stop flag, and with this language. The catalogue may have policies of the caller,
+    /// and an opener that lets scenarios start programs.
     pub fn new(catalog: Catalog) -> Self {
         Self { catalog, reader: Box::new(Disk), observer: Arc::new(Silent), stop: Arc::default() }
     }
 
-    /// The same with files that come from elsewhere than the disk.
+    /// The same with another reader of files.
     pub fn with_reader(self, reader: impl Reader + Send + Sync + 'static) -> Self {
         Self { reader: Box::new(reader), ..self }
     }

@@ -5,17 +5,17 @@ use crate::compile::Campaign;
 use crate::seed::Seed;
 use crate::store::{CampaignStore, Ids, Index, State, Store};
 
-/// Options of [`Session::run_shard`], beside those of a run.
+/// Options of [`Session::run_shard`], in addition to those of a run.
 #[derive(Debug, Clone, Copy)]
 pub struct ShardOptions {
     /// Which part of each campaign.
     pub shard: Shard,
-    /// Whether only its trainings are done, each by one shard.
+    /// Whether to run only its trainings, each in one shard.
     pub only_trainings: bool,
 }
 
 impl Session {
-    /// Does one of several parts of each campaign; its tasks stay in the store, and no report is made. A run that is stopped returns the
+    /// Runs one of several parts of each campaign. The store keeps its tasks, and no report is written. A run that is stopped returns the
     /// shards up to there.
     ///
     /// # Errors

@@ -13,25 +13,25 @@ const KINDS: [(&str, &str); 3] = [("train", "trainings"), ("evaluate", "evaluati
 pub struct StatusOptions {
     /// The folder for reports.
     pub out: PathBuf,
-    /// The cache that `run` was given.
+    /// The cache of the run.
     pub cache: Option<PathBuf>,
 }
 
-/// How far a campaign is; its JSON has one object for each campaign.
+/// The progress of a campaign; its JSON is one object for each campaign.
 #[derive(Debug, Serialize)]
 pub struct CampaignProgress {
     /// Its name.
     pub campaign: String,
-    /// Whether it goes on.
+    /// Whether it is finished or running.
     pub state: CampaignState,
     /// Processes that work on the folder.
     pub processes: usize,
-    /// How far the tasks of each kind are.
+    /// The progress of each kind of task.
     #[serde(rename = "tasks")]
     pub kinds: Vec<KindProgress>,
-    /// The tasks that are under way, as people read them.
+    /// The tasks that are under way, for people.
     pub in_hand: Vec<String>,
-    /// Work that is left, as one thread would take it (s); none before there is a measurement of each kind.
+    /// Estimated time of the remaining work on one thread (s); none until each kind has a measurement.
     pub left_thread_s: Option<f64>,
     /// The same without the kinds that have no measurement (s).
     #[serde(skip)]
@@ -39,7 +39,7 @@ pub struct CampaignProgress {
     /// The kinds that have no measurement.
     #[serde(skip)]
     pub unmeasured: Vec<&'static str>,
-    /// Time that is left with as many tasks under way as now (s); none when none is.
+    /// Estimated remaining time with as many tasks under way as now (s); none when no task is under way.
     pub left_s: Option<f64>,
     /// The error of the task that failed last.
     pub last_error: Option<String>,
@@ -50,7 +50,7 @@ pub struct CampaignProgress {
     pub under_way: Vec<TaskStatus>,
 }
 
-/// Whether a campaign goes on.
+/// The state of a campaign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CampaignState {
@@ -63,7 +63,7 @@ pub enum CampaignState {
 }
 
 impl CampaignState {
-    /// The word for it.
+    /// Its name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Finished => "finished",
@@ -73,24 +73,24 @@ impl CampaignState {
     }
 }
 
-/// How far the tasks of a kind are.
+/// The progress of the tasks of a kind.
 #[derive(Debug, Serialize)]
 pub struct KindProgress {
     /// `trainings`, `evaluations` or `searches`.
     pub kind: &'static str,
-    /// Tasks that are finished.
+    /// The number of finished tasks.
     pub finished: usize,
-    /// All of them.
+    /// The number of all tasks.
     pub all: usize,
-    /// Share of the work that is done, 0 to 1, with that of tasks under way.
+    /// Share of the work that is done, 0 to 1, including tasks under way.
     pub share: f64,
 }
 
 impl Session {
-    /// Finds out how far the campaigns of a folder are, and changes nothing.
+    /// Reads the progress of the campaigns of a folder. It changes nothing.
     ///
     /// # Errors
-    /// A cache that is not one, and [`Error::NothingRun`].
+    /// A cache folder with other contents, and [`Error::NothingRun`].
     pub fn status(&self, options: &StatusOptions) -> Result<Vec<CampaignProgress>, Error> {
         let store = Store::look(&options.out, options.cache.as_deref(), self.note())?;
         let campaigns = store.campaigns();
@@ -146,7 +146,7 @@ fn count(tasks: &[TaskStatus], word: &str, kind: &'static str) -> Option<KindPro
     (all > 0).then(|| KindProgress { kind, finished, all, share: done as f64 / amount.max(1) as f64 })
 }
 
-/// Work that is left as one thread would take it (s), estimated from the tasks that are there, and the kinds without any.
+/// The time of the remaining work on one thread (s), estimated from the finished part, and the kinds without a measurement.
 fn left(tasks: &[TaskStatus]) -> (f64, Vec<&'static str>) {
     let (mut seconds, mut unmeasured) = (0.0, Vec::new());
     for (word, kind) in KINDS {

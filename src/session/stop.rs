@@ -1,6 +1,6 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Asks a session to stop after the work in hand. A handler of signals or another thread raises it.
+/// Asks a session to stop after the current update or episode. A signal handler or another thread raises it.
 #[derive(Debug, Default)]
 pub struct Stop {
     asked: AtomicBool,
@@ -23,12 +23,12 @@ impl Stop {
         self.asked.load(Ordering::Relaxed)
     }
 
-    /// Whether a report is being moved to its place: a process that ends now could leave half of it.
+    /// Whether a report is being moved to its place. A process that ends now could leave half of it.
     pub fn is_placing(&self) -> bool {
         self.placing.load(Ordering::Relaxed)
     }
 
-    /// Does what must not be cut short.
+    /// Runs what must not be interrupted.
     pub(super) fn while_placing<T>(&self, place: impl FnOnce() -> T) -> T {
         self.placing.store(true, Ordering::Relaxed);
         let placed = place();

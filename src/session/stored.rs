@@ -1,4 +1,4 @@
-//! A report → the campaign that it came from, compiled again.
+//! Finds and reads a report, and compiles its campaign again.
 
 use std::path::{Path, PathBuf};
 
@@ -12,13 +12,13 @@ use crate::seed::Seed;
 /// How a report is repeated.
 #[derive(Debug, Clone, Default)]
 pub struct RepeatOptions {
-    /// Folder to which the paths of the scenario files are relative, when it is not the one in which they were run.
+    /// Folder to which the paths of the scenario files are relative, when it is not the folder of the run.
     pub files: Option<PathBuf>,
-    /// Whether to go on although a scenario file is not the one that was run.
+    /// Whether to continue although a scenario file has changed since the run.
     pub anyway: bool,
 }
 
-/// A report with the campaign that it came from.
+/// A report with its campaign.
 pub(super) struct Source {
     /// The report.
     pub report: StoredReport,
@@ -29,7 +29,7 @@ pub(super) struct Source {
 }
 
 impl Session {
-    /// Finds the report that holds an episode; complete ones precede partial ones and trials of the machinery.
+    /// Finds the report that holds an episode. Complete reports precede partial ones and smoke runs.
     pub(super) fn find(&self, folder: &Path, name: EpisodeName) -> Result<StoredReport, Error> {
         let folders = StoredReport::find(folder);
         if folders.is_empty() {
@@ -99,7 +99,7 @@ impl RepeatOptions {
     }
 }
 
-/// The files that are not what they were when the report was made.
+/// The files that have changed since the report was made.
 fn changes(manifest: &Manifest, now: &[FileRecord], root: Option<&Path>) -> Vec<Change> {
     let mut changes = Vec::new();
     let place = |path: &str| root.map_or_else(|| path.to_string(), |root| root.join(path).display().to_string());

@@ -16,26 +16,26 @@ use crate::seed::Seed;
 pub struct VerifyOptions {
     /// The report.
     pub report: PathBuf,
-    /// The number of episodes and failures of searches that are repeated; all without it.
+    /// The number of episodes and failures of searches to repeat; all without it.
     pub sample: Option<usize>,
     /// Whether every pedestrian is trained again, too.
     pub trainings: bool,
-    /// Number from which the choice of the sample follows.
+    /// The seed of the sample.
     pub seed: u64,
     /// How they are repeated.
     pub repeat: RepeatOptions,
 }
 
-/// What a verification found.
+/// The result of a verification.
 #[derive(Debug)]
 pub struct VerifyReport {
     /// The report.
     pub report: StoredReport,
     /// The number of episodes and failures that were repeated.
     pub repeated: usize,
-    /// Those that came out differently, in the order of their runs.
+    /// Those that differ, in the order of their runs.
     pub different: Vec<Repeated>,
-    /// The trainings that were repeated, if any were to be.
+    /// The repeated trainings, if they were asked for.
     pub trainings: Option<Retrained>,
 }
 
@@ -49,7 +49,7 @@ pub struct Retrained {
 }
 
 impl VerifyReport {
-    /// Whether everything came out as in the report.
+    /// Whether everything is equal to the report.
     pub fn is_equal(&self) -> bool {
         self.different.is_empty() && self.trainings.as_ref().is_none_or(|trainings| trainings.different.is_empty())
     }
@@ -59,7 +59,7 @@ impl Session {
     /// Repeats episodes of a report and compares every column; on request also its trainings.
     ///
     /// # Errors
-    /// Scenario files cannot be compiled or are not those that were run, or a file of the report is damaged.
+    /// Scenario files cannot be compiled or have changed since the run, or a file of the report is damaged.
     pub fn verify(&self, options: &VerifyOptions) -> Result<VerifyReport, Error> {
         let source = self.reopen(StoredReport::open(&options.report)?, &options.repeat)?;
         let names = chosen(&source, options)?;
@@ -69,7 +69,7 @@ impl Session {
     }
 }
 
-/// The episodes and failures that are repeated, in the order of the tables.
+/// The episodes and failures to repeat, in the order of the tables.
 fn chosen(source: &Source, options: &VerifyOptions) -> Result<Vec<EpisodeName>, Error> {
     let mut all = source.report.index()?;
     all.extend(source.report.search_failures()?);
@@ -88,7 +88,7 @@ fn chosen(source: &Source, options: &VerifyOptions) -> Result<Vec<EpisodeName>, 
     places.into_iter().map(name).collect()
 }
 
-/// Repeats episodes, those of a run one after the other; returns those that differ.
+/// Repeats episodes, those of a run in sequence; returns those that differ.
 fn differing(source: &Source, names: &[EpisodeName]) -> Result<Vec<Repeated>, Error> {
     let mut runs: BTreeMap<_, Vec<EpisodeName>> = BTreeMap::new();
     for name in names {

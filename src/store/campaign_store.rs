@@ -13,14 +13,14 @@ use crate::falsifier::{SearchOutcome, TrainingRun};
 use crate::record::{self, Chunk, Chunks, EpisodeRow, Tally};
 use crate::rl::Trained;
 
-/// What a run may take.
+/// The limits of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
     /// Time between two checkpoints of a task.
     pub checkpoint: Duration,
-    /// Most time for a task (s).
+    /// Time limit of a task (s).
     pub seconds: Option<u64>,
-    /// Most simulator ticks for a task.
+    /// Limit of simulator ticks of a task.
     pub ticks: Option<u64>,
 }
 
@@ -40,13 +40,13 @@ pub struct CampaignStore<'a> {
 struct InHand {
     begun: Instant,
     saved: Instant,
-    /// Time that was spent on it before (s).
+    /// Time that earlier runs spent on it (s).
     before: f64,
-    /// Episodes that were there before, as their file holds them.
+    /// Episodes that were stored before, as their file has them.
     bytes: Vec<u8>,
 }
 
-/// A search as it is written down.
+/// A search in the form in which it is stored.
 #[derive(Serialize, Deserialize)]
 struct Record {
     spent: SearchOutcome,
@@ -67,12 +67,12 @@ impl<'a> CampaignStore<'a> {
         }
     }
 
-    /// Wall time of every training, whenever it was done (s).
+    /// Wall time of every training (s), also of earlier runs.
     pub fn training_seconds(&self) -> Vec<f64> {
         lock(&self.seconds).clone()
     }
 
-    /// Why something could not be kept, if so.
+    /// Why something could not be stored, if so.
     pub fn take_failure(&self) -> Option<StoreError> {
         lock(&self.failed).take()
     }
@@ -89,7 +89,7 @@ impl<'a> CampaignStore<'a> {
         self.ids.get(task)
     }
 
-    /// Whether it is time for a checkpoint of a task; from now on the next one is waited for.
+    /// Whether a checkpoint of a task is due. If so, the clock for the next one restarts.
     fn is_due(&self, task: Task) -> bool {
         let mut in_hand = lock(&self.in_hand);
         let Some(in_hand) = in_hand.get_mut(&task) else { return false };
@@ -219,12 +219,12 @@ impl ResultStore for CampaignStore<'_> {
         let faulty = rows.iter().any(|row| row.outcome.fault().is_some());
         let whole = done == self.campaign.evaluations[evaluation].chunk(chunk).len() as u64;
         let (state, error) = match end {
-            // Whoever did not limit it has a right to all of it.
+            // The limit belongs to this run: a later run may continue the task.
             Progress::Failed(error @ (TaskError::Time { .. } | TaskError::Ticks { .. })) if !faulty => {
                 (State::Begun, error.to_string())
             }
             Progress::Failed(error) => (State::Failed, error.to_string()),
-            // A driver that failed may do better another time.
+            // A driver that failed may succeed another time.
             Progress::Ended | Progress::Enough if faulty => (State::Failed, String::new()),
             Progress::Enough => (State::Finished, String::new()),
             Progress::Ended if whole => (State::Finished, String::new()),
@@ -251,7 +251,7 @@ impl ResultStore for CampaignStore<'_> {
 
     fn keep_search(&self, search: usize, result: &SearchResult) {
         let record = Record { spent: result.spent.clone(), tried: result.tried.clone() };
-        // An episode in error, or a reward that is no number, has no form; such a search is done again.
+        // An episode in error, or a reward that is not a number, cannot be stored. Such a search is run again.
         let Ok(bytes) = serde_json::to_vec(&record) else { return };
         if serde_json::from_slice::<Record>(&bytes).is_ok_and(|read| read.spent == record.spent) {
             let task = Task::Search(search);

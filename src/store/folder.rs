@@ -11,24 +11,24 @@ use super::{Id, Ids, StoreError};
 use crate::campaign::tasks;
 use crate::compile::Campaign;
 
-/// What is read of a file to see how it begins.
+/// Number of bytes that are read to see how a file starts.
 const BEGINNING: usize = 4096;
-/// Hears what is to be said about files.
+/// Receives notes about files.
 pub type Note = Box<dyn Fn(&str) + Send + Sync>;
 
 /// The tasks of a folder for reports.
 pub struct Store {
     place: Place,
-    /// For tasks in the making; none in a store that is only looked into.
+    /// For tasks that are being written; none in a store that is only read.
     work: Option<WorkFolder>,
-    /// For reports in the making, where tasks lie elsewhere.
+    /// For reports that are being written, when the tasks are in another folder.
     drafts: Option<WorkFolder>,
     note: Note,
-    /// The tasks that were said to be damaged.
+    /// The tasks that were reported as damaged.
     said: Mutex<BTreeSet<Id>>,
 }
 
-/// A task in hand: nobody else takes it until this is dropped.
+/// A claim on a task: no other process takes it until this is dropped.
 struct Claim {
     path: PathBuf,
     _file: File,
@@ -41,11 +41,11 @@ impl Drop for Claim {
 }
 
 impl Store {
-    /// Opens the store of a folder for reports, making both if need be. Its tasks lie in a cache if one is named, which several such
-    /// folders may share, else beside the reports.
+    /// Opens the store of a folder for reports, and makes both if needed. If a cache is named, the tasks are in the cache, which several
+    /// such folders may share. Otherwise they are beside the reports.
     ///
     /// # Errors
-    /// One of the folders cannot be made or written to, or cannot be used as such.
+    /// One of the folders cannot be made or written to, or has other contents.
     pub fn open(out: &Path, cache: Option<&Path>, note: Note) -> Result<Self, StoreError> {
         let place = Place::of(out, cache)?;
         place.make()?;
@@ -57,33 +57,33 @@ impl Store {
         Ok(Self { place, work: Some(work), drafts, note, said: Mutex::default() })
     }
 
-    /// Looks into the store of a folder for reports without changing anything.
+    /// Opens the store of a folder for reports without changing anything.
     ///
     /// # Errors
-    /// The cache is something else than one.
+    /// The named cache is not a cache.
     pub fn look(out: &Path, cache: Option<&Path>, note: Note) -> Result<Self, StoreError> {
         let place = Place::of(out, cache)?;
         place.check()?;
         Ok(Self { place, work: None, drafts: None, note, said: Mutex::default() })
     }
 
-    /// Looks into the store in a folder: one for reports, or a cache.
+    /// Opens the store in a folder for reports, or in a cache, without changing anything.
     pub fn within(folder: &Path, note: Note) -> Self {
         Self { place: Place::within(folder), work: None, drafts: None, note, said: Mutex::default() }
     }
 
-    /// Where a task is, if it is there.
+    /// The path of a task, if it is there.
     pub fn path(&self, id: Id) -> PathBuf {
         self.path_of(&id.to_string())
     }
 
-    /// Where a task with this name is.
+    /// The path of the task with this name.
     pub(super) fn path_of(&self, id: &str) -> PathBuf {
-        // Folders with a hundred thousand files are slow on some file systems.
+        // Some file systems are slow with a hundred thousand files in one folder.
         self.root().join("tasks").join(id.get(..2).unwrap_or_default()).join(id)
     }
 
-    /// Where everything lies.
+    /// The paths of this store.
     pub(super) fn place(&self) -> &Place {
         &self.place
     }
@@ -97,7 +97,7 @@ impl Store {
         self.place.root()
     }
 
-    /// Reads a task; says so when it is damaged.
+    /// Reads a task; reports it when it is damaged.
     pub fn read(&self, id: Id) -> Found {
         let path = self.path(id);
         let bytes = match fs::read(&path) {
@@ -114,19 +114,19 @@ impl Store {
         }
     }
 
-    /// Says once that a task is damaged.
+    /// Reports once that a task is damaged.
     pub fn damaged(&self, id: Id) {
         if self.said.lock().unwrap_or_else(PoisonError::into_inner).insert(id) {
             (self.note)(&format!("`{}` is damaged; its task is done again", self.path(id).display()));
         }
     }
 
-    /// Reads how a task begins, without looking at its bytes; the error is that it is damaged.
+    /// Reads the header of a task without its bytes; the error is that it is damaged.
     pub fn head(&self, id: Id) -> Option<Result<Header, ()>> {
         self.head_of(&self.path(id))
     }
 
-    /// Reads how the task in a file begins.
+    /// Reads the header of the task in a file.
     pub(super) fn head_of(&self, path: &Path) -> Option<Result<Header, ()>> {
         let mut beginning = Vec::new();
         let file = File::open(path).ok()?;
@@ -137,7 +137,7 @@ impl Store {
         Some(whole.map(|(header, _)| header).ok_or(()))
     }
 
-    /// Writes a task; it appears whole or not at all. What is finished survives a power cut.
+    /// Writes a task. Its file appears whole or not at all. A finished task survives a power cut.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -163,7 +163,7 @@ impl Store {
         put().map_err(failed)
     }
 
-    /// Takes a task in hand; none while another process has it.
+    /// Claims a task; none while another process has it.
     ///
     /// # Errors
     /// The folder cannot be written to.
@@ -175,12 +175,12 @@ impl Store {
         let file = file.map_err(failed)?;
         match file.try_lock() {
             Err(TryLockError::WouldBlock) => Ok(None),
-            // Where files cannot be locked two processes may do the same work, with the same result.
+            // Where files cannot be locked, two processes may do the same work. Their results are the same.
             Ok(()) | Err(TryLockError::Error(_)) => Ok(Some(Box::new(Claim { path, _file: file }))),
         }
     }
 
-    /// A folder for files in the making, on the same file system as the reports.
+    /// A folder for files that are being written, on the same file system as the reports.
     ///
     /// # Errors
     /// It cannot be made.
@@ -233,12 +233,12 @@ impl Store {
         Ok(())
     }
 
-    /// Waits until no other process moves a report of this folder into its place; none may do so while this is held.
+    /// Waits until no other process moves a report of this folder to its place. No other process may do so while this is held.
     pub fn door(&self) -> Option<File> {
         locked(self.place.beside())
     }
 
-    /// Waits until nobody says what campaigns want; nobody may do so while this is held.
+    /// Waits until no other process records what campaigns want. No other process may do so while this is held.
     pub fn hold_still(&self) -> Option<File> {
         locked(self.root())
     }
@@ -263,7 +263,7 @@ fn locked(folder: &Path) -> Option<File> {
     Some(door)
 }
 
-/// What is made as temporary is for its owner alone; tasks are for everyone who may read their folder.
+/// Temporary files are for their owner alone. Tasks are for all who may read their folder.
 #[cfg(unix)]
 fn readable<'a, 'b, 'c>(builder: &'a mut tempfile::Builder<'b, 'c>) -> &'a mut tempfile::Builder<'b, 'c> {
     use std::os::unix::fs::PermissionsExt;

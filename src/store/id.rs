@@ -3,13 +3,13 @@ use std::fmt;
 use crate::campaign::{CHUNK, Task};
 use crate::compile::{Campaign, Evaluation, Search, Training};
 
-/// The version of the code that makes numbers, as 16 hexadecimal digits.
+/// The version of the code that affects numbers, as 16 hexadecimal digits.
 pub const CODE: &str = env!("FALSIFY_CODE");
 
-/// The version of what a task's name is a digest of.
+/// The version of the input of a task's digest.
 const VERSION: &str = "falsify task 1";
 
-/// The name of a task: a digest of all that its bytes depend on.
+/// The name of a task: a digest of everything that its bytes depend on.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Id([u8; 16]);
 
@@ -45,7 +45,7 @@ pub struct Ids {
 }
 
 impl Ids {
-    /// Works them out for a seed.
+    /// Computes them for a seed.
     pub fn new(campaign: &Campaign, seed: u64) -> Self {
         let trainings: Vec<Id> = campaign.trainings.iter().map(|each| training(each, seed)).collect();
         let evaluation = |each: &Evaluation| evaluation(each, each.training().map(|place| trainings[place]), seed);
@@ -58,7 +58,7 @@ impl Ids {
 
     /// The name of a task.
     ///
-    /// That of a chunk does not depend on how many episodes are asked for: its first ones are the same in any number.
+    /// The name of a chunk does not depend on the number of episodes that the campaign asks for: the first ones are always the same.
     pub fn get(&self, task: Task) -> Id {
         match task {
             Task::Training(index) => self.trainings[index],
@@ -89,7 +89,7 @@ fn training(training: &Training, seed: u64) -> Id {
 }
 
 fn evaluation(evaluation: &Evaluation, training: Option<Id>, seed: u64) -> Id {
-    // How many episodes there are hangs on the rule, if there is one.
+    // The number of episodes depends on the rule, if there is one.
     let rule = evaluation.halfwidth.map(|halfwidth| format!("until {halfwidth:?}, at most {}", evaluation.episodes));
     Id::of(&[
         b"evaluation",
@@ -121,7 +121,7 @@ fn search(search: &Search, seed: u64) -> Id {
     ])
 }
 
-/// The vector instructions that the networks' products may use, on which the last bits of a training depend.
+/// The vector instructions that the networks' products may use. The last bits of a training depend on them.
 pub fn vector_instructions() -> &'static str {
     #[cfg(target_arch = "x86_64")]
     {

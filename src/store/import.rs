@@ -1,4 +1,4 @@
-//! Tasks of several stores in one.
+//! Merges the tasks of several stores.
 
 use std::fs;
 use std::io;
@@ -6,25 +6,25 @@ use std::path::{Path, PathBuf};
 
 use super::{Found, Id, State, Store, StoreError};
 
-/// What several stores have of a task, after the best of it was taken over.
+/// What several stores have of a task, after the best version was imported.
 #[derive(Debug, PartialEq)]
 pub enum Taken {
     /// All of it is there.
     Whole,
-    /// It came to nothing, for this reason, and that is there.
+    /// It failed, for this reason, and that result is stored.
     Failed(String),
-    /// So many updates, episodes or ticks are there.
+    /// This number of updates, episodes or ticks is there.
     Part(u64),
-    /// Nobody has it.
+    /// No store has it.
     Missing,
-    /// A file of it is damaged, and nobody has another.
+    /// A file of it is damaged, and no other store has it.
     Damaged(PathBuf),
-    /// Two say different things.
+    /// Two stores have different results.
     Differ(PathBuf, PathBuf),
 }
 
 impl Store {
-    /// Takes the best over that other stores have of a task, of which `amount` is all.
+    /// Imports the best version that other stores have of a task, whose full size is `amount`.
     ///
     /// # Errors
     /// The task cannot be written.
@@ -60,7 +60,7 @@ impl Store {
         })
     }
 
-    /// Puts a file of another store into this one: the same file on the same file system, a copy elsewhere.
+    /// Imports a file of another store: as a link on the same file system, else as a copy.
     fn bring(&self, from: &Path, to: &Path) -> Result<(), StoreError> {
         let failed = |source| StoreError::File { path: to.to_path_buf(), source };
         let drafts = self.drafts()?;
@@ -76,7 +76,7 @@ impl Store {
     }
 }
 
-/// Finished before failed before begun, more before less.
+/// Finished before failed before started; more before less.
 fn rank(found: &Found) -> (u8, u64) {
     match found {
         Found::Whole(header, _) => match header.state {

@@ -7,13 +7,13 @@ use crate::campaign::{CHUNK, Task, tasks};
 use crate::compile::Campaign;
 use crate::record::RunKey;
 
-/// What is remembered of a campaign: which tasks it wanted last, and from what each of its tasks was made last. It only explains; what
-/// is there is there without it.
+/// What the store remembers of a campaign: the tasks that it wanted last, and the inputs from which each of its tasks was last made. It
+/// only explains; a task is there or not there without it.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Index {
     /// The names of all its tasks.
     pub wanted: BTreeSet<String>,
-    /// What each of them is, and how much: updates, episodes, ticks.
+    /// What each of them is, and its size: updates, episodes, ticks.
     #[serde(default)]
     pub plan: BTreeMap<String, (String, u64)>,
     /// The command that it was last run with.
@@ -22,11 +22,11 @@ pub struct Index {
     /// The folder for reports that it was last run for, for people.
     #[serde(default)]
     pub out: String,
-    /// The tasks that were finished, by what they are.
+    /// The finished tasks, by what they are.
     done: BTreeMap<String, Made>,
 }
 
-/// From what a task was made.
+/// The inputs from which a task was made.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Made {
     id: String,
@@ -38,21 +38,21 @@ struct Made {
 /// What is known of a task before a run.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Known {
-    /// It is there.
+    /// It is stored.
     Finished,
-    /// It is there in part: so many of so many updates or episodes.
+    /// A part of it is stored: a number of its updates or episodes.
     Begun(u64, u64),
-    /// It is not there, for this reason.
+    /// It is not stored, for this reason.
     Missing(&'static str),
 }
 
 impl Index {
-    /// What is remembered of a campaign; nothing when nothing is.
+    /// What the store remembers of a campaign; empty when there is nothing.
     pub fn read(store: &Store, name: &str) -> Self {
         store.campaign_text(name).and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default()
     }
 
-    /// Remembers what a campaign wants, and what of it is there.
+    /// Records what a campaign wants, and which of these tasks are stored.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -74,7 +74,7 @@ impl Index {
         store.put_campaign_text(name, &text)
     }
 
-    /// Tells what is known of a task, and why it must be run if it must.
+    /// What is known of a task and, if it must be run, why.
     pub fn look(&self, store: &Store, campaign: &Campaign, task: Task, ids: &Ids, seed: u64) -> Known {
         let (id, wanted) = (ids.get(task), amount(campaign, task));
         match store.head(id) {
@@ -100,12 +100,12 @@ impl Index {
     }
 }
 
-/// Whether it is known beforehand how many episodes a task has, which may have been made for fewer.
+/// Whether the number of episodes of a task is known in advance. A stored task may have been made for fewer.
 fn is_counted(campaign: &Campaign, task: Task) -> bool {
     matches!(task, Task::Chunk { evaluation, .. } if campaign.evaluations[evaluation].halfwidth.is_none())
 }
 
-/// Updates or episodes that a task has when it is finished.
+/// The number of updates or episodes of a finished task.
 fn amount(campaign: &Campaign, task: Task) -> u64 {
     match task {
         Task::Training(index) => {
@@ -126,7 +126,7 @@ fn fingerprint(campaign: &Campaign, task: Task) -> String {
     }
 }
 
-/// What a task is, for people: it tells the tasks of a campaign apart.
+/// What a task is, for people. It distinguishes the tasks of a campaign.
 pub fn task_name(campaign: &Campaign, task: Task) -> String {
     match task {
         Task::Training(index) => {

@@ -1,8 +1,9 @@
-//! Tasks on disk: what campaigns have finished or begun, so that nothing is done twice and nothing is lost.
+//! Tasks on disk: finished and unfinished work of campaigns, so that no work is repeated or lost.
 //!
-//! `OUT/.falsify` is shared by all campaigns of a folder, a cache by those of several. A task's name is a digest of all that its bytes depend on: the code, the
-//! seed, the scenario, and for a trained pedestrian its training. So a task is either there as it should be or not there, whoever made it,
-//! and a file that says otherwise is damaged. Files appear whole; several processes may work on one folder.
+//! All campaigns of a folder share `OUT/.falsify`; campaigns of several folders share a cache. A task's name is a digest of everything
+//! that its bytes depend on: the code, the seed, the scenario, and for a trained pedestrian its training. So a stored task is the right
+//! one, no matter which process made it, and a file with other contents is damaged. Files appear whole. Several processes may work on one
+//! folder.
 
 mod id;
 mod task_file;

@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use super::StoreError;
 use super::work_folder::{LOCK, PREFIX, WorkFolder};
 
-/// The folder beside the reports: for tasks, and for reports in the making.
+/// The folder beside the reports: for tasks, and for reports that are being written.
 const NAME: &str = ".falsify";
-/// Tasks, claims, and what campaigns wanted.
+/// Tasks, claims, and the tasks that campaigns wanted.
 const FOLDERS: [&str; 3] = ["tasks", "claims", "campaigns"];
-/// For whoever finds it.
+/// An explanation for people who find the folder.
 const README: &str = "README.txt";
 const ABOUT: &str = "\
 Finished and half-finished work of falsify, which reports are made from.
@@ -21,7 +21,7 @@ Reports of falsify in the making. Finished and half-finished work lies in anothe
 or `cache` in falsify.toml named it.
 ";
 
-/// Where the tasks of a folder for reports lie, and where its reports are made.
+/// Where the tasks of a folder for reports are stored, and where its reports are written.
 #[derive(Debug, PartialEq)]
 pub(super) struct Place {
     /// The folder for reports, as the file system has it.
@@ -30,15 +30,15 @@ pub(super) struct Place {
     beside: PathBuf,
     /// The folder with the tasks.
     root: PathBuf,
-    /// The folder with what the campaigns of this folder for reports wanted.
+    /// The folder with the tasks that the campaigns of this folder for reports wanted.
     campaigns: PathBuf,
 }
 
 impl Place {
-    /// Finds the place of a folder for reports whose tasks lie in a cache, if one is named.
+    /// Finds the place of a folder for reports. Its tasks are in a cache, if one is named.
     ///
     /// # Errors
-    /// The cache lies among the reports.
+    /// The cache is inside the folder for reports.
     pub fn of(out: &Path, cache: Option<&Path>) -> Result<Self, StoreError> {
         let (beside, real_out) = (out.join(NAME), real(out));
         let cache = cache.filter(|cache| real(cache) != real(&beside));
@@ -81,20 +81,20 @@ impl Place {
         &self.root
     }
 
-    /// The folder with what its campaigns wanted.
+    /// The folder with the tasks that its campaigns wanted.
     pub fn campaigns(&self) -> &Path {
         &self.campaigns
     }
 
-    /// Whether tasks lie beside the reports.
+    /// Whether the tasks are beside the reports.
     pub fn is_beside(&self) -> bool {
         self.root == self.beside
     }
 
-    /// Holds that a cache is a folder of tasks, or empty, or not there yet.
+    /// Checks that a cache is a folder of tasks, or empty, or does not exist yet.
     ///
     /// # Errors
-    /// It is something else.
+    /// It has other contents.
     pub fn check(&self) -> Result<(), StoreError> {
         let path = || self.root.clone();
         if self.is_beside() || !self.root.exists() {
@@ -120,7 +120,7 @@ impl Place {
     /// Makes all folders that are missing.
     ///
     /// # Errors
-    /// One cannot be made, or the cache is something else.
+    /// One cannot be made, or the cache has other contents.
     pub fn make(&self) -> Result<(), StoreError> {
         self.check()?;
         let failed = |path: &Path| {
@@ -134,14 +134,14 @@ impl Place {
         if self.is_beside() { Ok(()) } else { make(&self.beside, &[], ABOUT_DRAFTS).map_err(failed(out)) }
     }
 
-    /// Holds that reports can be moved from the folder in which they are made to the place where they are to stand.
+    /// Checks that reports can be moved from the folder in which they are written to their place.
     ///
     /// # Errors
-    /// They cannot: there is another file system between.
+    /// They cannot, since the two folders are on different file systems.
     pub fn check_drafts(&self, drafts: &WorkFolder) -> Result<(), StoreError> {
         let failed = |source| StoreError::Folder { path: self.beside.clone(), source };
         let probe = tempfile::tempdir_in(drafts.path().map_err(failed)?).map_err(failed)?;
-        // The folder beside the reports is never empty, so nothing can take its place; but between file systems that is not even looked at.
+        // The folder beside the reports is never empty, so this move must fail. Between file systems it fails with another error.
         match fs::rename(probe.path(), &self.beside) {
             Err(error) if error.kind() == ErrorKind::CrossesDevices => {
                 Err(StoreError::Apart { beside: self.beside.clone() })
@@ -164,7 +164,7 @@ fn is_ours(name: &str) -> bool {
     FOLDERS.contains(&name) || [README, LOCK].contains(&name) || name.starts_with(PREFIX)
 }
 
-/// A path as the file system has it; what of it is not there yet is taken as it is written.
+/// A path as the file system has it. Parts that do not exist yet stay as they are written.
 fn real(path: &Path) -> PathBuf {
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     for ancestor in path.ancestors() {

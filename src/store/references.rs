@@ -1,4 +1,4 @@
-//! What the campaigns of all folders for reports want that share the tasks.
+//! The tasks that campaigns want, over all folders for reports that share a store.
 
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 
 use super::{Index, Store, StoreError};
 
-/// What a campaign wants.
+/// The tasks that a campaign wants.
 #[derive(Debug)]
 pub struct References {
     /// Its name.
     pub campaign: String,
-    /// The folder for its reports; none for the one at hand.
+    /// The folder for its reports; none for the current one.
     pub elsewhere: Option<PathBuf>,
     /// The names of its tasks.
     pub tasks: BTreeSet<String>,
@@ -20,14 +20,14 @@ pub struct References {
 }
 
 impl References {
-    /// Whether the folder for its reports is not there any more, or not to be seen from here.
+    /// Whether the folder for its reports does not exist, or cannot be seen from here.
     pub fn is_gone(&self) -> bool {
         self.elsewhere.as_ref().is_some_and(|out| !out.is_dir())
     }
 }
 
 impl Store {
-    /// What all campaigns want, of this folder for reports first.
+    /// What all campaigns want; those of this folder for reports come first.
     pub fn wants(&self) -> Vec<References> {
         let campaigns = self.place().root().join("campaigns");
         let mut found: Vec<References> = self.wanted_in(&campaigns);
@@ -38,7 +38,7 @@ impl Store {
         found
     }
 
-    /// Takes what a campaign wants as wanted no longer.
+    /// Removes the references of a campaign.
     ///
     /// # Errors
     /// Its file cannot be removed.
@@ -55,7 +55,7 @@ impl Store {
                 None
             } else if folder.parent() == Some(place.root()) && place.root().file_name() == Some(OsStr::new(".falsify"))
             {
-                // It lies beside its reports, wherever they have gone together.
+                // The store is beside its reports, even after both were moved.
                 place.root().parent().map(Path::to_path_buf)
             } else {
                 Some(PathBuf::from(index.out))

@@ -1,4 +1,4 @@
-//! How far campaigns are, as their files tell it to whoever looks from outside.
+//! The progress of campaigns, read from their files by another process.
 
 use std::fs::{self, File, TryLockError};
 use std::time::SystemTime;
@@ -6,43 +6,43 @@ use std::time::SystemTime;
 use super::work_folder::processes;
 use super::{Header, Index, State, Store};
 
-/// How far a campaign is.
+/// The progress of a campaign.
 #[derive(Debug)]
 pub struct CampaignStatus {
     /// Its name.
     pub name: String,
-    /// The command that it was last run with; empty when nobody knows.
+    /// The command that it was last run with; empty when unknown.
     pub command: String,
     /// Its tasks.
     pub tasks: Vec<TaskStatus>,
 }
 
-/// How far a task is.
+/// The progress of a task.
 #[derive(Debug)]
 pub struct TaskStatus {
     /// What it is, for people; the first word is `train`, `evaluate` or `search`.
     pub what: String,
-    /// How much it is: updates, episodes, ticks.
+    /// Its size: updates, episodes, ticks.
     pub amount: u64,
-    /// What its file says; none when there is none that could be read.
+    /// The header of its file; none when there is no file that can be read.
     pub header: Option<Header>,
-    /// When its file was written.
+    /// The time at which its file was written.
     pub written: Option<SystemTime>,
-    /// Whether somebody is at work on it.
+    /// Whether a process works on it.
     pub is_in_hand: bool,
 }
 
 impl TaskStatus {
-    /// Whether nothing is missing.
+    /// Whether it is finished.
     pub fn is_finished(&self) -> bool {
         self.header.as_ref().is_some_and(|header| header.state == State::Finished)
     }
 
-    /// How much of it is there.
+    /// The amount of it that is stored.
     pub fn done(&self) -> u64 {
         match &self.header {
             Some(header) if header.state == State::Finished => self.amount,
-            // Of a search nothing is kept before its end.
+            // A search stores nothing before its end.
             Some(header) if header.state == State::Begun => header.done.min(self.amount),
             _ => 0,
         }
@@ -50,7 +50,7 @@ impl TaskStatus {
 }
 
 impl Store {
-    /// How far a campaign is.
+    /// The progress of a campaign.
     pub fn status(&self, name: &str) -> CampaignStatus {
         let index = Index::read(self, name);
         let task = |(id, (what, amount)): (&String, &(String, u64))| {
@@ -63,7 +63,7 @@ impl Store {
         CampaignStatus { name: name.to_string(), command: index.command, tasks }
     }
 
-    /// How many processes are at work on the folder for reports.
+    /// The number of processes that work on the folder for reports.
     pub fn processes(&self) -> usize {
         processes(self.place().beside())
     }

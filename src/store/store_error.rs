@@ -1,7 +1,7 @@
 use std::io;
 use std::path::PathBuf;
 
-/// Why tasks cannot be kept.
+/// Why tasks cannot be stored.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
     /// The folder cannot be made or written to.
@@ -9,7 +9,7 @@ pub enum StoreError {
     Folder {
         /// The folder.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: io::Error,
     },
     /// A file cannot be written.
@@ -17,10 +17,10 @@ pub enum StoreError {
     File {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: io::Error,
     },
-    /// The cache lies among the reports.
+    /// The cache is inside the folder for reports.
     #[error(
         "the cache `{cache}` is in the folder for reports, `{out}`, where every folder is a report; name one elsewhere, or none to have it \
          in `{out}/.falsify`",
@@ -32,18 +32,18 @@ pub enum StoreError {
         /// The folder for reports.
         out: PathBuf,
     },
-    /// The cache is no folder.
+    /// The cache is not a folder.
     #[error("the cache `{path}` is a file; name a folder", path = path.display())]
     NoFolder {
-        /// What was named.
+        /// The path that was named.
         path: PathBuf,
     },
-    /// The cache is a folder of somebody else's.
+    /// The cache is a folder with other contents.
     #[error("the cache `{path}` holds other things, such as `{entry}`; name a new or an empty folder", path = path.display())]
     Foreign {
         /// The folder.
         path: PathBuf,
-        /// Something in it.
+        /// One of its entries.
         entry: String,
     },
     /// Reports cannot be moved to their place.
@@ -59,7 +59,7 @@ pub enum StoreError {
 }
 
 impl StoreError {
-    /// Whether another folder should have been named.
+    /// Whether the user should name another folder.
     pub fn is_misuse(&self) -> bool {
         !matches!(self, Self::Folder { .. } | Self::File { .. })
     }

@@ -1,4 +1,4 @@
-//! A task in a file: two lines that people can read, the bytes, and a checksum over all of it.
+//! A task in a file: two lines of text, the bytes, and a checksum over all of it.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,28 +7,28 @@ const MAGIC: &[u8] = b"falsify task 1\n";
 /// Bytes of the checksum.
 const SUM: usize = 32;
 
-/// How far a task has come.
+/// The progress of a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum State {
-    /// Nothing is missing.
+    /// It is complete.
     Finished,
-    /// It can be taken up again.
+    /// It can be continued.
     Begun,
-    /// It came to nothing, or to less than all; it is done again from its beginning.
+    /// It failed, or a part is missing; it is run again from its start.
     Failed,
 }
 
-/// What a file says about its task.
+/// The header of a task file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Header {
     /// What it is, for people.
     pub what: String,
-    /// How far it has come.
+    /// Its progress.
     pub state: State,
     /// Updates of a training, episodes of a chunk or of a search.
     pub done: u64,
-    /// What went wrong; empty when nothing did.
+    /// The error; empty without one.
     pub error: String,
     /// Wall time that was spent on it (s).
     pub seconds: f64,
@@ -36,18 +36,18 @@ pub struct Header {
     pub length: u64,
 }
 
-/// What is found where a task may be.
+/// What is found at the path of a task.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Found {
     /// No file.
     Nothing,
-    /// A file that is none of ours, or not as it was written.
+    /// A file that is not a task, or that was changed.
     Damaged,
     /// A task.
     Whole(Header, Vec<u8>),
 }
 
-/// Puts a file together.
+/// Encodes a task as a file.
 pub fn encode(header: &Header, bytes: &[u8]) -> Vec<u8> {
     let head = serde_json::to_vec(header).expect("strings and numbers have a form in JSON");
     let mut file = [MAGIC, &head, b"\n", bytes].concat();
@@ -56,7 +56,7 @@ pub fn encode(header: &Header, bytes: &[u8]) -> Vec<u8> {
     file
 }
 
-/// Takes a file apart; none when it is not as it was written.
+/// Decodes a file; none when it was changed.
 pub fn decode(mut file: Vec<u8>) -> Option<(Header, Vec<u8>)> {
     let (header, start) = head(&file)?;
     let end = file.len().checked_sub(SUM)?;
@@ -67,14 +67,14 @@ pub fn decode(mut file: Vec<u8>) -> Option<(Header, Vec<u8>)> {
     Some((header, file.split_off(start)))
 }
 
-/// Reads what the beginning of a file says, and where the bytes begin.
+/// Reads the header at the start of a file, and where the bytes start.
 pub fn head(beginning: &[u8]) -> Option<(Header, usize)> {
     let rest = beginning.strip_prefix(MAGIC)?;
     let end = rest.iter().position(|byte| *byte == b'\n')?;
     Some((serde_json::from_slice(&rest[..end]).ok()?, MAGIC.len() + end + 1))
 }
 
-/// How long a file must be that begins like this.
+/// The length of a file with this start.
 pub fn whole_length(header: &Header, start: usize) -> u64 {
     (start + SUM) as u64 + header.length
 }

@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 
-/// What the folder of a process begins with.
+/// The prefix of a process's folder.
 pub(super) const PREFIX: &str = "work-";
-/// The file in it that the process holds locked; one in the store itself is held while folders come and go.
+/// The file in it that the process holds locked. A file of this name in the store itself is held while folders are made and removed.
 pub(super) const LOCK: &str = "lock";
 
-/// A folder of this process for files in the making. It goes when the process ends; one of a process that was killed goes when
-/// another begins.
+/// A folder of this process for files that are being written. It is removed when the process ends. The folder of a process that was killed
+/// is removed when another process starts.
 #[derive(Debug)]
 pub(super) struct WorkFolder {
     folder: TempDir,
@@ -19,9 +19,9 @@ pub(super) struct WorkFolder {
 }
 
 impl WorkFolder {
-    /// Removes what dead processes have left, and makes a folder.
+    /// Removes the folders of dead processes, and makes a folder.
     pub fn begin(root: &Path) -> io::Result<Self> {
-        // Nobody may take a folder for dead that is not locked yet.
+        // A folder that is not locked yet must not be taken for that of a dead process.
         let door = File::create(root.join(LOCK))?;
         let _ = door.lock();
         for entry in fs::read_dir(root)?.flatten() {
@@ -35,14 +35,14 @@ impl WorkFolder {
         Ok(Self { folder, _lock: lock })
     }
 
-    /// Where it is; made again when somebody has removed it.
+    /// The path; the folder is made again when it was removed.
     pub fn path(&self) -> io::Result<PathBuf> {
         fs::create_dir_all(self.folder.path())?;
         Ok(self.folder.path().to_path_buf())
     }
 }
 
-/// How many processes have a folder here.
+/// The number of processes that have a folder here.
 pub(super) fn processes(root: &Path) -> usize {
     let folders = fs::read_dir(root).into_iter().flatten().flatten();
     let at_work =
