@@ -5,7 +5,7 @@
 
 use std::path::{Path, PathBuf};
 
-/// Sources without influence on any number. What the language makes of a file is digested by itself, in `compile::Recipe`.
+/// Sources without influence on any number. The compiled scenario has a digest of its own, in `compile::Fingerprint`.
 const NO_NUMBERS: [&str; 13] = [
     "src/analysis",
     "src/cli",

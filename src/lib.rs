@@ -21,7 +21,7 @@
 //! }
 //! "#;
 //!
-//! // Scenarios come from the disk unless the caller has them elsewhere.
+//! Scenarios come from the disk unless the caller supplies them.
 //! let session = Session::default().with_reader(|path: &Path| match path.to_str() {
 //!     Some("crossing.scn") => Ok(SCENARIO.to_string()),
 //!     _ => Err(io::Error::from(io::ErrorKind::NotFound)),
@@ -47,7 +47,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A driving policy of the caller joins the language with [`Catalog::with_policy`](language::Catalog::with_policy).
+//! A caller adds its own driving policy to the language with [`Catalog::with_policy`](language::Catalog::with_policy).
 #![doc = include_str!("ARCHITECTURE.md")]
 
 // What pest writes for the grammar names it.
@@ -79,7 +79,7 @@ pub mod language {
     pub use crate::signature::{Arguments, Param, Signature, Type};
 }
 
-/// What a driving policy perceives and returns, and who may start one as a program.
+/// What a driving policy perceives and returns, and the openers that may start one as a program.
 pub mod driving {
     #[doc(inline)]
     pub use crate::av::external::{Link, Opener, Program};

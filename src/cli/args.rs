@@ -102,7 +102,7 @@ pub enum Command {
     /// Serve an editor: diagnostics, help, completion, definitions, layout. It speaks the language server protocol on the standard streams.
     #[command(after_help = lsp::EXAMPLES)]
     Lsp {
-        /// Accepted because many editors pass it; there is no other way.
+        /// Accepted because many editors pass it; the standard streams are the only way.
         #[arg(long)]
         stdio: bool,
     },

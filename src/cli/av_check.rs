@@ -1,4 +1,4 @@
-//! The conformance test of a driver from outside: real episodes in a small town, and whether they repeat.
+//! The conformance test of an external driver: real episodes in a small town, and a check that they repeat.
 
 use std::cell::Cell;
 use std::io;
@@ -28,10 +28,10 @@ pub struct AvCheckOptions {
     /// The program and its arguments, after `--`.
     #[arg(required = true, last = true, value_name = "COMMAND")]
     pub command: Vec<String>,
-    /// Seconds that it has for the answer to a tick.
+    /// Time limit of the answer to a tick, in seconds.
     #[arg(long, default_value_t = 1.0, value_name = "SECONDS", value_parser = seconds)]
     pub timeout: f64,
-    /// Seconds that it has for its greeting.
+    /// Time limit of the greeting, in seconds.
     #[arg(long, default_value_t = 30.0, value_name = "SECONDS", value_parser = seconds)]
     pub start_timeout: f64,
     /// Show the first messages.
@@ -61,10 +61,10 @@ campaign check {
 }
 ";
 
-/// How many episodes are driven each time, and at the same time in the last trial.
+/// Number of episodes in each run, and of parallel episodes in the last trial.
 const EPISODES: u32 = 8;
 
-/// How many messages `--show` shows, and how much of each (bytes).
+/// Number of messages that `--show` prints, and the length of each (bytes).
 const SHOWN: usize = 4;
 const SHOWN_BYTES: usize = 600;
 
@@ -157,7 +157,7 @@ fn proving_ground() -> Scenario {
     (*plan.campaigns[0].trainings[0].scenario).clone()
 }
 
-/// Shows what is said over the links that it opens.
+/// Shows the messages on the links that it opens.
 struct Overhearing {
     inner: ProcessOpener,
     left: Arc<AtomicUsize>,

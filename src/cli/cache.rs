@@ -27,7 +27,7 @@ pub struct CacheOptions {
     /// Remove tasks that no campaign needed in its last run, for any folder for reports.
     #[arg(long)]
     pub prune: bool,
-    /// Also remove what was run for folders that do not exist, or cannot be seen from here.
+    /// Also remove tasks of folders for reports that do not exist, or cannot be seen from here.
     #[arg(long, requires = "prune")]
     pub gone: bool,
 }
@@ -52,7 +52,7 @@ pub fn cache(options: &CacheOptions) -> ExitCode {
 }
 
 fn tell(store: &Store, options: &CacheOptions) -> Result<(), StoreError> {
-    // What a campaign says that it wants from now on it has not looked for yet.
+    // While this is held, no campaign records new wants. So no task is removed between its request and its use.
     let _still = options.prune.then(|| store.hold_still());
     let sizes = store.sizes();
     let mut used = BTreeSet::new();

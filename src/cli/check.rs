@@ -33,14 +33,14 @@ pub struct CheckOptions {
     /// What replaces parts of the files.
     #[command(flatten)]
     pub given: GivenOptions,
-    /// Also draw this number of starts of every spawn in every town, and show how many satisfy each constraint, also where no
-    /// pedestrian can be placed. Not with SARIF, which has no field for it.
+    /// Also draw this number of starts of every spawn in every town, and show how many satisfy each constraint. This includes spawns that
+    /// cannot place a pedestrian. Not with SARIF, which has no field for it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     pub sample: Option<u32>,
     /// Folder for the pictures of `--sample`, `spawn-CAMPAIGN-SPAWN-TOWN.svg`.
     #[arg(long, short, default_value = ".", value_name = "DIR", requires = "sample")]
     pub out: PathBuf,
-    /// Number from which the starts of `--sample` follow.
+    /// Seed of the starts of `--sample`.
     #[arg(long, default_value_t = 1, value_name = "N", requires = "sample")]
     pub seed: u64,
 }
@@ -107,13 +107,13 @@ fn for_people(found: &Checked) -> ExitCode {
     ExitCode::Done
 }
 
-/// Prints what was found for programs, one object a line.
+/// Prints the diagnostics for programs, one object a line.
 fn json(found: &Checked) -> ExitCode {
     console::say_objects(&records(&found.compiled.diagnostics, &found.sources));
     code(found)
 }
 
-/// Prints what was found as SARIF.
+/// Prints the diagnostics as SARIF.
 fn log(found: &Checked) -> ExitCode {
     let mistakes = mistakes();
     let rules: Vec<(&str, &str)> = mistakes.iter().map(|mistake| (mistake.code, mistake.text)).collect();

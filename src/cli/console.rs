@@ -1,4 +1,4 @@
-//! The output and the error stream.
+//! Output and error stream.
 
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,13 +11,13 @@ use crate::diagnostic::{Colour, Diagnostic, Sources, render};
 const ERROR: Style = AnsiColor::Red.on_default().bold();
 const WARNING: Style = AnsiColor::Yellow.on_default().bold();
 
-/// Most diagnostics that are shown at once.
+/// The most diagnostics that are shown at once.
 const SHOWN: usize = 50;
 
 /// Whether a line of the output could not be written.
 static LOST: AtomicBool = AtomicBool::new(false);
 
-/// Writes a line to the error stream. A failure cannot be reported, and does not end the command.
+/// Writes a line to the error stream. A failure of this cannot be reported, and does not end the command.
 pub fn note(line: &str) {
     let _ = writeln!(anstream::stderr(), "{line}");
 }
@@ -27,12 +27,12 @@ pub fn fail(message: &str) {
     note(&format!("{ERROR}error{ERROR:#}: {message}"));
 }
 
-/// Reports something that is no error.
+/// Reports a notice.
 pub fn warn(message: &str) {
     note(&format!("{WARNING}warning{WARNING:#}: {message}"));
 }
 
-/// Prints a line. A reader that has gone away, as after `| head`, is no error; [`lost`] reports other losses.
+/// Prints a line. A closed reader, as after `| head`, is not an error; [`lost`] reports other losses.
 pub fn say(line: &str) {
     let mut output = anstream::stdout();
     let written = writeln!(output, "{line}").and_then(|()| output.flush());
@@ -41,15 +41,15 @@ pub fn say(line: &str) {
     }
 }
 
-/// Prints objects, one a line; in one piece, since there may be very many.
+/// Prints objects, one a line, in a single write, since there may be very many.
 pub fn say_objects(objects: &[impl Serialize]) {
     let line = |object| serde_json::to_string(object).expect("texts and numbers have a form in JSON") + "\n";
     let lines: Vec<String> = objects.iter().map(line).collect();
-    // A reader that has gone away is no error.
+    // A closed reader is not an error.
     let _ = std::io::stdout().write_all(lines.concat().as_bytes());
 }
 
-/// Whether a line of the output could not be written, to a full disk perhaps.
+/// Whether a line of the output could not be written, for example to a full disk.
 pub fn lost() -> bool {
     LOST.load(Ordering::Relaxed)
 }
@@ -57,7 +57,7 @@ pub fn lost() -> bool {
 /// Draws diagnostics on the error stream: the first 50.
 pub fn show(diagnostics: &[Diagnostic], sources: &Sources) {
     for diagnostic in diagnostics.iter().take(SHOWN) {
-        // The stream strips the colours where they are not wanted.
+        // The stream strips the colours if they are not wanted.
         note(&format!("{}\n", render(diagnostic, sources, Colour::Always)));
     }
     if diagnostics.len() > SHOWN {

@@ -35,11 +35,11 @@ pub struct DebugOptions {
 /// What can be shown of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Tree {
-    /// What was written.
+    /// The syntax tree.
     Ast,
-    /// What is meant: names resolved, SI values, defaults filled in.
+    /// The checked program: names resolved, SI values, defaults filled in.
     Hir,
-    /// What would be run.
+    /// The plan of the run.
     Plan,
 }
 
@@ -60,7 +60,7 @@ pub fn debug(options: &DebugOptions) -> ExitCode {
     }
 }
 
-/// Shows what the front end made of a file, as far as it came.
+/// Shows the result of the front end for a file, up to the step that it reached.
 fn show_tree(tree: Tree, file: &Path, settings: &[String]) -> ExitCode {
     let mut sources = Sources::default();
     let read = |path: &Path| std::fs::read_to_string(path);
@@ -80,7 +80,7 @@ fn show_tree(tree: Tree, file: &Path, settings: &[String]) -> ExitCode {
         roots.for_each(|root| console::say(outline(root).trim_end()));
     } else {
         let catalog = Catalog::builtin();
-        // A matrix belongs to the files, not to the program that one of its combinations makes.
+        // A matrix belongs to the files, not to the program of one of its combinations.
         said.extend(lang::matrices(&mut loaded, &catalog.forms, &settings, &sources).1);
         let (program, more) = lang::check(&loaded, &sources, &catalog.forms, &mut Checked::new(&catalog.vocabulary));
         said.extend(more);

@@ -6,16 +6,16 @@ use clap::Args;
 
 use crate::session::{self, EpisodeName};
 
-/// Options of everything that repeats what a report holds.
+/// Options of all commands that repeat episodes of a report.
 #[derive(Debug, Args)]
 pub struct RepeatOptions {
-    /// Folder to which the scenario files' paths are relative, when it is not the one in which they were run.
+    /// Folder to which the scenario files' paths are relative, when it is not the folder of the run.
     #[arg(long, value_name = "DIR")]
     pub files: Option<PathBuf>,
-    /// Let scenarios start programs as drivers again; give it only with files that you trust.
+    /// Let scenarios start programs as drivers again; use it only with files that you trust.
     #[arg(long)]
     pub allow_external: bool,
-    /// Go on although a scenario file is not the one that was run.
+    /// Continue although a scenario file has changed since the run.
     #[arg(long)]
     pub anyway: bool,
 }
@@ -29,20 +29,20 @@ pub struct NameOptions {
     /// A report, or a folder of reports.
     #[arg(long, default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
     pub report: PathBuf,
-    /// How it is repeated.
+    /// Options of the repetition.
     #[command(flatten)]
     pub repeat: RepeatOptions,
 }
 
 impl RepeatOptions {
-    /// The same for a session.
+    /// The same options for a session.
     pub fn repeat(&self) -> session::RepeatOptions {
         session::RepeatOptions { files: self.files.clone(), anyway: self.anyway }
     }
 }
 
 impl NameOptions {
-    /// The same for a session.
+    /// The same options for a session.
     pub fn replay(&self) -> session::ReplayOptions {
         session::ReplayOptions { name: self.name, report: self.report.clone(), repeat: self.repeat.repeat() }
     }

@@ -1,7 +1,7 @@
-/// How the program ends.
+/// The exit codes of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ExitCode {
-    /// All went well.
+    /// Success.
     Done = 0,
     /// A bug.
     Internal = 1,
@@ -11,7 +11,7 @@ pub enum ExitCode {
     Scenario = 3,
     /// No campaign was found.
     Nothing = 4,
-    /// A training failed, or a driver from outside.
+    /// A training or an external driver failed.
     RunFailed = 5,
     /// A report cannot be written.
     WriteFailed = 6,

@@ -1,11 +1,11 @@
-//! Errors and notices of a session, as the command line reports them: with the options that help.
+//! Reports errors and notices of a session on the command line, with the options that help.
 
 use super::console;
 use super::exit_code::ExitCode;
 use crate::session::{Error, Notice};
 use crate::store::StoreError;
 
-/// Reports why a command has no result; gives its exit code.
+/// Reports why a command has no result; returns its exit code.
 pub fn failed(error: &Error) -> ExitCode {
     match error {
         Error::Unreadable { files } => files.iter().for_each(|file| console::fail(&file.to_string())),
@@ -57,7 +57,7 @@ pub fn store_code(error: &StoreError) -> ExitCode {
     if error.is_misuse() { ExitCode::Usage } else { ExitCode::WriteFailed }
 }
 
-/// Reports something that does not end a command.
+/// Reports a notice, which does not end a command.
 pub fn notice(notice: &Notice) {
     match notice {
         Notice::Unpaid { .. } | Notice::EpisodesInError { .. } | Notice::Incomplete(_) => {

@@ -94,7 +94,7 @@ fn input(check: bool) -> ExitCode {
     }
 }
 
-/// Lays a text out; a text with errors is left alone and they are shown.
+/// Formats a text. For a text with errors it shows the errors and changes nothing.
 fn lay_out(path: &Path, text: &str) -> Result<String, ExitCode> {
     let mut sources = Sources::default();
     let source = sources.add(path, text.strip_prefix('\u{feff}').unwrap_or(text));
@@ -105,9 +105,9 @@ fn lay_out(path: &Path, text: &str) -> Result<String, ExitCode> {
     })
 }
 
-/// Replaces a file in one step, so that nothing is lost when that fails.
+/// Replaces a file in one step, so that a failure loses nothing.
 fn write(path: &Path, text: &str) -> std::io::Result<()> {
-    // Through links, to the file itself.
+    // A link is followed to the file itself.
     let path = std::fs::canonicalize(path)?;
     let mut file = tempfile::NamedTempFile::new_in(path.parent().unwrap_or(Path::new(".")))?;
     file.write_all(text.as_bytes())?;

@@ -1,4 +1,4 @@
-//! Conditions under which a run fails, and what a server of continuous integration reads.
+//! Conditions under which a run fails, and the report for a server of continuous integration.
 
 use std::path::PathBuf;
 
@@ -33,7 +33,7 @@ impl GateOptions {
         })
     }
 
-    /// Writes the JUnit file, if one is wanted.
+    /// Writes the JUnit file, if one is asked for.
     ///
     /// # Errors
     /// The exit code, after the reason has been printed.

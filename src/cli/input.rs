@@ -1,4 +1,4 @@
-//! What a command is given to read, and the session that reads it.
+//! The input of a command, and the session that reads it.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -20,13 +20,13 @@ pub struct GivenOptions {
     /// Give a parameter or a key of a declaration another value, as `far=20 m` or `ppo_paper.steps=1000`.
     #[arg(long, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
-    /// Let scenarios name programs as drivers, which `run` starts; give it only with files that you trust.
+    /// Let scenarios name programs as drivers, which `run` starts; use it only with files that you trust.
     #[arg(long)]
     pub allow_external: bool,
 }
 
 impl GivenOptions {
-    /// These files, with what replaces parts of them.
+    /// These files and their replacements.
     pub fn input(&self, files: &[PathBuf]) -> Input {
         Input { files: files.to_vec(), maps: self.map.clone(), settings: self.set.clone() }
     }

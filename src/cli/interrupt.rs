@@ -1,4 +1,4 @@
-//! Ctrl-C: the first one asks for a clean end, the second one ends at once.
+//! Ctrl-C: the first one asks for a clean end, the second one ends the program at once.
 
 use std::sync::{Arc, LazyLock};
 
@@ -13,12 +13,12 @@ pub fn stop() -> Arc<Stop> {
     STOP.clone()
 }
 
-/// Starts to listen.
+/// Installs the handler.
 pub fn listen() {
-    // Without the handler Ctrl-C ends the program at once, which loses unsaved work of the campaign and nothing else.
+    // Without the handler Ctrl-C ends the program at once. That loses only unsaved work of the campaign.
     let _ = ctrlc::set_handler(|| {
         if STOP.ask() {
-            // A second one waits while a report is put in its place.
+            // A second one waits while a report is moved to its place.
             if STOP.is_placing() {
                 return;
             }
@@ -28,7 +28,7 @@ pub fn listen() {
     });
 }
 
-/// Starts to listen, for commands that have nothing to lose: the first Ctrl-C ends the program.
+/// Installs the handler for commands without unsaved work: the first Ctrl-C ends the program.
 pub fn end_when_asked() {
     let _ = ctrlc::set_handler(|| end_at_once());
 }

@@ -4,7 +4,7 @@ use crate::record::RunKey;
 use crate::session::Listing;
 use crate::store::Known;
 
-/// Prints what a run would do for a campaign and why, and what is there already.
+/// Prints what a run would do for a campaign and why, and what is stored already.
 pub fn list(listing: &Listing) {
     let Listing { name, campaign, tasks } = listing;
     let known = |task| tasks[&task].clone();
@@ -40,7 +40,7 @@ fn told(known: &Known, unit: &str) -> String {
     }
 }
 
-/// The chunks of an evaluation in one: the first that is not there speaks for the others.
+/// The chunks of an evaluation in one line: the first chunk that is not stored represents the others.
 fn together(chunks: &[Known]) -> String {
     let there = chunks.iter().filter(|known| **known == Known::Finished).count();
     match chunks.iter().find(|known| **known != Known::Finished) {

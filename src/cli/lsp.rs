@@ -9,7 +9,7 @@ pub const EXAMPLES: &str = "\
 Examples (see grammar/README.md for editors' settings):
   falsify lsp                                an editor starts it and speaks to it";
 
-/// The user's folder for what can be made again.
+/// The user's cache folder, for data that can be made again.
 ///
 /// # Source
 /// XDG Base Directory Specification 0.8.

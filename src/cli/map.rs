@@ -61,10 +61,10 @@ pub fn map(options: &MapOptions) -> ExitCode {
 
 /// The towns of a scenario file, and of the files that it imports.
 fn declared(file: &Path) -> Result<Vec<Arc<Town>>, ExitCode> {
-    // Drawing starts no program, so that it may name any.
+    // Drawing starts no program, so the file may name any program.
     let options = CheckOptions { input: Input::file(file), imported_towns: true };
     let checked = session(true).check(&options).map_err(|error| failure::failed(&error))?;
-    // A town in which no pedestrian can be placed is worth a look all the more.
+    // A town in which no pedestrian can be placed is drawn too: the map may show why.
     if checked.compiled.unplaced.is_none() {
         console::show(&checked.compiled.diagnostics, &checked.sources);
         checked.plan().map_err(|error| match error {
@@ -91,7 +91,7 @@ fn read(file: &Path) -> Result<Town, ExitCode> {
     })
 }
 
-/// Says what a town holds and what was skipped of its file.
+/// Reports what a town holds and what was skipped of its file.
 fn describe(town: &Town) {
     let (low, high) = town.bounds();
     let kilometres = |kind: LaneKind| {

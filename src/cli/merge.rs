@@ -14,7 +14,7 @@ use crate::diagnostic::{Diagnostic, Sources};
 use crate::session::{self, CampaignOutcome, Incomplete, Notice, Observer};
 use crate::store::Taken;
 
-/// Most tasks that are named one by one.
+/// The most tasks that are named one by one.
 const SHOWN: usize = 10;
 
 /// Shown after the help.
@@ -28,17 +28,18 @@ Examples:
 
 Exit codes: 0 done   9 tasks are missing, which are named, with the shards that make them   others as of `run`";
 
-/// Options of `falsify run` that say how to work, which a merge does not.
+/// Options of `falsify run` on how to work, which a merge does not have.
 const IDLE: [&str; 7] = ["list", "fresh", "shard", "only", "checkpoint", "task_time", "max_ticks"];
 
-/// Options of `falsify merge`. Options without meaning there are left out of the help.
+/// Options of `falsify merge`. The help omits options without effect there.
 #[derive(Debug, Args)]
 #[command(mut_args(|arg| if IDLE.contains(&arg.get_id().as_str()) { arg.hide(true) } else { arg }))]
 pub struct MergeOptions {
-    /// What was run.
+    /// The options of the run.
     #[command(flatten)]
     pub run: RunOptions,
-    /// Folders with the tasks of shards, their --out or their --cache, beside those that are in the folder for the reports already.
+    /// Folders with the tasks of shards (their --out or their --cache), in addition to those that are in the folder for the reports
+    /// already.
     #[arg(long, num_args = 1.., value_name = "DIR")]
     pub from: Vec<PathBuf>,
     /// The number of shards, to list those that must be run again.
@@ -70,7 +71,7 @@ fn put_together(options: &MergeOptions) -> Result<ExitCode, ExitCode> {
     }
 }
 
-/// Reports as a run does, and which shards make what is missing.
+/// Reports as a run does, and the shards that contain the missing tasks.
 struct MergeReporter {
     inner: RunReporter,
     shards: Option<u32>,
@@ -101,7 +102,7 @@ impl Observer for MergeReporter {
     }
 }
 
-/// What is missing, and what would make it.
+/// The missing tasks, and the shards that contain them.
 fn lack(incomplete: &Incomplete, shards: Option<u32>) -> String {
     let Incomplete { campaign, tasks, all } = incomplete;
     let mut text =
@@ -138,7 +139,7 @@ fn unit(task: Task) -> &'static str {
     }
 }
 
-/// Numbers as job arrays take them: `2,7-9`.
+/// Numbers in the form that job arrays take: `2,7-9`.
 fn ranges(numbers: &BTreeSet<u32>) -> String {
     let mut ranges: Vec<(u32, u32)> = Vec::new();
     for number in numbers {

@@ -72,7 +72,7 @@ fn run_command() -> ExitCode {
             };
         }
     }
-    // Its place is soon needed for other things.
+    // Frees the memory of the known options, which is needed soon.
     drop(known);
     match arguments.command {
         args::Command::Config(_) => {
@@ -108,7 +108,7 @@ fn parse(command: &mut Command) -> Result<(Arguments, ArgMatches), ExitCode> {
     let parsed = command.try_get_matches_from_mut(std::env::args_os());
     let parsed = parsed.and_then(|matches| Ok((Arguments::from_arg_matches(&matches)?, matches)));
     parsed.map_err(|error| {
-        // Help and version are no mistakes.
+        // Help and version are not errors.
         let code = if error.use_stderr() { ExitCode::Usage } else { ExitCode::Done };
         let _ = error.print();
         code

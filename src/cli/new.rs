@@ -27,7 +27,7 @@ const STARTER: &str = include_str!("starter.scn");
 /// `falsify new`
 pub fn new(options: &NewOptions) -> ExitCode {
     let path = &options.path;
-    // Never over a file that is there.
+    // An existing file is never replaced.
     match File::create_new(path).and_then(|mut file| file.write_all(STARTER.as_bytes())) {
         Ok(()) => {
             console::say(&format!("{0} is written; next: falsify run {0}", path.display()));

@@ -1,6 +1,6 @@
 use clap::ValueEnum;
 
-/// Who reads the output of a command.
+/// The reader of a command's output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Output {
     /// Tables for people.

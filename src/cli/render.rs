@@ -20,7 +20,7 @@ Exit codes: as those of `falsify replay`";
 /// Options of `falsify render`.
 #[derive(Debug, Args)]
 pub struct RenderOptions {
-    /// Which episode.
+    /// The episode.
     #[command(flatten)]
     pub which: NameOptions,
     /// The picture; by default RUN-EPISODE.svg in this folder.

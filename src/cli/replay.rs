@@ -27,7 +27,7 @@ Exit codes: 0 it is as in the report   2 no such episode, or a file is missing  
 /// Options of `falsify replay`.
 #[derive(Debug, Args)]
 pub struct ReplayOptions {
-    /// Which episode.
+    /// The episode.
     #[command(flatten)]
     pub which: NameOptions,
     /// Write every tick as a table; the end of the name says whether as .csv or .parquet.
@@ -65,7 +65,7 @@ pub fn replay(options: &ReplayOptions) -> ExitCode {
     if episode.differences.is_empty() { ExitCode::Done } else { ExitCode::Differs }
 }
 
-/// Prints it for people.
+/// Prints the result for people.
 fn tell(replay: &Replay, narrative: &Narrative) {
     let Replay { report, episode: repeated } = replay;
     let manifest = report.manifest();
@@ -97,7 +97,7 @@ fn tell(replay: &Replay, narrative: &Narrative) {
     reasons(manifest).iter().for_each(|reason| console::say(&format!("possible reason: {reason}")));
 }
 
-/// Makes it an object for programs.
+/// Makes an object of the result, for programs.
 fn as_json(replay: &Replay, narrative: &Narrative) -> serde_json::Value {
     let Replay { report, episode: repeated } = replay;
     let outcome = &repeated.outcome;

@@ -34,13 +34,13 @@ pub struct RunOptions {
     /// Folder for the reports, one folder in it for each campaign.
     #[arg(long, short, default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
     pub out: PathBuf,
-    /// Folder for finished and half-finished work, which several folders for reports may share. Without it, OUT/.falsify.
+    /// Folder for finished and unfinished work, which several folders for reports may share. Without it, OUT/.falsify.
     #[arg(long, env = "FALSIFY_CACHE", value_name = "DIR")]
     pub cache: Option<PathBuf>,
-    /// Number from which everything random follows.
+    /// Seed of all random numbers.
     #[arg(long, default_value_t = 1, env = "FALSIFY_SEED", value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub seed: u64,
-    /// Threads that work; results do not depend on it. 0: one for every core.
+    /// Number of threads; results do not depend on it. 0: one for every core.
     #[arg(long, short = 'j', default_value_t = 0, env = "FALSIFY_THREADS", value_name = "N", value_parser = clap::value_parser!(u16).range(..=256), allow_negative_numbers = true)]
     pub threads: u16,
     /// File formats of the tables of a report.
@@ -55,16 +55,17 @@ pub struct RunOptions {
     /// List what would be run and why, and what is stored already; then stop.
     #[arg(long)]
     pub list: bool,
-    /// Run only enough to see that everything works: one run, two updates, five episodes. Reports go to NAME-smoke.
+    /// Run only a quick check of the whole pipeline: one run, two updates, five episodes. Reports go to NAME-smoke.
     #[arg(long)]
     pub smoke: bool,
-    /// Do all work again, also what is stored.
+    /// Repeat all work, also what is stored.
     #[arg(long)]
     pub fresh: bool,
-    /// Do one of several parts, as 3/16, and write no report; `auto/16` takes the number from SLURM_ARRAY_TASK_ID or JOB_COMPLETION_INDEX.
+    /// Run one of several parts, as 3/16, and write no report; `auto/16` takes the number from SLURM_ARRAY_TASK_ID or
+    /// JOB_COMPLETION_INDEX.
     #[arg(long, value_name = "I/N", conflicts_with_all = ["fresh", "list", "ticks", "fail_if", "junit"])]
     pub shard: Option<NamedShard>,
-    /// Of a shard, do only these; other shards then find them.
+    /// Of a shard, run only these tasks; other shards then find their results.
     #[arg(long, value_enum, value_name = "TASKS", requires = "shard")]
     pub only: Option<Only>,
     /// Seconds between saves of unfinished work: at most this much is lost when the program is killed.
@@ -80,19 +81,19 @@ pub struct RunOptions {
     /// Which episodes are also written tick by tick, as ticks.parquet; they are simulated once more for it.
     #[arg(long, value_enum, default_value_t = TickChoice::None, value_name = "WHICH")]
     pub ticks: TickChoice,
-    /// What makes it pass or fail.
+    /// Conditions under which it fails.
     #[command(flatten)]
     pub gate: GateOptions,
 }
 
-/// What of a shard is done.
+/// The part of a shard that is run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Only {
-    /// Its trainings, each by one shard.
+    /// Its trainings, each in one shard.
     Trainings,
 }
 
-/// What a table is written as.
+/// File formats of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum TableFormat {
     /// Comma-separated values.
@@ -113,7 +114,7 @@ pub enum TickChoice {
 }
 
 impl RunOptions {
-    /// The same for a session.
+    /// The same options for a session.
     ///
     /// # Errors
     /// The exit code, after the reason has been printed.
@@ -143,7 +144,7 @@ impl RunOptions {
         })
     }
 
-    /// What listens to a run with these options.
+    /// The observer of a run with these options.
     pub fn reporter(&self) -> RunReporter {
         RunReporter { output: self.format, showing: self.progress }
     }
@@ -164,7 +165,7 @@ pub fn run(options: &RunOptions) -> ExitCode {
     ended(options.format, run_or_list(options).unwrap_or_else(|code| code))
 }
 
-/// Tells programs with which exit code a command ends.
+/// Reports the exit code of a command to programs.
 pub fn ended(output: Output, code: ExitCode) -> ExitCode {
     if output == Output::Json {
         Event::RunEnded { exit_code: code as u8 }.tell();
@@ -191,7 +192,7 @@ fn run_or_list(options: &RunOptions) -> Result<ExitCode, ExitCode> {
     run_shard(options, &session, &wanted, shard).map_err(failed)
 }
 
-/// Writes what a server of continuous integration reads, and chooses the exit code of a run.
+/// Writes the report for a server of continuous integration, and chooses the exit code of a run.
 ///
 /// # Errors
 /// The exit code, after the reason has been printed.
@@ -207,7 +208,7 @@ pub fn finished(options: &RunOptions, run: &RunReport) -> Result<ExitCode, ExitC
         CampaignOutcome::Reported(report) if !report.passes() => ExitCode::GateFailed,
         CampaignOutcome::Reported(_) => ExitCode::Done,
     });
-    // The last campaign that did not pass decides.
+    // The last campaign that did not pass decides the exit code.
     Ok(codes.rfind(|code| *code != ExitCode::Done).unwrap_or(ExitCode::Done))
 }
 
@@ -227,7 +228,7 @@ fn run_shard(
     })
 }
 
-/// Shows how far a run is, what is wrong and which reports there are.
+/// Shows the progress of a run, its problems and its reports.
 #[derive(Debug)]
 pub struct RunReporter {
     output: Output,
@@ -272,7 +273,7 @@ impl Observer for RunReporter {
 }
 
 impl RunReporter {
-    /// Prints the cells of a report for people, narrow enough for a terminal, or its place for programs.
+    /// For people, prints the cells of a report, narrow enough for a terminal; for programs, prints its folder.
     fn reported(&self, report: &CampaignReport) {
         let CampaignReport { name, folder, manifest, .. } = report;
         match self.output {

@@ -1,4 +1,4 @@
-//! `falsify check --sample`: where episodes would start, and what is rejected.
+//! `falsify check --sample`: where episodes would start, and which starts are rejected.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -12,10 +12,10 @@ use crate::env::Scenario;
 use crate::report::{self, WriteError};
 use crate::seed::Seed;
 
-/// Starts that are drawn in a picture; more would hide each other.
+/// The most starts in a picture; more would hide each other.
 const DRAWN: usize = 500;
 
-/// The starts that were drawn of one spawn rule in one town.
+/// The starts that were drawn from one spawn rule in one town.
 #[derive(Serialize)]
 struct Sample<'a> {
     campaign: &'a str,
@@ -34,15 +34,15 @@ struct Share {
     passed: u32,
 }
 
-/// Which starts are drawn, and who reads the result.
+/// Which starts are drawn, and the reader of the result.
 pub struct Wanted<'a> {
     /// The number for each spawn in each town.
     pub count: u32,
-    /// Number from which they follow.
+    /// The seed of the starts.
     pub seed: u64,
     /// Folder for the pictures.
     pub out: &'a Path,
-    /// Whether programs read the result.
+    /// Whether the result is for programs.
     pub json: bool,
 }
 

@@ -1,7 +1,7 @@
 //! `falsify.toml`: settings of a folder and of all below it.
 //!
-//! What the file says becomes the default of the option of the same name, so a flag comes before the environment, the
-//! environment before the file, and the file before what the program would do by itself.
+//! The value of an option is the first of these: the flag, the variable of the environment, the key of the same name in the file, the
+//! program's default.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -20,8 +20,8 @@ use crate::lang::{nearest, reason};
 /// The name of the file.
 pub const FILE: &str = "falsify.toml";
 
-/// The settings, with the variables of the environment that set them, too. Each is the option of `falsify run` with the same name,
-/// which also says what it means and takes.
+/// The settings, with the variables of the environment that also set them. Each is the option of `falsify run` with the same name, which
+/// documents its meaning and its values.
 const KEYS: [(&str, Option<&str>); 10] = [
     ("out", Some("FALSIFY_OUT")),
     ("cache", Some("FALSIFY_CACHE")),
@@ -35,23 +35,22 @@ const KEYS: [(&str, Option<&str>); 10] = [
     ("max_ticks", None),
 ];
 
-/// What a file sets.
+/// The settings of a file.
 #[derive(Debug)]
 pub struct Settings {
     /// The file.
     pub path: PathBuf,
-    /// The values of each key as an option takes them, and the line that they stand in, from 1.
+    /// The values of each key in the form that an option takes, and their line, from 1.
     pub values: BTreeMap<&'static str, (Vec<String>, usize)>,
 }
 
-/// Whether a command asks for settings; it must have been chosen, so that its options are there.
+/// Whether a command has settings. The command must be the chosen one, so that its options exist.
 pub fn concern(command: &Command, name: &str) -> bool {
     let options = command.find_subcommand(name).into_iter().flat_map(Command::get_arguments);
     options.into_iter().any(|option| setting(option).is_some())
 }
 
-/// The setting that an option of some command stands for: it listens to the setting's variable, or has its name where there is
-/// none.
+/// The setting of a command's option: the setting whose variable the option reads, or the setting of its name if there is no variable.
 fn setting(option: &Arg) -> Option<&'static str> {
     let variable = option.get_env().map(|variable| variable.to_string_lossy());
     let stands_for = |(key, listened): &(&str, Option<&str>)| match (&variable, listened) {
@@ -62,7 +61,7 @@ fn setting(option: &Arg) -> Option<&'static str> {
     KEYS.into_iter().find(stands_for).map(|(key, _)| key)
 }
 
-/// The options of `falsify run` that the settings stand for, in their order.
+/// The options of `falsify run` that correspond to the settings, in their order.
 pub fn options() -> Vec<Arg> {
     let run = RunOptions::augment_args(Command::new("run"));
     let option = |key: &str| run.get_arguments().find(|option| option.get_id() == key).cloned();
@@ -72,7 +71,7 @@ pub fn options() -> Vec<Arg> {
 /// Finds the file in a folder or the nearest one above it, and reads it; none when there is no such file.
 ///
 /// # Errors
-/// The exit code, after all that is wrong has been drawn.
+/// The exit code, after all errors have been printed.
 pub fn find(folder: &Path) -> Result<Option<Settings>, ExitCode> {
     let Some(path) = folder.ancestors().map(|folder| folder.join(FILE)).find(|path| path.is_file()) else {
         return Ok(None);
@@ -89,7 +88,7 @@ pub fn find(folder: &Path) -> Result<Option<Settings>, ExitCode> {
     })
 }
 
-/// Makes the settings the defaults of the options that they stand for.
+/// Makes the settings the defaults of their options.
 pub fn apply(command: Command, settings: &Settings) -> Command {
     let with_default = |option: Arg| match setting(&option).and_then(|key| settings.values.get(key)) {
         Some((values, _)) => option.default_values(values),
@@ -138,7 +137,7 @@ fn unknown(span: Span, word: &str) -> Diagnostic {
     }
 }
 
-/// Takes a value as an option would; the error is a code and what to say at the value.
+/// Checks a value as its option would; the error is a code and a message for the value.
 fn take(option: &Arg, value: &DeValue<'_>, folder: &Path) -> Result<Vec<String>, (&'static str, String)> {
     let list = matches!(option.get_action(), ArgAction::Append);
     let texts = match value {
@@ -152,7 +151,7 @@ fn take(option: &Arg, value: &DeValue<'_>, folder: &Path) -> Result<Vec<String>,
     if texts.is_empty() {
         return Err(("empty-list", "name at least one".into()));
     }
-    // Paths are meant from where the file stands, wherever the program is started.
+    // A path is relative to the folder of the file, not to the current folder.
     if matches!(option.get_value_hint(), ValueHint::AnyPath) {
         texts = texts.iter().map(|text| folder.join(text).display().to_string()).collect();
     }
@@ -164,7 +163,7 @@ fn take(option: &Arg, value: &DeValue<'_>, folder: &Path) -> Result<Vec<String>,
     }
 }
 
-/// A text or a number as an option would be given it.
+/// A text or a number in the form that an option takes.
 fn plain(value: &DeValue<'_>) -> Option<String> {
     match value {
         DeValue::String(text) => Some(text.to_string()),

@@ -4,23 +4,23 @@ use std::str::FromStr;
 
 use crate::campaign::Shard;
 
-/// The variables in which engines give a task its number, counted from 0 as shards are.
+/// The variables in which job engines give a task its number, counted from 0 as shards are.
 const NUMBERS: [&str; 2] = ["SLURM_ARRAY_TASK_ID", "JOB_COMPLETION_INDEX"];
 
-/// A shard as the user names it: `3/16`, or `auto/16` where the environment has the number.
+/// A shard on the command line: `3/16`, or `auto/16` to take the number from the environment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NamedShard {
     index: Option<u32>,
     count: u32,
 }
 
-/// Why a text names no shard.
+/// Why a text is not a shard.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum NoShard {
     /// It has another form.
     #[error("write INDEX/COUNT, such as 3/16, or auto/16")]
     Form,
-    /// There are no shards.
+    /// The number of shards is 0.
     #[error("there must be at least one shard")]
     Count,
     /// The index is too large.
@@ -35,7 +35,7 @@ pub enum NoShard {
         /// The number of shards.
         count: u32,
     },
-    /// The environment has something else than the number of a shard.
+    /// The variable of the environment is not the number of a shard.
     #[error("{variable} is `{value}`, but {count} shards are counted from 0 to {}", count - 1)]
     Number {
         /// The variable.
@@ -66,7 +66,7 @@ impl NamedShard {
     /// The shard; its number comes from the environment if the user did not give one.
     ///
     /// # Errors
-    /// The environment has no number, or not that of a shard.
+    /// The environment has no number, or one that is not a shard.
     pub fn resolve(self, variable: impl Fn(&str) -> Option<String>) -> Result<Shard, NoShard> {
         let Self { index, count } = self;
         if let Some(index) = index {

@@ -11,7 +11,7 @@ use super::{console, failure};
 use crate::session::{self, CampaignProgress, CampaignState};
 use crate::store::TaskStatus;
 
-/// Most tasks under way that are named.
+/// The most tasks under way that are named.
 const SHOWN: usize = 8;
 
 /// Shown after the help.
@@ -100,7 +100,7 @@ fn tell(campaign: &CampaignProgress) {
     }
 }
 
-/// What a task has saved, and how long ago.
+/// What is stored of a task, and how long ago it was saved.
 fn saved(task: &TaskStatus) -> String {
     let ago = task.written.and_then(|written| SystemTime::now().duration_since(written).ok());
     match ago {

@@ -8,7 +8,7 @@ use super::input::session;
 use super::{console, failure};
 use crate::session::{self, Repeated, reasons};
 
-/// Most differences that are shown.
+/// The most differences that are shown.
 const SHOWN: usize = 10;
 
 /// Shown after the help.
@@ -27,7 +27,7 @@ pub struct VerifyOptions {
     /// A report.
     #[arg(value_name = "DIR")]
     pub report: PathBuf,
-    /// How many episodes and failures of searches are repeated.
+    /// Number of episodes and failures of searches to repeat.
     #[arg(long, default_value_t = 100, value_name = "N")]
     pub sample: usize,
     /// Repeat all of them.
@@ -36,10 +36,10 @@ pub struct VerifyOptions {
     /// Train every pedestrian again, too, and compare its networks.
     #[arg(long)]
     pub trainings: bool,
-    /// Number from which the choice of the sample follows.
+    /// Seed of the sample.
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub seed: u64,
-    /// How they are repeated.
+    /// Options of the repetition.
     #[command(flatten)]
     pub repeat: RepeatOptions,
 }

@@ -15,15 +15,15 @@ use super::opener::Notes;
 use crate::av::Fault;
 use crate::av::external::{Link, Program};
 
-/// Bytes that are read at once.
+/// The number of bytes of one read.
 const CHUNK: usize = 1 << 16;
-/// How long a child may take to end after its input was closed.
+/// Time that a child has to end after its input was closed.
 const LEAVE: Duration = Duration::from_millis(500);
 
-/// The children that run now, for when the whole program ends at once.
+/// The running children, for an immediate end of the whole program.
 static RUNNING: Mutex<BTreeSet<u32>> = Mutex::new(BTreeSet::new());
 
-/// Ends all children at once, with whatever they have started.
+/// Ends all children at once, with all processes that they have started.
 pub fn end_all() {
     let running = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
     for id in &*running {
@@ -31,14 +31,14 @@ pub fn end_all() {
     }
 }
 
-/// A child process with pipes that never block: every wait has an end.
+/// A child process with pipes that never block: every wait has a time limit.
 pub(super) struct Child {
     program: Program,
     process: std::process::Child,
-    /// Taken when it is to end.
+    /// Taken to close the input, which asks the child to end.
     input: Option<ChildStdin>,
     output: ChildStdout,
-    /// What was read and not yet asked for begins at `used`.
+    /// Bytes that were read; those from `used` on have not been returned yet.
     read: Vec<u8>,
     used: usize,
     limit: Duration,
@@ -77,7 +77,7 @@ impl Child {
         Fault::Late { limit_ms: self.limit.as_millis() as u32 }
     }
 
-    /// Waits until something can be done with a pipe, or the time is up.
+    /// Waits until a pipe is ready, or the time is up.
     fn wait(&self, pipe: BorrowedFd<'_>, what: PollFlags) -> Result<(), Fault> {
         let left = self.deadline.saturating_duration_since(Instant::now());
         if left.is_zero() {
@@ -92,7 +92,7 @@ impl Child {
         }
     }
 
-    /// Reads what there is, waiting for at least one byte.
+    /// Reads the available bytes; waits for at least one.
     fn more(&mut self) -> Result<(), Fault> {
         if self.used == self.read.len() {
             self.read.clear();
@@ -184,13 +184,13 @@ impl Link for Child {
 }
 
 impl Drop for Child {
-    /// Closes its input, which is the request to end, and ends it when it does not.
+    /// Closes its input, which asks it to end, and kills it when it does not.
     fn drop(&mut self) {
         drop(self.input.take());
         self.deadline = Instant::now() + LEAVE;
         // Its output is closed when it has ended.
         while self.exact(&mut [0; 1 << 12]).is_ok() {}
-        // By then nothing of it should be left; if something is, it hangs.
+        // The group should be empty by now. A process that is left in it hangs, and is killed.
         let _ = killpg(Pid::from_raw(self.process.id() as i32), Signal::SIGKILL);
         let _ = self.process.wait();
         RUNNING.lock().unwrap_or_else(PoisonError::into_inner).remove(&self.process.id());

@@ -6,10 +6,10 @@ use crate::av::external::Program;
 /// Programs whose first argument is a file to run, unless it is an option; a version may follow the name.
 const INTERPRETERS: [&str; 10] = ["python", "pypy", "node", "ruby", "perl", "julia", "bash", "sh", "Rscript", "php"];
 
-/// Looks for a program, and for the script if it is one that runs scripts.
+/// Looks for a program. If it runs scripts, looks for the script too.
 ///
 /// # Errors
-/// What is missing, as half a sentence.
+/// What is missing, as a part of a sentence.
 pub(super) fn find(program: &Program) -> Result<(), String> {
     let (name, arguments) = program.words.split_first().expect("checked: a command names a program");
     let is_path = name.contains('/');
@@ -31,12 +31,12 @@ pub(super) fn find(program: &Program) -> Result<(), String> {
     }
 }
 
-/// Digests the files beside the scenario that the words of a command name: the script, not the interpreter on the PATH.
+/// Computes a digest of the files beside the scenario that a command names: the script, not the interpreter on the PATH.
 pub(super) fn digest(program: &Program) -> [u8; 32] {
     let mut all = blake3::Hasher::new();
     for path in program.words.iter().map(|word| program.folder.join(word)).filter(|path| path.is_file()) {
         let mut file = blake3::Hasher::new();
-        // A file that cannot be read is noticed when the program is started.
+        // A file that cannot be read is reported when the program is started.
         let _ = std::fs::File::open(path).and_then(|opened| file.update_reader(opened).map(|_| ()));
         all.update(file.finalize().as_bytes());
     }

@@ -3,10 +3,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 use crate::av::Fault;
 use crate::av::external::{Link, Opener, Program};
 
-/// Most notes about drivers that are printed.
+/// The most notes about drivers that are printed.
 const MOST_NOTES: usize = 20;
 
-/// Starts drivers as child processes and says on the error stream what they do wrong.
+/// Starts drivers as child processes, and reports their errors on the error stream.
 #[derive(Debug, Clone, Default)]
 pub struct ProcessOpener {
     notes: Notes,
@@ -45,7 +45,7 @@ impl ProcessOpener {
     }
 }
 
-/// Prints notes until there are too many; one that comes again and again is printed once.
+/// Prints notes up to a maximum. A repeated note is printed once.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Notes(Arc<Mutex<(usize, String)>>);
 

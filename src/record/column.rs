@@ -6,7 +6,7 @@ use polars::prelude::{
     Series, StringChunked, UInt32Chunked, UInt64Chunked,
 };
 
-/// What a column holds: text, counts, numbers or truth values.
+/// The kind of a column's values: text, counts, numbers or truth values.
 pub trait Kind: 'static {
     /// The values of such a column in memory.
     type Array;
@@ -21,7 +21,7 @@ pub trait Kind: 'static {
     fn array(column: &Values) -> PolarsResult<&Self::Array>;
 }
 
-/// What a column of a kind is written from: a value for every row, or one that may be missing.
+/// A value of a row in a column of a kind, present or possibly missing.
 pub trait Cell<K>: Sized {
     /// The column.
     fn series(name: PlSmallStr, values: Vec<Self>) -> Series;
@@ -77,7 +77,7 @@ impl<K: Kind> Column<K> {
         K::array(table.column(self.name)?)
     }
 
-    /// What is said of it.
+    /// Its reference.
     pub fn reference(&self) -> ColumnReference {
         ColumnReference { name: self.name.into(), unit: self.unit.into(), doc: self.doc.into(), holds: K::TYPE }
     }
@@ -88,7 +88,7 @@ impl<K: Kind> Column<K> {
     }
 }
 
-/// Columns that say the same of several things: `cc_avoids`, `rss_avoids` and so on. The name of the thing comes first.
+/// Columns of the same meaning for several things: `cc_avoids`, `rss_avoids` and so on. The name of the thing comes first.
 #[derive(Debug)]
 pub struct Family<K> {
     suffix: &'static str,
@@ -98,7 +98,7 @@ pub struct Family<K> {
 }
 
 impl<K: Kind> Family<K> {
-    /// The family of columns whose names end like this.
+    /// The family of columns whose names end with this suffix.
     pub const fn new(suffix: &'static str, unit: &'static str, doc: &'static str) -> Self {
         Self { suffix, unit, doc, kind: PhantomData }
     }
@@ -126,7 +126,7 @@ impl<K: Kind> Family<K> {
         Entry::new::<K, V>(self.name(member).into(), self.unit.into(), self.doc.into(), value)
     }
 
-    /// What is said of a member.
+    /// The reference of a member.
     pub fn reference(&self, member: &str) -> ColumnReference {
         let (unit, doc) = (self.unit.into(), self.doc.into());
         ColumnReference { name: self.name(member).into(), unit, doc, holds: K::TYPE }
@@ -136,7 +136,7 @@ impl<K: Kind> Family<K> {
 /// The two columns of an interval, `…_low` and `…_high`.
 #[derive(Debug, Clone, Copy)]
 pub struct Interval {
-    /// What the names begin with.
+    /// The prefix of both names.
     pub name: &'static str,
     unit: &'static str,
     doc: &'static str,
@@ -174,14 +174,14 @@ impl Interval {
 /// Makes a column of this name from rows.
 type WriteRows<'t, R> = dyn Fn(PlSmallStr, &[R]) -> Series + 't;
 
-/// A column of a table whose rows are of type `R`, with how it is read from a row.
+/// A column of a table whose rows are of type `R`, and the function that reads it from a row.
 pub struct Entry<'t, R> {
     reference: ColumnReference,
     write: Box<WriteRows<'t, R>>,
     pub(super) metrics: Vec<super::Metric>,
 }
 
-/// What is said of a column, for people.
+/// The documentation of a column, for people.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ColumnReference {
     /// The name.
@@ -190,12 +190,12 @@ pub struct ColumnReference {
     pub unit: Cow<'static, str>,
     /// What it means.
     pub doc: Cow<'static, str>,
-    /// What it holds.
+    /// The kind of its values.
     pub holds: DataType,
 }
 
 impl<'t, R> Entry<'t, R> {
-    /// A column of kind `K` whose name is made up, since it belongs to a family: one for each reference driver, say.
+    /// A column of kind `K` whose name is computed, since it belongs to a family, for example one column for each reference driver.
     pub fn new<K: Kind, V: Cell<K>>(
         name: Cow<'static, str>,
         unit: Cow<'static, str>,
@@ -219,13 +219,13 @@ impl<'t, R> Entry<'t, R> {
         self
     }
 
-    /// Adds how runs and cells aggregate it.
+    /// Adds its aggregation over runs and cells.
     pub fn aggregated(mut self, metrics: impl IntoIterator<Item = super::Metric>) -> Self {
         self.metrics.extend(metrics);
         self
     }
 
-    /// What is said of it.
+    /// Its reference.
     pub fn reference(&self) -> &ColumnReference {
         &self.reference
     }
@@ -247,12 +247,12 @@ impl<'t, R> Entry<'t, R> {
 pub struct Table<'t, R> {
     /// The stem of its files.
     pub name: &'static str,
-    /// What a row is, and what else is to be said of the table.
+    /// What a row is, and further documentation of the table.
     pub doc: &'static str,
     pub(super) entries: Vec<Entry<'t, R>>,
 }
 
-/// What is said of a table, for people.
+/// The documentation of a table, for people.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TableReference {
     /// The stem of its files.
@@ -293,14 +293,14 @@ impl<'t, R> Table<'t, R> {
         DataFrame::new(rows.len(), self.values(rows)).expect("the columns of a table have different names")
     }
 
-    /// What runs and cells make of its columns, in the order of their tables.
+    /// The metrics that runs and cells have of its columns, in the order of their tables.
     pub fn metrics(&self) -> Vec<super::Metric> {
         let mut all: Vec<super::Metric> = self.entries.iter().flat_map(|entry| entry.metrics.clone()).collect();
         all.sort_by_key(|metric| metric.place);
         all
     }
 
-    /// What is said of it.
+    /// Its reference.
     pub fn reference(&self) -> TableReference {
         let columns = self.entries.iter().map(|entry| entry.reference().clone()).collect();
         TableReference { name: self.name, doc: self.doc, columns }

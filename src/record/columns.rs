@@ -1,4 +1,4 @@
-//! The columns that several tables share, and those that are read back: each is named here and nowhere else.
+//! The columns that several tables share, and those that are read back. Each is named only here.
 
 use super::{Column, Family};
 
@@ -45,7 +45,7 @@ pub const BLOCK: Column<u32> = Column::new("block", "", "number of the `evaluate
 pub const EPISODE: Column<u32> =
     Column::new("episode", "", "number of the episode, from 0; equal numbers of a place have equal starts");
 
-/// How much an episode counts. No table has it yet; without it each episode counts once.
+/// The weight of an episode. No table has it yet; without it each episode has weight 1.
 pub const WEIGHT: Column<f64> = Column::new(
     "weight",
     "",
@@ -124,7 +124,7 @@ pub const PEDESTRIAN_YAW: Column<f64> =
 /// Digest of the episode.
 pub const DIGEST: Column<String> =
     Column::new("digest", "", "hash of every state of the episode; equal digests mean equal episodes");
-/// Digests on the way.
+/// State hashes of the episode.
 pub const STATE_HASHES: Column<String> = Column::new(
     "state_hashes",
     "",
@@ -148,7 +148,7 @@ pub const FORESEEABLE: Column<bool> = Column::new(
 );
 /// Time of danger.
 pub const WARNING: Column<f64> = Column::new("warning_s", "s", "time from the start of the danger to the touch");
-/// How much was hidden.
+/// Share of the time in which it was hidden.
 pub const HIDDEN_SHARE: Column<f64> = Column::new(
     "hidden_share",
     "",
@@ -164,13 +164,13 @@ pub const IN_SIGHT: Column<f64> = Column::new(
 /// Whether a reference driver avoids a collision.
 pub const AVOIDS: Family<bool> =
     Family::new("_avoids", "", "whether that reference driver touches nobody while it moves");
-/// By how much it avoids it.
+/// The margin of its avoidance.
 pub const MARGIN: Family<f64> = Family::new(
     "_margin_m",
     "m",
     "least gap until the reference driver's car stood or had passed, if it avoids the collision",
 );
-/// By how much it is slower.
+/// The reduction of the impact speed.
 pub const SPEED_REDUCTION: Family<f64> = Family::new(
     "_impact_speed_reduction_mps",
     "m/s",

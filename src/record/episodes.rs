@@ -51,7 +51,7 @@ pub fn episode_table() -> Table<'static, EpisodeRow> {
     table.columns(run_key(|row: &EpisodeRow| &*row.key)).columns(outcome_table().entries)
 }
 
-/// What runs and cells make of episodes, in the order of their tables.
+/// The metrics that runs and cells have of episodes, in the order of their tables.
 pub fn metrics() -> Vec<Metric> {
     episode_table().metrics()
 }
@@ -66,12 +66,12 @@ pub fn run_key_names() -> impl Iterator<Item = String> {
     run_key_references().into_iter().map(|column| column.name.into_owned())
 }
 
-/// What is said of the columns of a cell's key.
+/// The references of the columns of a cell's key.
 pub fn cell_key_references() -> Vec<ColumnReference> {
     cell_key(|key: &CellKey| key).iter().map(|entry| entry.reference().clone()).collect()
 }
 
-/// What is said of the columns of a run's key, in the order of [`run_key_names`].
+/// The references of the columns of a run's key, in the order of [`run_key_names`].
 pub fn run_key_references() -> Vec<ColumnReference> {
     [vec![RUN_ID.reference()], cell_key_references(), vec![RUN.reference()]].concat()
 }
@@ -81,9 +81,9 @@ pub fn episodes(rows: &[EpisodeRow]) -> DataFrame {
     episode_table().frame(rows)
 }
 
-/// The part of the table of episodes that is stored: the episodes without the key of their run, which the plan knows.
+/// The part of the table of episodes that is stored: the episodes without the key of their run, which the plan has.
 ///
-/// A new quantity of an episode is one entry here; [`Entry::aggregated`] says what runs and cells make of it.
+/// A new quantity of an episode is one entry here; [`Entry::aggregated`] states its aggregation over runs and cells.
 pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
     let table = Table::new(EPISODES, "The episodes of one run.");
     let table = table
@@ -131,7 +131,7 @@ pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
     table.columns(verdicts())
 }
 
-/// What the reference drivers say of collisions.
+/// The results of the reference drivers for collisions.
 fn verdicts() -> Vec<Entry<'static, EpisodeRow>> {
     let verdict = |row: &EpisodeRow| row.verdict;
     let labels = (0_u8..).zip(Label::ALL).map(|(place, label)| metric::labelled(label).at(13 + place));
@@ -174,12 +174,12 @@ fn hit(row: &EpisodeRow) -> Option<Hit> {
     }
 }
 
-/// A driver that failed has not driven to the end.
+/// An episode in error: its driver did not reach the end.
 fn near_miss(row: &EpisodeRow) -> NearMiss {
     if row.outcome.fault().is_some() { NearMiss::default() } else { row.near_miss }
 }
 
-/// What `outcome` says of an episode in error.
+/// The value of `outcome` for an episode in error.
 pub const IN_ERROR: &str = named::ERROR;
 
 /// The names of endings in tables.

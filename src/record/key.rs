@@ -2,9 +2,9 @@ use std::fmt;
 
 use crate::compile::{Evaluation, RunId};
 
-/// What tells one cell of results from another: a controller and its training, and where and against what it was run.
+/// The key of a cell of results: a controller and its training, the place of the episodes, and the driver under test.
 ///
-/// All runs of a cell differ in their number alone.
+/// The runs of a cell differ only in their number.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct CellKey {
     /// Number of the `evaluate` block, from 0.
@@ -66,7 +66,7 @@ impl CellKey {
         }
     }
 
-    /// All of the key in words: [`Display`](fmt::Display), then vehicle, adversary and block.
+    /// The full key in words: [`Display`](fmt::Display), then vehicle, adversary and block.
     pub fn in_full(&self) -> String {
         format!("{self}, {}, {}, block {}", self.vehicle, self.adversary, self.block)
     }
@@ -79,7 +79,7 @@ impl fmt::Display for CellKey {
     }
 }
 
-/// What tells one run from another: its cell and its number.
+/// The key of a run: its cell and its number.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct RunKey {
     /// The short name.

@@ -1,27 +1,27 @@
-//! What runs and cells make of the columns of episodes.
+//! The metrics that runs and cells have of the columns of episodes.
 
 use polars::prelude::{DataFrame, DataType, Float64Chunked, PolarsResult, UInt32Chunked};
 
 use super::{Column, ColumnReference, Family, Kind, columns};
 use crate::judge::Label;
 
-/// A number that is calculated from the episodes of a run and from the runs of a cell: a column of the table of runs.
+/// A number that is calculated from the episodes of a run and from the runs of a cell. It is a column of the table of runs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Metric {
-    /// How it is calculated.
+    /// Its calculation.
     pub how: How,
-    /// Its place among the metrics. Tables keep the order of their columns when an entry moves.
+    /// Its place among the metrics, which fixes the order of the columns in tables.
     pub place: u8,
 }
 
-/// How a metric is calculated.
+/// The calculation of a metric.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum How {
     /// A number of episodes; a cell has the sum over its runs.
     Count(Count),
     /// A mean over episodes; a cell has mean and standard deviation over its runs.
     Mean(Mean),
-    /// One count of another; a cell has mean and standard deviation over its runs, and the interval of the sums.
+    /// A ratio of two counts; a cell has mean and standard deviation over its runs, and the interval of the sums.
     Rate(Rate),
 }
 
@@ -57,24 +57,24 @@ pub struct Mean {
     doc: &'static str,
     /// Whether it is over the episodes without error; otherwise over those with a value.
     pub of_valid: bool,
-    /// Whether cells have it too.
+    /// Whether the table of cells has it too.
     pub in_cells: bool,
 }
 
-/// One count of another, missing where that is 0, with Wilson's 95 % interval.
+/// A ratio of two counts, missing where the denominator is 0, with Wilson's 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rate {
     /// The column.
     pub name: &'static str,
-    /// The part.
+    /// The numerator.
     pub part: Count,
-    /// The whole.
+    /// The denominator.
     pub whole: Count,
     doc: &'static str,
 }
 
 impl Count {
-    /// The episodes that count, in a column of this name.
+    /// The number of these episodes, in a column of this name.
     pub const fn new(name: &'static str, which: Which, doc: &'static str) -> Self {
         Self { stem: name, suffix: "", doc, which }
     }
@@ -92,7 +92,7 @@ impl Count {
         u32::array(table.column(&self.name())?)
     }
 
-    /// It at a place among the metrics.
+    /// The metric at this place.
     pub const fn at(self, place: u8) -> Metric {
         Metric { how: How::Count(self), place }
     }
@@ -109,19 +109,19 @@ impl Mean {
         Self { of_valid: false, ..Self::new(column, doc) }
     }
 
-    /// It at a place among the metrics.
+    /// The metric at this place.
     pub const fn at(self, place: u8) -> Metric {
         Metric { how: How::Mean(self), place }
     }
 }
 
 impl Rate {
-    /// One count of another, in a column of this name.
+    /// A ratio of two counts, in a column of this name.
     pub const fn new(name: &'static str, part: Count, whole: Count, doc: &'static str) -> Self {
         Self { name, part, whole, doc }
     }
 
-    /// It at a place among the metrics.
+    /// The metric at this place.
     pub const fn at(self, place: u8) -> Metric {
         Metric { how: How::Rate(self), place }
     }
@@ -145,7 +145,7 @@ impl Metric {
         }
     }
 
-    /// Whether a cell has mean and standard deviation of it over its runs.
+    /// Whether a cell has its mean and standard deviation over the runs.
     pub fn is_averaged(&self) -> bool {
         match self.how {
             How::Count(_) => false,
@@ -154,7 +154,7 @@ impl Metric {
         }
     }
 
-    /// What is said of its column.
+    /// The reference of its column.
     pub fn reference(&self) -> ColumnReference {
         let (unit, doc, holds) = match self.how {
             How::Count(count) => ("", count.doc, DataType::UInt32),

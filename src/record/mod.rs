@@ -1,8 +1,8 @@
-//! What an episode is in a table: its key, its row, and the catalogue of columns that writing, reading and the reference follow from.
+//! An episode in a table: its key, its row, and the catalogue of columns, from which writing, reading and the reference follow.
 //!
-//! A [`Column`] has a name, a unit and a meaning, and is the only place where these are spelt. A [`Table`] pairs columns with
-//! what they are read from in a row, and with the [`Metric`]s that runs and cells make of them. [`EpisodeTable`] reads the table of
-//! episodes back by type. Tables of other modules are built of the same parts, beside the type of their rows.
+//! A [`Column`] has a name, a unit and a meaning, and is the only place where these are spelt. A [`Table`] pairs each column with a
+//! function that reads it from a row, and with the [`Metric`]s that runs and cells have of it. [`EpisodeTable`] reads the table of
+//! episodes back by type. Tables of other modules have the same parts, defined beside the type of their rows.
 
 mod key;
 mod row;

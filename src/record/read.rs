@@ -1,4 +1,4 @@
-//! Tables read back, by type and not by the text of their columns.
+//! Reads tables back by type, without the names of their columns at the caller.
 
 use polars::prelude::{BooleanChunked, DataFrame, Float64Chunked, PolarsResult, StringChunked, UInt32Chunked};
 
@@ -68,7 +68,7 @@ impl<'a> Weights<'a> {
 
 /// A table of episodes, read row by row.
 ///
-/// Missing numbers are none where that means something, and 0 elsewhere.
+/// Missing numbers are `None` if the type allows it, else 0.
 #[derive(Debug, Clone, Copy)]
 pub struct EpisodeTable<'a> {
     table: &'a DataFrame,
@@ -155,12 +155,12 @@ impl<'a> EpisodeTable<'a> {
         self.episode.get(row).unwrap_or_default()
     }
 
-    /// How much it counts.
+    /// Its weight.
     pub fn weight(&self, row: usize) -> f64 {
         self.weights.get(row)
     }
 
-    /// Why it is in error; none if it is not.
+    /// Its error; none if it has none.
     pub fn error(&self, row: usize) -> Option<&'a str> {
         (self.outcome.get(row) == Some(named::ERROR)).then(|| self.error.get(row).unwrap_or_default())
     }

@@ -11,13 +11,13 @@ pub struct EpisodeRow {
     pub key: Arc<RunKey>,
     /// Number of the episode, from 0; equal numbers of a place have equal starts.
     pub episode: u32,
-    /// How it began and ended.
+    /// Its start and its end.
     pub outcome: Outcome,
-    /// What the reference drivers say of it; none without a collision.
+    /// The verdict of the reference drivers; none without a collision.
     pub verdict: Option<Verdict>,
     /// How near it came to a touch.
     pub near_miss: NearMiss,
-    /// How much it counts: the probability of its start in the scenario by that with which it was drawn. 1 today, since starts are
-    /// drawn as the scenario says; tables have no column of it yet.
+    /// Its weight: the probability of its start in the scenario, divided by the probability with which it was drawn. It is 1 today, since
+    /// starts are drawn from the distribution of the scenario. Tables have no column of it yet.
     pub weight: f64,
 }

@@ -22,13 +22,13 @@ pub struct Chunk {
 }
 
 impl Chunk {
-    /// No episodes, for no reason.
+    /// No episodes, without a reason.
     pub fn empty() -> Self {
         Self { outcomes: outcome_table().frame(&[]), error: String::new() }
     }
 
-    /// The episodes as rows of the table of episodes. `wanted` are the numbers of the episodes that the chunk should have; if it
-    /// has an error, the missing ones become rows in error.
+    /// The episodes as rows of the table of episodes. `wanted` are the numbers of the episodes that the chunk should have. If the chunk
+    /// has an error, the missing episodes become rows in error.
     ///
     /// # Errors
     /// Those of polars; none for what [`encode`] wrote.
@@ -70,7 +70,7 @@ fn in_error(episodes: Range<u32>, error: &str) -> PolarsResult<DataFrame> {
     DataFrame::new(count, outcome_table().frame(&[]).columns().iter().map(column).collect())
 }
 
-/// Encodes episodes as Parquet, after those of an earlier encoding if there is one; also gives the number of all of them.
+/// Encodes episodes as Parquet, after those of an earlier encoding if there is one; also returns the number of all of them.
 ///
 /// # Errors
 /// Those of polars; none if `before` is an encoding.
@@ -98,7 +98,7 @@ pub fn tally(bytes: &[u8]) -> PolarsResult<Tally> {
 /// Decodes what [`encode`] wrote.
 ///
 /// # Errors
-/// It is no Parquet, or holds other columns.
+/// The bytes are not Parquet, or have other columns.
 pub fn decode(bytes: &[u8]) -> PolarsResult<DataFrame> {
     let table = ParquetReader::new(Cursor::new(bytes.to_vec())).finish()?;
     outcome_table().frame(&[]).schema().ensure_is_exact_match(table.schema())?;

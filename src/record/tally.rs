@@ -6,7 +6,7 @@ use super::episodes::named;
 use super::read::Weights;
 use crate::statistics::Weighted;
 
-/// Some episodes of an evaluation, counted.
+/// Counts of some episodes of an evaluation.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Tally {
     /// The number of episodes.
@@ -15,7 +15,7 @@ pub struct Tally {
     pub valid: Weighted,
     /// The collisions, with their weights.
     pub collisions: Weighted,
-    /// Whether no more are needed.
+    /// Whether no more episodes are needed.
     pub enough: bool,
 }
 
@@ -45,7 +45,7 @@ impl Tally {
         }
     }
 
-    /// Counts an episode too.
+    /// Adds an episode to the counts.
     pub fn add(&mut self, row: &EpisodeRow) {
         self.count(row.weight, row.outcome.fault().is_some(), row.outcome.is_collision());
     }

@@ -38,7 +38,7 @@ impl Bars {
         Self { screen, whole, shown: Mutex::default() }
     }
 
-    /// Draws what is under way.
+    /// Draws the pieces under way.
     pub fn draw(&self, board: &Board<'_>) {
         let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
         shown.retain(|(place, bar)| {
@@ -69,7 +69,7 @@ impl Bars {
         self.whole.set_position(board.ended() as u64);
     }
 
-    /// Says something above the bars.
+    /// Prints a line above the bars.
     pub fn say(&self, line: &str) {
         self.screen.suspend(|| console::note(line));
     }
@@ -90,7 +90,7 @@ fn told(job: &Job) -> String {
     format!("{share:3} %{left}{rate}  {} {}", kind.doing(), job.name)
 }
 
-/// A time as people read it, to the second.
+/// A time for people, to the second.
 fn clock(time: Duration) -> FormattedDuration {
     FormattedDuration(Duration::from_secs(time.as_secs_f64().ceil() as u64))
 }

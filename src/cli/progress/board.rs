@@ -9,7 +9,7 @@ use crate::compile::Campaign;
 pub struct Board<'a> {
     /// The campaign.
     pub campaign: &'a Campaign,
-    /// When it began.
+    /// The time of its start.
     pub began: Instant,
     /// The jobs, in the plan's order.
     pub jobs: Vec<Job>,
@@ -17,7 +17,7 @@ pub struct Board<'a> {
 }
 
 impl<'a> Board<'a> {
-    /// Lays some tasks of a campaign out, for this number of threads.
+    /// Makes the pieces of some tasks of a campaign, for this number of threads.
     pub fn new(campaign: &'a Campaign, wanted: &[Task], threads: usize) -> Self {
         Self { campaign, began: Instant::now(), jobs: Job::all(campaign, wanted), threads }
     }
@@ -33,8 +33,8 @@ impl<'a> Board<'a> {
         self.jobs.iter().filter(|job| job.is_ended()).count()
     }
 
-    /// Time until all is done, from what a unit of each kind has taken until now; none while a kind that is left has not been
-    /// measured.
+    /// Estimated time until all is done, from the average time of a unit of each kind. None while a kind with remaining work has no
+    /// measurement.
     pub fn left(&self) -> Option<Duration> {
         let mut seconds = 0.0;
         for kind in [Kind::Training, Kind::Evaluation, Kind::Search] {

@@ -8,29 +8,29 @@ use super::board::Board;
 use super::job::{Job, Kind};
 use crate::cli::console;
 
-/// What happened.
+/// An event.
 #[derive(Debug, Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
 pub enum Event<'a> {
-    /// A campaign begins.
+    /// A campaign starts.
     CampaignBegun {
         /// Its name.
         campaign: &'a str,
         /// How many jobs of each kind it has.
         trainings: usize,
-        /// How many evaluations it has.
+        /// The number of evaluations.
         evaluations: usize,
-        /// How many searches it has.
+        /// The number of searches.
         searches: usize,
     },
     /// A job of work begins.
     TaskBegun(About<'a>),
     /// A job of work has come further; told about once a second.
     Progress {
-        /// Which, and how far.
+        /// The piece and its progress.
         #[serde(flatten)]
         about: About<'a>,
-        /// Units a second.
+        /// Units per second.
         rate_per_s: Option<f64>,
         /// Time until it ends at this rate (s).
         left_s: Option<f64>,
@@ -39,39 +39,39 @@ pub enum Event<'a> {
     },
     /// A job of work has ended.
     TaskFinished {
-        /// Which, and how far.
+        /// The piece and its progress.
         #[serde(flatten)]
         about: About<'a>,
         /// Units that an earlier run of the program had done.
         reused: u64,
-        /// How long it took (s).
+        /// Its wall time (s).
         took_s: f64,
-        /// Units a second.
+        /// Units per second.
         rate_per_s: Option<f64>,
-        /// What came of it, for people.
+        /// Its result, for people.
         note: &'a str,
-        /// Why it came to nothing.
+        /// Its error.
         error: Option<&'a str>,
     },
-    /// Something is wrong that does not end the run.
+    /// A problem that does not end the run.
     Warning {
         /// The campaign.
         campaign: &'a str,
-        /// What is wrong, for people.
+        /// The problem, for people.
         message: &'a str,
     },
-    /// A report stands.
+    /// A report is in its place.
     ReportWritten {
         /// The campaign.
         campaign: &'a str,
         /// Its folder.
         folder: &'a Path,
-        /// Whether everything that was planned is in it.
+        /// Whether it holds everything that was planned.
         complete: bool,
     },
     /// The program ends.
     RunEnded {
-        /// With this exit code.
+        /// The exit code.
         exit_code: u8,
     },
 }
@@ -87,7 +87,7 @@ pub struct About<'a> {
     done: u64,
     total: u64,
     unit: &'static str,
-    /// Time since the campaign began (s).
+    /// Time since the start of the campaign (s).
     time_s: f64,
 }
 
@@ -107,7 +107,7 @@ impl<'a> About<'a> {
 }
 
 impl<'a> Event<'a> {
-    /// A campaign begins.
+    /// A campaign starts.
     pub fn campaign_begun(board: &'a Board<'_>) -> Self {
         let count = |kind| board.jobs.iter().filter(|job| job.kind == kind).count();
         Self::CampaignBegun {

@@ -18,7 +18,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// What it does, while it does it.
+    /// The verb for a piece under way.
     pub fn doing(self) -> &'static str {
         match self {
             Self::Training => "training",
@@ -27,7 +27,7 @@ impl Kind {
         }
     }
 
-    /// What it has done.
+    /// The verb for a finished piece.
     pub fn done(self) -> &'static str {
         match self {
             Self::Training => "trained",
@@ -36,7 +36,7 @@ impl Kind {
         }
     }
 
-    /// What is counted.
+    /// The unit that is counted.
     pub fn unit(self) -> &'static str {
         match self {
             Self::Training => "decisions",
@@ -53,9 +53,9 @@ pub struct Job {
     pub kind: Kind,
     /// Its place among those of its kind.
     pub place: usize,
-    /// Who, where, against whom.
+    /// Controller, town and driver.
     pub name: String,
-    /// How much of it is to be done here, in units of its kind.
+    /// The amount to do in this run, in units of its kind.
     pub total: u64,
     done: AtomicU64,
     before: AtomicU64,
@@ -110,7 +110,7 @@ impl Job {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Begins, where it has not; says whether it had not.
+    /// Starts it, if it has not started; returns whether it starts now.
     pub fn begin(&self) -> bool {
         let mut state = self.state();
         let first = state.begun.is_none();
@@ -118,23 +118,23 @@ impl Job {
         first
     }
 
-    /// Counts what was there before it began.
+    /// Counts units that were done before it started.
     pub fn found(&self, units: u64) {
         self.before.fetch_add(units, Ordering::Relaxed);
         self.done.fetch_add(units, Ordering::Relaxed);
     }
 
-    /// Counts what was done.
+    /// Counts units.
     pub fn advance(&self, units: u64) {
         self.done.fetch_add(units, Ordering::Relaxed);
     }
 
-    /// Says how much is done by now.
+    /// Sets the number of units that are done.
     pub fn reach(&self, units: u64) {
         self.done.store(units, Ordering::Relaxed);
     }
 
-    /// Ends one of its tasks; says whether that was the last.
+    /// Ends one of its tasks; returns whether that was the last.
     pub fn end_task(&self, error: Option<String>) -> bool {
         let mut state = self.state();
         state.open = state.open.saturating_sub(1);
@@ -146,22 +146,22 @@ impl Job {
         last
     }
 
-    /// What went wrong first, if anything did.
+    /// The first error, if there is one.
     pub fn error(&self) -> Option<String> {
         self.state().error.clone()
     }
 
-    /// How much is done.
+    /// The number of units that are done.
     pub fn done(&self) -> u64 {
         self.done.load(Ordering::Relaxed).min(self.total)
     }
 
-    /// How much of it was done before this run of the program.
+    /// The number of units that were done before this run of the program.
     pub fn before(&self) -> u64 {
         self.before.load(Ordering::Relaxed).min(self.total)
     }
 
-    /// Whether it has begun and not ended.
+    /// Whether it has started and not ended.
     pub fn is_under_way(&self) -> bool {
         let state = self.state();
         state.begun.is_some() && state.took.is_none()
@@ -172,7 +172,7 @@ impl Job {
         self.state().took.is_some()
     }
 
-    /// How long it took, or takes by now.
+    /// Its time, up to now or to its end.
     pub fn time(&self) -> Duration {
         let state = self.state();
         state.took.or_else(|| state.begun.map(|begun| begun.elapsed())).unwrap_or_default()
@@ -183,19 +183,19 @@ impl Job {
         self.before() >= self.total
     }
 
-    /// Units a second; none before there is anything to measure.
+    /// Units per second; none before the first measurement.
     pub fn rate(&self) -> Option<f64> {
         let (units, time) = (self.done().saturating_sub(self.before()) as f64, self.time().as_secs_f64());
         (units > 0.0 && time > 0.0).then(|| units / time)
     }
 
-    /// Time until it ends at this rate.
+    /// Estimated time until it ends at this rate.
     pub fn left(&self) -> Option<Duration> {
         self.rate().map(|rate| Duration::from_secs_f64((self.total - self.done()) as f64 / rate))
     }
 }
 
-/// Who is tried, where, against whom.
+/// Controller, town and driver of an evaluation.
 fn evaluation(evaluation: &Evaluation) -> String {
     let (key, here) = (&evaluation.trained, (&*evaluation.town, &*evaluation.policy));
     let who = match evaluation.controller {
@@ -207,7 +207,7 @@ fn evaluation(evaluation: &Evaluation) -> String {
     format!("{who} in {} against {}, run {}", here.0, here.1, key.run)
 }
 
-/// How much a task is, in units of its kind.
+/// The size of a task, in units of its kind.
 pub fn amount(campaign: &Campaign, task: Task) -> u64 {
     match task {
         Task::Training(place) => campaign.trainings[place].config.total_steps,

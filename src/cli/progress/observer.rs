@@ -15,12 +15,12 @@ use crate::compile::{Campaign, Evaluation, Training};
 use crate::rl::UpdateLog;
 use crate::session::Stop;
 
-/// Least time between two looks at how far everything is (ms).
+/// Least time between two updates of the display (ms).
 const GLANCE: u64 = 200;
-/// Every how many glances programs are told.
+/// An event for programs is sent at every such update.
 const TOLD: u64 = 5;
 
-/// Hears a campaign and shows how far it is.
+/// Observes a campaign and shows its progress.
 pub struct Progress<'a> {
     board: Board<'a>,
     bars: Option<Bars>,
@@ -30,12 +30,12 @@ pub struct Progress<'a> {
     tasks: usize,
     reused: AtomicUsize,
     glances: AtomicU64,
-    /// Time of the next glance, since the campaign began (ms).
+    /// Time of the next update, since the start of the campaign (ms).
     next: AtomicU64,
 }
 
 impl<'a> Progress<'a> {
-    /// Gets ready for some tasks of a campaign.
+    /// Prepares for some tasks of a campaign.
     pub fn new(campaign: &'a Campaign, wanted: &[Task], showing: Showing, output: Output, stop: Arc<Stop>) -> Self {
         let board = Board::new(campaign, wanted, rayon::current_num_threads());
         let terminal = std::io::stderr().is_terminal();
@@ -63,7 +63,7 @@ impl<'a> Progress<'a> {
         job
     }
 
-    /// Shows how far everything is, if it is time for that.
+    /// Updates the display, if it is time.
     fn glance(&self) {
         let now = self.board.began.elapsed().as_millis() as u64;
         let next = self.next.load(Ordering::Relaxed);
@@ -110,7 +110,7 @@ impl<'a> Progress<'a> {
 }
 
 impl Drop for Progress<'_> {
-    /// Removes the bars, and reports how much was there before.
+    /// Removes the bars, and reports how much was stored before.
     fn drop(&mut self) {
         if let Some(bars) = &self.bars {
             bars.clear();

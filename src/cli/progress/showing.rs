@@ -9,6 +9,6 @@ pub enum Showing {
     Bars,
     /// A line for each job that is finished.
     Lines,
-    /// Not at all.
+    /// No progress.
     None,
 }
