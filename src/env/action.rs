@@ -4,12 +4,12 @@ use super::{ReferenceFrame, Scaling};
 use crate::geometry::{Point, Pose, wrap_angle};
 use crate::sim::WalkCommand;
 
-/// How the numbers of an action become a command of a pedestrian: heading, then speed.
+/// Converts the numbers of an action to a command of a pedestrian: heading, then speed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ActionSpec {
     /// Least and greatest speed that can be chosen (m/s).
     pub speed: (f64, f64),
-    /// Where the chosen heading is measured from.
+    /// The direction from which the chosen heading is measured.
     pub frame: ReferenceFrame,
     /// The units of the action.
     pub scaling: Scaling,
@@ -27,7 +27,7 @@ impl ActionSpec {
         }
     }
 
-    /// Turns an action, within its bounds, into a command in the world.
+    /// Converts an action, within its bounds, to a command in the world.
     pub fn command(
         &self,
         action: [f64; Self::DIM],

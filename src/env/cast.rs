@@ -7,25 +7,25 @@ use crate::sim::{ActorStart, PedestrianBody, VehicleBlueprint, WalkCommand};
 /// Makes a fresh driving policy; every episode's environment owns one for each vehicle.
 pub type PolicyMaker = Arc<dyn Fn() -> Box<dyn DrivingPolicy> + Send + Sync>;
 
-/// The actors of a scenario. In a world the ego is vehicle 0, the traffic follows in its order, and pedestrians have their order.
+/// The actors of a scenario. In a world the ego is vehicle 0, the other vehicles follow in their order, and pedestrians have their order.
 #[derive(Clone)]
 pub struct Cast {
     /// The car under test. The scenario's spawn rule places it.
     pub ego: VehicleRole,
-    /// All other vehicles; each states its own start.
+    /// All other vehicles; each has its own start.
     pub traffic: Vec<Placed<VehicleRole>>,
     /// The pedestrian that the scenario's spawn rule places.
     pub pedestrian: PedestrianRole,
-    /// All other pedestrians; each states its own start.
+    /// All other pedestrians; each has its own start.
     pub others: Vec<Placed<PedestrianRole>>,
 }
 
-/// A role with a start of its own.
+/// A role with its own start.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Placed<R> {
     /// What the actor is.
     pub role: R,
-    /// Where every episode puts it.
+    /// Its start in every episode.
     pub start: ActorStart,
 }
 
@@ -38,36 +38,36 @@ pub struct VehicleRole {
     pub policy: PolicyMaker,
 }
 
-/// A pedestrian: what it is, what its controller is given, what its controller answers, and what the controller is.
+/// A pedestrian: its body, its observation, its action and its controller.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PedestrianRole {
     /// Size and gait.
     pub body: PedestrianBody,
-    /// The state that the controller is given.
+    /// The state that the controller gets.
     pub observation: ObservationSpec,
-    /// How an action of the controller is read.
+    /// The meaning of the controller's action.
     pub action: ActionSpec,
-    /// What decides for it.
+    /// What chooses its commands.
     pub controller: Controller,
-    /// Where it looks at the start, when the spawn rule places it and states no heading.
+    /// The direction that it faces at the start, when the spawn rule places it and states no heading.
     pub first_heading: FirstHeading,
 }
 
-/// What decides for a pedestrian.
+/// What chooses the commands of a pedestrian.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Controller {
     /// The user of the environment: a walk policy, a search or a learner.
     External,
-    /// It carries out this command in every tick, whatever the user of the environment chooses.
+    /// A fixed command in every tick; the user of the environment has no influence on it.
     Fixed(WalkCommand),
 }
 
-/// Where a pedestrian looks at the start of an episode.
+/// The direction that a pedestrian faces at the start of an episode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FirstHeading {
-    /// Anywhere.
+    /// Any direction.
     Random,
-    /// At the ego.
+    /// Towards the ego.
     TowardsEgo,
 }
 
@@ -102,7 +102,7 @@ impl Cast {
         1 + self.others.len()
     }
 
-    /// The pedestrians that the user of an environment decides for, with their numbers.
+    /// The pedestrians that the user of an environment controls, with their numbers.
     pub fn controlled(&self) -> impl Iterator<Item = (usize, &PedestrianRole)> {
         self.pedestrians().enumerate().filter(|(_, role)| role.controller == Controller::External)
     }

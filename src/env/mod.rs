@@ -1,8 +1,8 @@
-//! The Markov decision process: what an episode is, how it starts, what a pedestrian sees and does, and its reward.
+//! The Markov decision process: what an episode is, how it starts, what a pedestrian observes and does, and its reward.
 //!
-//! A [`Scenario`] has a [`Cast`]: the ego and other vehicles with their drivers, and pedestrians. A pedestrian is four things: a
-//! body, an [`ObservationSpec`], an [`ActionSpec`] and a [`Controller`]. A [`PedestrianEnv`] draws episodes of it; a [`Trace`] keeps
-//! what happened in one, and a [`Pair`] shows it for one car and one pedestrian.
+//! A [`Scenario`] has a [`Cast`]: the ego and other vehicles with their drivers, and pedestrians. A pedestrian has four parts: a body, an
+//! [`ObservationSpec`], an [`ActionSpec`] and a [`Controller`]. A [`PedestrianEnv`] draws episodes of it. A [`Trace`] records an episode,
+//! and a [`Pair`] is its view for one car and one pedestrian.
 //!
 //! | paper | here |
 //! |---|---|

@@ -3,7 +3,7 @@ use std::f64::consts::PI;
 use super::{ReferenceFrame, Scaling};
 use crate::geometry::{Point, Pose, Vector, wrap_angle};
 
-/// What the paper's "relative scalar speed" is taken to be.
+/// The meaning of the paper's "relative scalar speed".
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ObservedSpeed {
     /// The ego's speed.
@@ -33,7 +33,7 @@ pub struct Observation {
 }
 
 impl Observation {
-    /// What a pedestrian at this pose that walks at this speed (m/s) sees of an ego.
+    /// What a pedestrian at this pose and with this speed (m/s) observes of an ego.
     pub fn new(pedestrian: &Pose, walking: f64, ego: &Pose, ego_speed: f64, observed: ObservedSpeed) -> Self {
         let offset: Vector = ego.position() - pedestrian.position();
         let speed = match observed {
@@ -49,14 +49,14 @@ impl Observation {
     }
 }
 
-/// How an [`Observation`] becomes the numbers of a state: bearing, distance, relative heading, speed.
+/// Converts an [`Observation`] to the numbers of a state: bearing, distance, relative heading, speed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObservationSpec {
-    /// Where the angles are measured from.
+    /// The direction from which the angles are measured.
     pub frame: ReferenceFrame,
     /// The units of the state.
     pub scaling: Scaling,
-    /// What the speed is.
+    /// The meaning of the speed.
     pub speed: ObservedSpeed,
 }
 
@@ -67,7 +67,7 @@ impl ObservationSpec {
     /// The state for an observation in the frame of the pedestrian's heading.
     pub fn encode(&self, seen: &Observation, pedestrian: &Pose, initial_heading: f64, ego: Point) -> [f64; Self::DIM] {
         let turn = wrap_angle(pedestrian.yaw - self.frame.origin(pedestrian, initial_heading, ego));
-        // On the line of sight the bearing is always 0; the pedestrian's own heading takes its place.
+        // On the line of sight the bearing is always 0; the pedestrian's own heading replaces it.
         let first = match self.frame {
             ReferenceFrame::LineOfSight => turn,
             _ => wrap_angle(seen.bearing + turn),

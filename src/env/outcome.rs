@@ -17,14 +17,13 @@ pub enum Ending {
         /// Bearing of the pedestrian from the ego's centre, positive to the left (rad).
         bearing: f64,
     },
-    /// Two actors touched that are not the ego and a pedestrian: traffic was involved.
+    /// Two actors touched, but not the ego and a pedestrian: other traffic was involved.
     OtherContact,
     /// The `end_when` condition was true.
     Lost,
-    /// The time was up.
+    /// The episode reached its time limit.
     Timeout,
-    /// The driver failed as a program, so nothing is known about how it would have driven. It may not fail again, so this is not
-    /// stored.
+    /// The driver failed as a program, so how it would have driven is unknown. It may succeed another time, so this is not stored.
     #[serde(skip)]
     Error(Fault),
 }
@@ -48,7 +47,7 @@ pub struct Outcome {
     pub last_mode: DrivingMode,
     /// A digest of every state of the episode: equal digests mean equal episodes.
     pub digest: u64,
-    /// Hashes of the states on the way, which show from where on two episodes differ.
+    /// Hashes of the states along the episode. They show from where on two episodes differ.
     pub state_hashes: StateHashes,
 }
 
@@ -58,7 +57,7 @@ impl Outcome {
         matches!(self.ending, Ending::Collision { .. })
     }
 
-    /// The fault of the driver, if that ended the episode.
+    /// The fault of the driver, if it ended the episode.
     pub fn fault(&self) -> Option<Fault> {
         match self.ending {
             Ending::Error(fault) => Some(fault),

@@ -9,7 +9,7 @@ use crate::sim::{
 /// From the bumper back to the driver's eye (m).
 const EYE: f64 = 1.9;
 
-/// A vehicle and a pedestrian at a tick, and what the driver had done to get there.
+/// A vehicle and a pedestrian at a tick, and what the driver did in the tick before.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frame {
     /// The car.
@@ -22,7 +22,7 @@ pub struct Frame {
     pub control: Control,
 }
 
-/// An episode as it was for one vehicle and one pedestrian: a view of two tracks of a [`Trace`].
+/// An episode as seen by one vehicle and one pedestrian: a view of two tracks of a [`Trace`].
 #[derive(Debug, Clone, Copy)]
 pub struct Pair<'a> {
     scenario: &'a Scenario,
@@ -69,7 +69,7 @@ impl<'a> Pair<'a> {
         self.scenario.episode.tick
     }
 
-    /// How the two touched in the last tick; none when they did not.
+    /// How the two touched in the last tick; none when they did not touch.
     pub fn contact(&self) -> Option<&'a Contact> {
         self.contact
     }
@@ -84,7 +84,7 @@ impl<'a> Pair<'a> {
         self.driving.len()
     }
 
-    /// Whether there is no frame: no episode has started.
+    /// Whether there is no frame, since no episode has started.
     pub fn is_empty(&self) -> bool {
         self.driving.is_empty()
     }
@@ -104,12 +104,12 @@ impl<'a> Pair<'a> {
         self.driving.iter().zip(self.walking).map(|(vehicle, pedestrian)| frame(vehicle, pedestrian))
     }
 
-    /// Where the driver's eye is: 1.9 m behind the bumper, on the axis.
+    /// The position of the driver's eye: 1.9 m behind the bumper, on the axis.
     pub fn eye(&self, frame: &Frame) -> Point {
         frame.ego.pose.to_world(Vector::new(self.blueprint.half_length - EYE, 0.0))
     }
 
-    /// Whether the middle or an edge of the pedestrian is in sight from the driver's eye. Only obstacles hide it.
+    /// Whether the middle or an edge of the pedestrian can be seen from the driver's eye. Only obstacles hide it.
     pub fn in_sight(&self, frame: &Frame) -> bool {
         let (radius, position) = (self.body.radius, frame.pedestrian.pose.position());
         let eye = self.eye(frame);
@@ -125,7 +125,7 @@ impl<'a> Pair<'a> {
         (self.outline(frame).distance_to(place) - self.body.radius).max(0.0)
     }
 
-    /// The box that the car fills.
+    /// The box of the car.
     pub fn outline(&self, frame: &Frame) -> OrientedBox {
         frame.ego.outline(self.blueprint)
     }

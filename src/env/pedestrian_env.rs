@@ -12,13 +12,13 @@ use crate::seed::Seed;
 use crate::sim::{ActorStart, Contact, Control, LightCycle, Start, WalkCommand, World};
 use rand::RngExt;
 
-/// A logical scenario made runnable: it draws concrete episodes from it, one after another.
+/// A runnable logical scenario: it draws concrete episodes, one after another.
 ///
-/// Episode *k* depends on the seed and on *k* alone, so two controllers that are evaluated with one seed meet the same starts and the
-/// same drivers.
+/// Episode *k* depends only on the seed and on *k*. So two controllers that are evaluated with one seed have the same starts and the same
+/// drivers.
 ///
-/// A decision is one command for each pedestrian of the cast, in the order of their numbers. As an [`Env`] it is a joint action: the
-/// numbers of all controlled pedestrians, one after another, and so is the state.
+/// A decision is one command for each pedestrian of the cast, in the order of their numbers. As an [`Env`] its action is joint: the
+/// numbers of all controlled pedestrians, one after another. So is its state.
 pub struct PedestrianEnv {
     scenario: Arc<Scenario>,
     world: World,
@@ -28,46 +28,46 @@ pub struct PedestrianEnv {
     seed: Seed,
     next_episode: u64,
     episode: Episode,
-    /// Where each vehicle and each pedestrian of the running episode started.
+    /// The start of each vehicle and each pedestrian of the running episode.
     starts: (Vec<ActorStart>, Vec<ActorStart>),
     /// What each vehicle's driver did in the last tick.
     controls: Vec<Control>,
-    /// What each pedestrian carries out.
+    /// The command that each pedestrian carries out.
     walks: Walks,
     /// Bounds of a joint action.
     bounds: Vec<(f64, f64)>,
     faults_in_a_row: u32,
     last_fault: Option<Fault>,
-    /// The commands of the running episode. With the episode's number and width they are all that its state depends on.
+    /// The commands of the running episode. Its state depends only on them, its number and its width.
     decisions: Vec<WalkCommand>,
-    /// The part of the spawn's distances that the coming episodes are drawn from; 1 for all.
+    /// The part of the spawn's distances from which the next episodes are drawn; 1 for all.
     width: f64,
-    /// The spawn rule with that part of the distances, where that is not all.
+    /// The spawn rule with that part of the distances, if that is not all.
     near: Option<SpawnRule>,
 }
 
-/// Episodes in a row in which a driver may fail before it is given up.
+/// Number of episodes in a row that a driver may fail; then it is not asked again.
 const MOST_FAULTS: u32 = 10;
 /// Commands of an episode for which memory is reserved; longer episodes reserve more once.
 const MOST_ROOM: u32 = 4096;
 
-/// What the pedestrians carry out, in the order of their numbers.
+/// The commands that the pedestrians carry out, in the order of their numbers.
 #[derive(Debug, Clone)]
 struct Walks {
     commands: Vec<WalkCommand>,
-    /// How far each command turned away from the one before (rad).
+    /// The angle from the previous command to each command (rad).
     turns: Vec<f64>,
     /// Memory for the commands of an action.
     scratch: Vec<WalkCommand>,
 }
 
-/// The running episode's record.
+/// The record of the running episode.
 #[derive(Debug, Clone, Copy)]
 struct Episode {
     spawn: Spawn,
     /// The environment's width when it started.
     width: f64,
-    /// Ticks for which the commands have been kept.
+    /// Ticks for which the present commands have been carried out.
     held: u32,
     contact: Option<Contact>,
     reward: f64,
@@ -79,7 +79,7 @@ struct Episode {
 }
 
 impl Episode {
-    /// An episode in which nothing has happened.
+    /// The record of an episode that has just started.
     fn new(spawn: Spawn, width: f64) -> Self {
         Self {
             spawn,
@@ -106,7 +106,7 @@ impl PedestrianEnv {
     fn with_policies(scenario: Arc<Scenario>, seed: Seed, policies: Vec<Box<dyn DrivingPolicy>>) -> Self {
         let cast = &scenario.cast;
         let lights = scenario.episode.traffic_lights.then(LightCycle::default);
-        // No tick is to wait for it.
+        // Prepared here, so that no tick waits for it.
         scenario.town.prepare();
         let world = World::new(
             scenario.town.clone(),
@@ -173,7 +173,7 @@ impl PedestrianEnv {
         pedestrians[0] = ActorStart::standing(spawn.pedestrian);
         self.world.begin(&Start { vehicles, pedestrians, light_phase });
         for (number, policy) in self.policies.iter_mut().enumerate() {
-            // The ego's draws do not depend on whether there is traffic.
+            // The ego's random numbers do not depend on whether there is other traffic.
             let seed = if number == 0 { seed.child("policy") } else { seed.child("traffic").index(number as u64) };
             policy.reset(&self.sensors.perceive(&self.world, number), seed.stream());
         }
@@ -197,10 +197,9 @@ impl PedestrianEnv {
         RunningEpisode { next_episode, width, decisions: self.decisions.clone(), digest }
     }
 
-    /// Repeats an episode up to where it was, and tells whether it led to the same state.
+    /// Repeats an episode up to the recorded point, and returns whether it led to the same state.
     ///
-    /// Neither the world nor a driver can be copied; but an episode is determined by its number and the commands, and
-    /// ticks are cheap.
+    /// Neither the world nor a driver can be copied. But the episode's number and the commands determine it, and ticks are cheap.
     fn replay(&mut self, running: &RunningEpisode) -> bool {
         let Some(number) = running.next_episode.checked_sub(1) else {
             return self.next_episode == 0 && running.decisions.is_empty();
@@ -225,14 +224,14 @@ impl PedestrianEnv {
         self.state_hash() == running.digest
     }
 
-    /// Hashes the start of the running episode and all that has happened since.
+    /// Hashes the start of the running episode and all its states since.
     fn state_hash(&self) -> u64 {
         let Spawn { ego, ego_speed, pedestrian } = &self.episode.spawn;
         let begun = [ego.x, ego.y, ego.yaw, *ego_speed, pedestrian.x, pedestrian.y, pedestrian.yaw];
         begun.iter().fold(self.episode.digest, |digest, value| mix(digest, value.to_bits()))
     }
 
-    /// What a pedestrian sees of the ego.
+    /// What a pedestrian observes of the ego.
     pub fn observe(&self, pedestrian: usize) -> Observation {
         let (state, ego) = (&self.world.pedestrians[pedestrian].state, &self.world.ego().state);
         let observed = self.scenario.cast.pedestrian(pedestrian).observation.speed;
@@ -244,7 +243,7 @@ impl PedestrianEnv {
         self.episode.outcome.as_ref()
     }
 
-    /// Which actors touched in the last tick, and how; none when none did.
+    /// The actors that touched in the last tick, and how; none when there was no touch.
     pub fn contact(&self) -> Option<&Contact> {
         self.episode.contact.as_ref()
     }
@@ -255,7 +254,7 @@ impl PedestrianEnv {
         Driven { mode: self.policies[vehicle].mode(), control: self.controls[vehicle] }
     }
 
-    /// Carries out one command for each pedestrian, for as many ticks as the scenario keeps it.
+    /// Carries out one command for each pedestrian, for the number of ticks that the scenario keeps a command.
     pub fn carry_out(&mut self, commands: &[WalkCommand]) -> Step {
         self.begin_decision(commands);
         loop {
@@ -265,7 +264,7 @@ impl PedestrianEnv {
         }
     }
 
-    /// Takes one command for each pedestrian, to be carried out by [`PedestrianEnv::tick`].
+    /// Takes one command for each pedestrian; [`PedestrianEnv::tick`] carries them out.
     ///
     /// # Panics
     /// When the number of commands is not that of the pedestrians.
@@ -291,14 +290,14 @@ impl PedestrianEnv {
         &self.walks.commands
     }
 
-    /// Lets the drivers prepare for the coming tick, so that drivers of many environments can be asked at once.
+    /// Lets the drivers prepare for the next tick, so that drivers of many environments can be queried at once.
     pub fn prepare(&mut self) {
         for (vehicle, policy) in self.policies.iter_mut().enumerate() {
             policy.prepare(&self.sensors.perceive(&self.world, vehicle));
         }
     }
 
-    /// Moves on by one tick; gives the decision's step when the commands have been kept long enough or the episode is over.
+    /// Simulates one tick. Returns the decision's step when the commands have been carried out for their time or the episode is over.
     pub fn tick(&mut self) -> Option<Step> {
         let rule = &self.scenario.episode;
         let (limit, hold) = (rule.ticks, rule.hold);
@@ -316,7 +315,7 @@ impl PedestrianEnv {
         over.then(|| self.settle(contact))
     }
 
-    /// Asks every driver for the coming tick; gives the fault of the first that fails.
+    /// Queries every driver for the next tick; returns the fault of the first that fails.
     #[inline]
     fn drive(&mut self) -> Option<Fault> {
         for (vehicle, (policy, control)) in self.policies.iter_mut().zip(&mut self.controls).enumerate() {
@@ -329,7 +328,7 @@ impl PedestrianEnv {
         None
     }
 
-    /// Ends an episode whose driver failed: no reward for the decision, and what would have followed is unknown.
+    /// Ends an episode whose driver failed: the decision has no reward, and the rest of the episode is unknown.
     fn give_up(&mut self, fault: Fault) -> Step {
         self.finish(Ending::Error(fault), None);
         self.faults_in_a_row += 1;
@@ -337,12 +336,12 @@ impl PedestrianEnv {
         Step { reward: 0.0, terminated: false, truncated: true }
     }
 
-    /// The driver's last fault, when it failed in ten episodes in a row.
+    /// The driver's last fault, if it failed in ten episodes in a row.
     pub fn hopeless(&self) -> Option<Fault> {
         self.last_fault.filter(|_| self.faults_in_a_row >= MOST_FAULTS)
     }
 
-    /// Another environment of the same scenario and seed, when driving in a batch is faster for the ego's driver.
+    /// Another environment of the same scenario and seed, if the ego's driver is faster in a batch.
     pub fn clone_for_batch(&self) -> Option<Self> {
         let ego = self.policies[0].clone_for_batch()?;
         let traffic = self.policies.iter().zip(self.scenario.cast.vehicles()).skip(1);
@@ -356,7 +355,7 @@ impl PedestrianEnv {
         self.policies[0].batch_size()
     }
 
-    /// Pays for the decision and ends the episode when it is over.
+    /// Computes the reward of the decision, and ends the episode when it is over.
     fn settle(&mut self, contact: Option<Contact>) -> Step {
         self.episode.state_hashes.mark(self.episode.digest);
         let (rule, reward) = (&self.scenario.episode, &self.scenario.reward);
@@ -392,7 +391,7 @@ impl PedestrianEnv {
         Step { reward: earned, terminated: ending.is_some() && !truncated, truncated }
     }
 
-    /// Notes the outcome of the episode.
+    /// Records the outcome of the episode.
     fn finish(&mut self, ending: Ending, contact: Option<&Contact>) {
         let hit = matches!(ending, Ending::Collision { .. });
         self.episode.outcome = Some(Outcome {
@@ -440,7 +439,7 @@ impl PedestrianEnv {
         contact.map_or(self.world.elapsed(), |contact| before + contact.fraction * self.world.dt)
     }
 
-    /// Adds a tick to the digest, vehicles first, in the order of their numbers, and to the least gap.
+    /// Adds a tick to the digest, vehicles first, in the order of their numbers, and updates the least gap.
     #[inline]
     fn record(&mut self) {
         let mut digest = self.episode.digest;
@@ -471,7 +470,7 @@ impl PedestrianEnv {
         &self.bounds
     }
 
-    /// Writes the joint state: what each controlled pedestrian sees, in the frame and units of its controller.
+    /// Writes the joint state: what each controlled pedestrian observes, in the frame and units of its controller.
     pub fn write_state(&self, state: &mut [f64]) {
         for ((number, role), part) in self.scenario.cast.controlled().zip(state.chunks_exact_mut(ObservationSpec::DIM))
         {
@@ -480,7 +479,7 @@ impl PedestrianEnv {
         }
     }
 
-    /// Writes the commands for a joint action, now; pedestrians that are not controlled keep theirs.
+    /// Writes the present commands for a joint action; pedestrians that are not controlled keep theirs.
     pub fn write_commands(&self, action: &[f64], commands: &mut [WalkCommand]) {
         commands.copy_from_slice(&self.walks.commands);
         for ((number, role), part) in self.scenario.cast.controlled().zip(action.as_chunks().0) {
@@ -516,7 +515,7 @@ impl Env for PedestrianEnv {
     }
 
     fn step(&mut self, action: &[f64], state: &mut [f64]) -> Step {
-        // A driver that has been given up is not asked any more; the training ends with the update in hand.
+        // A driver that failed too often is not asked any more; the training ends with the current update.
         let step = match self.hopeless() {
             Some(_) => Step { reward: 0.0, terminated: false, truncated: true },
             None => {

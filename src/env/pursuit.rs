@@ -1,19 +1,19 @@
-//! Commands of pedestrians that know where the ego is: straight at it, or to where it is going to be.
+//! Commands of pedestrians that know the ego's position: straight at the ego, or to its future position.
 
 use super::PedestrianEnv;
 use crate::geometry::{Vector, wrap_angle};
 use crate::sim::WalkCommand;
 
 impl PedestrianEnv {
-    /// Where a homing pedestrian would walk: straight at the ego, as fast as it can.
+    /// The command of a homing pedestrian: straight at the ego, at its greatest speed.
     pub fn homing(&self, pedestrian: usize) -> WalkCommand {
         let (state, speed) = (&self.world().pedestrians[pedestrian].state, self.greatest_speed(pedestrian));
         let offset = self.world().ego().state.pose.position() - state.pose.position();
         WalkCommand { heading: libm::atan2(offset.y, offset.x), speed }
     }
 
-    /// Where an intercepting pedestrian would walk: to the nearest place where it can meet an ego that keeps its
-    /// velocity, or straight at the ego when there is none.
+    /// The command of an intercepting pedestrian: to the nearest place where it can meet an ego that keeps its velocity, or straight at
+    /// the ego when there is none.
     pub fn intercept(&self, pedestrian: usize) -> WalkCommand {
         let (pose, ego) = (&self.world().pedestrians[pedestrian].state.pose, &self.world().ego().state);
         let speed = self.greatest_speed(pedestrian);
@@ -28,7 +28,7 @@ impl PedestrianEnv {
     }
 }
 
-/// The least time (s) after which a pedestrian at the origin can be where a car at `offset` with `velocity` is.
+/// The least time (s) after which a pedestrian at the origin can reach a car at `offset` with `velocity`.
 fn meeting_time(offset: Vector, velocity: Vector, speed: f64) -> Option<f64> {
     // |offset + velocity t| = speed t
     let a = velocity.norm_squared() - speed * speed;

@@ -1,6 +1,6 @@
 use crate::geometry::{Point, Pose};
 
-/// Where the angles of a state or an action are measured from. The paper says only "the pedestrian's frame".
+/// The direction from which the angles of a state or an action are measured. The paper says only "the pedestrian's frame".
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ReferenceFrame {
     /// The pedestrian's present heading, which turns with every command.
@@ -14,7 +14,7 @@ pub enum ReferenceFrame {
 }
 
 impl ReferenceFrame {
-    /// The direction that angles are measured from, in the world (rad), for a pedestrian that had this heading (rad) at the start.
+    /// The direction from which angles are measured, in the world (rad), for a pedestrian that had this heading (rad) at the start.
     pub(super) fn origin(self, pedestrian: &Pose, initial_heading: f64, ego: Point) -> f64 {
         match self {
             Self::Heading => pedestrian.yaw,

@@ -1,10 +1,10 @@
-//! Rewards are formulas of the scenario, evaluated when something happens.
+//! Rewards are formulas of the scenario, evaluated at events.
 
 use crate::geometry::Pose;
 use crate::signature::{Event, Formula, Variable, VariableId, Vocabulary};
 use crate::units::Dimension;
 
-/// The variables of formulas, in SI units. The order of the fields is the vocabulary's.
+/// The variables of formulas, in SI units. The order of the fields is that of the vocabulary.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Situation {
     /// Speed of the ego when it was hit (m/s); only at `hit`.
@@ -21,15 +21,15 @@ pub struct Situation {
     pub ego_speed: f64,
     /// Speed of the pedestrian (m/s).
     pub walking_speed: f64,
-    /// Time since the episode began (s).
+    /// Time since the start of the episode (s).
     pub elapsed: f64,
-    /// Angle from where the pedestrian faces to the ego's centre, positive to the left (rad).
+    /// Angle from the pedestrian's heading to the ego's centre, positive to the left (rad).
     pub facing: f64,
-    /// How far the last command turned away from the one before, positive to the left (rad).
+    /// Angle from the previous command to the last one, positive to the left (rad).
     pub turn: f64,
-    /// Speed that the last command asked for (m/s).
+    /// Speed of the last command (m/s).
     pub pace: f64,
-    /// Least distance up to now from the pedestrian's disc to the ego's box (m); 0 at a hit.
+    /// Least distance so far from the pedestrian's disc to the ego's box (m); 0 at a hit.
     pub miss_distance: f64,
 }
 
@@ -51,8 +51,8 @@ const AT_HIT: &[&str] = &[
 const ALWAYS: &[&str] = AT_HIT.split_at(1).1;
 const AT_BEGIN: &[&str] = &["bearing", "distance", "ahead", "aside", "ego_speed", "facing"];
 
-/// The bounds of a variable in any episode: an episode has at most a million ticks of 0.1 s, no walker is
-/// faster than 40.96 m/s, and no car reaches 1000 m/s. A pedestrian that touches a car is not in its middle.
+/// The bounds of a variable in any episode. An episode has at most a million ticks of 0.1 s, no pedestrian is faster than 40.96 m/s, and
+/// no car reaches 1000 m/s. The centre of a pedestrian that touches a car is not at the car's centre.
 fn bounds_of(name: &str) -> (f64, f64) {
     use std::f64::consts::PI;
     const FASTEST: f64 = 1000.0;
@@ -195,14 +195,14 @@ pub struct RewardRule {
     pub step: Option<Formula>,
     /// The `end_when` condition.
     pub lost: Option<Formula>,
-    /// The end of the time.
+    /// The time limit.
     pub timeout: Option<Formula>,
-    /// The potential of a state, which shapes what a learner is paid and is not part of the reward.
+    /// The potential of a state. It shapes the reward of a learner and is not part of the reward.
     pub potential: Option<Formula>,
 }
 
 impl RewardRule {
-    /// The worth of a formula in a situation; 0 without one.
+    /// The value of a formula in a situation; 0 without a formula.
     pub fn worth(formula: Option<&Formula>, situation: &Situation) -> f64 {
         formula.map_or(0.0, |formula| formula.evaluate(&|id| situation.value(id)))
     }

@@ -1,11 +1,11 @@
 use crate::sim::WalkCommand;
 
-/// A running episode up to now: enough to repeat it.
+/// A running episode up to now, with all data to repeat it.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct RunningEpisode {
     /// The number of the next episode; 0 when none has started.
     pub(super) next_episode: u64,
-    /// The part of the spawn's distances that it was drawn from.
+    /// The part of the spawn's distances from which it was drawn.
     pub(super) width: f64,
     /// The commands up to now.
     pub(super) decisions: Vec<WalkCommand>,
@@ -22,7 +22,7 @@ impl RunningEpisode {
         words.flat_map(u64::to_le_bytes).collect()
     }
 
-    /// Decodes it; none when the bytes are something else.
+    /// Decodes it; none when the bytes have another form.
     pub(super) fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let (words, rest) = bytes.as_chunks::<8>();
         let [next_episode, digest, width, commands @ ..] = words else { return None };

@@ -14,7 +14,7 @@ pub struct EpisodeRule {
     pub hold: u32,
     /// Most ticks of an episode.
     pub ticks: u32,
-    /// Ends the episode after a decision without a hit when it is true; nothing is bootstrapped then.
+    /// Ends the episode after a decision without a hit when it is true; the value of the state after it is not bootstrapped.
     pub end_when: Option<Formula>,
     /// A hit is frontal when the pedestrian's bearing from the ego's centre is at most this (rad).
     pub front_half_angle: f64,
@@ -24,7 +24,7 @@ pub struct EpisodeRule {
     pub traffic_lights: bool,
 }
 
-/// A logical scenario: everything that is the same for all its episodes.
+/// A logical scenario: everything that all its episodes share.
 #[derive(Clone)]
 pub struct Scenario {
     /// The roads.
@@ -33,11 +33,11 @@ pub struct Scenario {
     pub obstacles: Arc<Obstacles>,
     /// Its actors.
     pub cast: Cast,
-    /// Where the ego and the first pedestrian start.
+    /// The rule that places the ego and the first pedestrian.
     pub spawn: SpawnRule,
     /// The reward of the pedestrians.
     pub reward: RewardRule,
-    /// How episodes end.
+    /// The rule that ends episodes.
     pub episode: EpisodeRule,
 }
 

@@ -3,11 +3,11 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-/// Most marks that are kept.
+/// The most marks that are stored.
 const MOST: usize = 32;
 
-/// Hashes of the states of an episode, which show from which decision on two episodes differ: a byte of the digest after each
-/// decision; after every second one when there are more than 32, and so on.
+/// Hashes of the states of an episode, which show from which decision on two episodes differ. A mark is a byte of the digest after a
+/// decision. Up to 32 decisions there is a mark for each; with more there is one for every second decision, and so on.
 ///
 /// In tables it is the number of decisions from mark to mark, a colon, and two hexadecimal digits for each mark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -17,7 +17,7 @@ pub struct StateHashes {
     length: u8,
     /// Decisions from mark to mark.
     stride: u32,
-    /// Decisions that have been noted.
+    /// Number of decisions that have been recorded.
     decisions: u32,
 }
 
@@ -28,7 +28,7 @@ impl Default for StateHashes {
 }
 
 impl StateHashes {
-    /// Notes the digest after a decision.
+    /// Records the digest after a decision.
     pub fn mark(&mut self, digest: u64) {
         self.decisions += 1;
         if !self.decisions.is_multiple_of(self.stride) {
@@ -101,7 +101,7 @@ impl TryFrom<String> for StateHashes {
     }
 }
 
-/// A text that is not a hashes.
+/// A text that is not state hashes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the text is not a hashes of an episode")]
 pub struct NoTrail;

@@ -17,15 +17,14 @@ pub struct Driven {
 pub struct VehicleFrame {
     /// Where it is.
     pub state: VehicleState,
-    /// What its driver did in the tick that led here; nothing yet at the start.
+    /// What its driver did in the tick before; nothing yet at the start.
     pub driven: Driven,
 }
 
-/// What happened in an episode: a track of each actor from tick to tick, the decisions of each pedestrian, and the touch that ended
-/// it.
+/// The record of an episode: a track of each actor from tick to tick, the decisions of each pedestrian, and the touch that ended it.
 ///
-/// Its memory is reserved before the episode starts. What follows from the tracks, such as who saw whom, is not stored; a [`Pair`]
-/// works it out.
+/// Its memory is reserved before the episode starts. Quantities that follow from the tracks, such as visibility, are not stored; a
+/// [`Pair`] computes them.
 #[derive(Debug, Clone)]
 pub struct Trace {
     vehicles: Vec<Vec<VehicleFrame>>,
@@ -33,14 +32,14 @@ pub struct Trace {
     contact: Option<Contact>,
 }
 
-/// A pedestrian from tick to tick, and what it decided.
+/// A pedestrian from tick to tick, and its decisions.
 #[derive(Debug, Clone, Default)]
 struct PedestrianTrack {
     states: Vec<PedestrianState>,
     decisions: Vec<WalkCommand>,
 }
 
-/// Memory for more ticks than this is not reserved in advance.
+/// The most ticks for which memory is reserved in advance.
 const RESERVED: u32 = 20_000;
 
 impl Trace {
@@ -59,7 +58,7 @@ impl Trace {
         }
     }
 
-    /// Forgets the last episode; the world is at the start of the next one.
+    /// Clears the last episode; the world is at the start of the next one.
     pub fn begin(&mut self, world: &World) {
         self.vehicles.iter_mut().for_each(Vec::clear);
         for track in &mut self.pedestrians {
@@ -69,14 +68,14 @@ impl Trace {
         self.watch(world, None, |_| Driven::default());
     }
 
-    /// Notes a decision: the command that each pedestrian carries out.
+    /// Records a decision: the command that each pedestrian carries out.
     pub fn decide(&mut self, commands: &[WalkCommand]) {
         for (track, command) in self.pedestrians.iter_mut().zip(commands) {
             track.decisions.push(*command);
         }
     }
 
-    /// Notes where all actors are after a tick, whether two of them touched in it, and what the driver of each vehicle did.
+    /// Records the state of all actors after a tick, whether two of them touched in it, and what the driver of each vehicle did.
     #[inline]
     pub fn watch(&mut self, world: &World, contact: Option<&Contact>, driven: impl Fn(usize) -> Driven) {
         for (number, (track, vehicle)) in self.vehicles.iter_mut().zip(&world.vehicles).enumerate() {
@@ -88,14 +87,14 @@ impl Trace {
         self.contact = contact.copied();
     }
 
-    /// Moves an environment on by one tick and notes it.
+    /// Simulates one tick of an environment and records it.
     pub fn watch_tick(&mut self, env: &mut PedestrianEnv) -> Option<Step> {
         let step = env.tick();
         self.watch(env.world(), env.contact(), |vehicle| env.driven(vehicle));
         step
     }
 
-    /// Carries a decision out in an environment and notes all of its ticks.
+    /// Carries out a decision in an environment and records all of its ticks.
     pub fn watch_decision(&mut self, env: &mut PedestrianEnv, commands: &[WalkCommand]) -> Step {
         env.begin_decision(commands);
         self.decide(env.commands());
@@ -131,13 +130,12 @@ impl Trace {
         self.contact.as_ref()
     }
 
-    /// The episode as it was for one vehicle and one pedestrian.
+    /// The episode as seen by one vehicle and one pedestrian.
     pub fn pair<'a>(&'a self, scenario: &'a Scenario, vehicle: usize, pedestrian: usize) -> Pair<'a> {
         Pair::new(scenario, self, vehicle, pedestrian)
     }
 
-    /// The pair that an episode is judged by: the ego and the pedestrian that it touched, or the first pedestrian when it touched
-    /// none.
+    /// The pair for the verdict on an episode: the ego and the pedestrian that it touched, or the first pedestrian when it touched none.
     pub fn main_pair<'a>(&'a self, scenario: &'a Scenario) -> Pair<'a> {
         let struck = self.contact.and_then(|contact| contact.pedestrian_at_ego());
         self.pair(scenario, 0, struck.unwrap_or(0))

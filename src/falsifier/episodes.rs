@@ -6,14 +6,14 @@ use crate::env::{Outcome, PedestrianEnv, Scenario, Trace};
 use crate::seed::Seed;
 use crate::sim::WalkCommand;
 
-/// Episodes in a row in which a driver may fail; then no more are run.
+/// Number of episodes in a row that a driver may fail; then no more are run.
 const MOST_FAULTS: usize = 10;
 
-/// Evaluates a walk policy in this number of episodes, and reports to the observer how many are done.
+/// Evaluates a walk policy in this number of episodes, and reports the number of finished episodes to the observer.
 ///
-/// Episode *k* starts the same for every policy that is evaluated with the same `episodes_seed`; the policy's own draws come from
-/// `walker_seed`. Ends early, with the first episodes up to there, when the observer breaks or when the driver has failed in ten
-/// episodes in a row.
+/// Episode *k* starts the same for every policy that is evaluated with the same `episodes_seed`. The policy's own random numbers come from
+/// `walker_seed`. Ends early, with the first episodes up to there, when the observer breaks or when the driver has failed in ten episodes
+/// in a row.
 ///
 /// Where a batch is faster for the driver ([`DrivingPolicy::clone_for_batch`](crate::av::DrivingPolicy::clone_for_batch)), several
 /// episodes run at once, tick by tick. That changes no outcome: episodes are independent, and when a driver fails in a batch, each
@@ -74,8 +74,8 @@ impl Place {
     }
 }
 
-/// Runs the episode with this number and traces it. `choose` writes the commands of each decision; none when it returns none before
-/// the end.
+/// Runs the episode with this number and records its trace. `choose` writes the commands of each decision. None when `choose` returns none
+/// before the end.
 pub(super) fn play(
     env: &mut PedestrianEnv,
     trace: &mut Trace,
@@ -94,7 +94,7 @@ pub(super) fn play(
     }
 }
 
-/// One place for each episode of a batch; none when a batch is no faster than one episode after another.
+/// One slot for each episode of a batch; none when a batch is no faster than single episodes.
 fn places(env: &PedestrianEnv, walker: &dyn WalkPolicy, episodes: usize) -> Vec<Place> {
     let wanted = env.batch_size().min(episodes);
     let (trace, commands) = (Trace::new(env.scenario()), vec![WalkCommand::default(); env.world().pedestrians.len()]);
@@ -111,12 +111,12 @@ struct Trial<'a, T> {
     observer: &'a mut dyn FnMut(u32) -> ControlFlow<()>,
     /// Number of the first episode.
     first: u64,
-    /// What was noted of each episode, and whether the driver failed in it.
+    /// The result of `note` for each episode, and whether the driver failed in it.
     notes: Vec<Option<(T, bool)>>,
     done: u32,
-    /// Episodes up to the first that is not over yet.
+    /// Episodes up to the first that is not finished yet.
     settled: usize,
-    /// How many of the last of these are in error.
+    /// The number of the last of these that are in error.
     faults: usize,
 }
 

@@ -5,12 +5,12 @@ use crate::env::{Outcome, PedestrianEnv, Scenario, Trace};
 use crate::seed::Seed;
 use crate::sim::WalkCommand;
 
-/// A collision that a falsifier found, with all that is needed to repeat it.
+/// A collision that a falsifier found, with all data to repeat it.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Failure {
     /// Number of its start under the seed of the search.
     pub start: u64,
-    /// Ticks that the search had used when it was found, those of this episode included.
+    /// Ticks that the search had used when it was found, including those of this episode.
     pub ticks: u64,
     /// The commands: one for each pedestrian in every decision.
     pub commands: Vec<WalkCommand>,
@@ -19,13 +19,13 @@ pub struct Failure {
 }
 
 impl Failure {
-    /// Simulates it again under the seed of the search; none when the commands do not lead to an end.
+    /// Simulates it again under the seed of the search; none when the commands do not end the episode.
     pub fn replay(&self, scenario: &Arc<Scenario>, seed: Seed) -> Option<Outcome> {
         follow(scenario, seed, self.start, &self.commands).map(|(outcome, _)| outcome)
     }
 }
 
-/// Repeats an episode from a start under the seed of a search with these commands; none when they do not lead to an end.
+/// Repeats an episode from a start under the seed of a search with these commands; none when they do not end it.
 pub fn follow(scenario: &Arc<Scenario>, seed: Seed, start: u64, commands: &[WalkCommand]) -> Option<(Outcome, Trace)> {
     let mut env = PedestrianEnv::new(scenario.clone(), seed);
     let mut trace = Trace::new(scenario);

@@ -3,7 +3,7 @@ use crate::env::PedestrianEnv;
 use crate::seed::Stream;
 use crate::sim::WalkCommand;
 
-/// Walks straight at the ego, as fast as it can: the simplest attack.
+/// Walks straight at the ego at its greatest speed: the simplest attack.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Homing;
 

@@ -3,7 +3,7 @@ use crate::env::PedestrianEnv;
 use crate::seed::Stream;
 use crate::sim::WalkCommand;
 
-/// Walks as fast as it can to where it would meet an ego that keeps its velocity: a baseline without learning.
+/// Walks at its greatest speed to where it would meet an ego that keeps its velocity: a baseline without learning.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Intercept;
 

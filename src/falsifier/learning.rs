@@ -5,9 +5,9 @@ use crate::signature::{Param, Signature, Type};
 
 /// Learning by PPO as a falsifier: the failures are those of the training.
 ///
-/// The budget replaces the training's number of steps; schedules end with the decisions that fit into it. Several environments have
-/// equal shares of it. The update in which the first share is spent is not made. A curriculum is ignored: all falsifiers meet the
-/// same starts.
+/// The budget replaces the training's number of steps; schedules end with the decisions that fit into it. Several environments have equal
+/// shares of the budget. An update is discarded if the first share is used up in it. A curriculum is ignored: all falsifiers have the same
+/// starts.
 #[derive(Debug, Clone)]
 pub struct Learning {
     config: PpoConfig,
@@ -15,7 +15,7 @@ pub struct Learning {
 }
 
 impl Learning {
-    /// What it takes in a scenario.
+    /// Its keys in a scenario.
     pub fn signature() -> Signature {
         let params = vec![
             Param::required("reward", Type::Reference("reward"), "What it is trained for."),
@@ -34,8 +34,8 @@ impl Learning {
     }
 }
 
-/// A share of the simulator as the learner sees it. When the budget is spent it does not move and ends every episode at
-/// once; what is learnt from that is discarded.
+/// A share of the simulator as an environment of the learner. When the budget is used up, it does not move and ends every episode at once.
+/// What is learnt from such episodes is discarded.
 struct Ground<'a> {
     share: Simulator<'a>,
     next: u64,
@@ -82,7 +82,7 @@ impl Falsifier for Learning {
     }
 }
 
-/// Trains until one of the grounds is spent.
+/// Trains until one of the shares is used up.
 fn train(
     grounds: &mut [Ground<'_>],
     config: &PpoConfig,

@@ -2,14 +2,14 @@ use super::{Simulator, WalkPolicy};
 use crate::rl::TrainError;
 use crate::seed::Seed;
 
-/// A method that looks for failures of a driver, with a budget of simulator ticks.
+/// A method that searches for failures of a driver, with a budget of simulator ticks.
 ///
-/// It starts episodes and takes decisions in a [`Simulator`] until the budget is spent. The simulator stores what it finds. Starts
-/// 0, 1, 2, … are the same for every falsifier of a scenario and run.
+/// It starts episodes and takes decisions in a [`Simulator`] until the budget is used up. The simulator stores the failures. Starts 0, 1,
+/// 2, … are the same for every falsifier of a scenario and run.
 pub trait Falsifier: std::fmt::Debug + Send + Sync {
-    /// Looks for failures until the budget is spent; random numbers come from `seed` alone.
+    /// Searches for failures until the budget is used up; all random numbers come from `seed`.
     ///
-    /// Gives the walk policy that it ends up with, if any, to be evaluated on other starts.
+    /// Returns the walk policy that it ends up with, if any, to be evaluated on other starts.
     ///
     /// # Errors
     /// A training whose numbers are not finite.

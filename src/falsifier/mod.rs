@@ -1,4 +1,4 @@
-//! Policies of pedestrians that aim at a collision, and methods that search for one.
+//! Policies of pedestrians that aim at a collision, and methods that search for collisions.
 //!
 //! A [`WalkPolicy`] chooses commands decision by decision; [`evaluate`] evaluates it. A [`Falsifier`] is a method with a budget of
 //! simulator ticks, from random walks to learning by PPO; a [`Simulator`] counts the ticks and stores what the method finds. All of

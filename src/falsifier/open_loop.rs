@@ -8,7 +8,7 @@ use crate::signature::{Arguments, Param, Signature, Type};
 use crate::sim::WalkCommand;
 use crate::units::Dimension;
 
-/// Which minimiser looks for the plan.
+/// The minimiser that searches for the plan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Method {
     CrossEntropy {
@@ -22,7 +22,7 @@ enum Method {
     },
 }
 
-/// What makes one episode better than another.
+/// The objective by which episodes are compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Objective {
     /// The least distance to the car; among hits, the car's speed.
@@ -33,10 +33,10 @@ enum Objective {
 
 /// Searches start by start for a plan of commands that leads to a collision.
 ///
-/// A plan is *open loop*: its headings are measured from the line to the ego at the start, do not turn with it, and do not depend on
-/// what the driver does. It is a number of legs, each of a number of decisions; the last leg lasts to the end. Every start gets a
-/// fresh minimiser and a number of tries; after a failure, or when the tries are used up, the next start follows. So failures are
-/// not the same one found again, and the starts keep the distribution of the scenario. Several pedestrians have one joint plan.
+/// A plan is *open loop*: its headings are measured from the line to the ego at the start, do not turn with it, and do not depend on what
+/// the driver does. It has a number of legs, each of a number of decisions; the last leg lasts to the end. Every start gets a fresh
+/// minimiser and a number of tries. After a failure, or when the tries are used up, the next start follows. So a failure is not counted
+/// repeatedly, and the starts keep the distribution of the scenario. Several pedestrians have one joint plan.
 ///
 /// | component | from | to |
 /// |---|---|---|
@@ -85,7 +85,7 @@ pub(super) fn after_failure() -> Param {
 }
 
 impl OpenLoop {
-    /// What the cross-entropy method takes in a scenario.
+    /// The keys of the cross-entropy method in a scenario.
     pub fn cross_entropy_signature() -> Signature {
         let count = |min| Type::Integer { min, max: 100_000 };
         let mut params = shared();
@@ -103,7 +103,7 @@ impl OpenLoop {
         Signature::new("cem", doc, params)
     }
 
-    /// What CMA-ES takes in a scenario.
+    /// The keys of CMA-ES in a scenario.
     pub fn cma_es_signature() -> Signature {
         let mut params = shared();
         let population = Type::Integer { min: 4, max: 100_000 };
@@ -158,7 +158,7 @@ impl OpenLoop {
         }
     }
 
-    /// Evaluates plans from one start; none when the budget is spent.
+    /// Evaluates plans from one start; none when the budget is used up.
     fn search_from(&self, start: u64, simulator: &mut Simulator<'_>, seed: &Seed) -> Option<()> {
         let mut stream = seed.stream();
         let mut optimizer = self.optimizer(&simulator.env().scenario().cast);
@@ -201,7 +201,7 @@ impl OpenLoop {
 /// The command for the components of a plan, heading and speed, from the line to the ego (rad).
 fn command(spec: &ActionSpec, line: f64, [heading, speed]: [f64; ActionSpec::DIM]) -> WalkCommand {
     let (low, high) = spec.speed;
-    // A mirror at either end: −1 and 3 are the least speed, 1 and 5 the greatest.
+    // The speed is mirrored at either end: −1 and 3 are the least speed, 1 and 5 the greatest.
     let share = 1.0 - ((speed + 1.0).rem_euclid(4.0) / 2.0 - 1.0).abs();
     WalkCommand { heading: wrap_angle(line + heading * std::f64::consts::PI), speed: low + share * (high - low) }
 }

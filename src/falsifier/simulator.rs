@@ -7,10 +7,10 @@ use crate::rl::Step;
 use crate::seed::Seed;
 use crate::sim::WalkCommand;
 
-/// The simulator as a falsifier sees it: it counts its ticks against a budget and stores every failure.
+/// The simulator of a falsifier: it counts ticks against a budget and stores every failure.
 ///
-/// A decision is carried out only when the budget has all the ticks that it may take, so the budget is never exceeded. An
-/// episode that is given up, or that the budget cuts off, costs its ticks and counts for nothing else.
+/// A decision is carried out only when the budget has all the ticks that it may take, so the budget is never exceeded. An episode that is
+/// given up, or that the budget cuts off, only costs its ticks.
 pub struct Simulator<'a> {
     scenario: Arc<Scenario>,
     seed: Seed,
@@ -27,18 +27,18 @@ pub struct Simulator<'a> {
     spent: bool,
     stop: &'a (dyn Fn() -> bool + Sync),
     stopped: bool,
-    /// Ticks after every decision; kept by shares only.
+    /// Ticks after every decision; only shares record them.
     clock: Option<Vec<u64>>,
 }
 
-/// The result of a search: what a falsifier did with its budget.
+/// The result of a search.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct SearchOutcome {
     /// Ticks that were simulated.
     pub ticks: u64,
-    /// Episodes that came to an end.
+    /// Number of finished episodes.
     pub episodes: u64,
-    /// Starts of these episodes, each counted once.
+    /// Number of different starts of these episodes.
     pub starts: u64,
     /// The failures, in the order in which they were found.
     pub failures: Vec<Failure>,
@@ -47,8 +47,7 @@ pub struct SearchOutcome {
 }
 
 impl<'a> Simulator<'a> {
-    /// Makes a simulator with a budget in ticks. Start *k* depends on the seed and on *k* alone; `stop` is asked before every
-    /// episode.
+    /// Makes a simulator with a budget in ticks. Start *k* depends only on the seed and on *k*. `stop` is queried before every episode.
     pub fn new(scenario: Arc<Scenario>, seed: Seed, budget: u64, stop: &'a (dyn Fn() -> bool + Sync)) -> Self {
         let chosen = vec![WalkCommand::default(); scenario.cast.pedestrian_count()];
         Self {
@@ -75,7 +74,7 @@ impl<'a> Simulator<'a> {
         &self.env
     }
 
-    /// Whether the budget is spent.
+    /// Whether the budget is used up.
     pub fn is_spent(&self) -> bool {
         self.spent
     }
@@ -85,7 +84,7 @@ impl<'a> Simulator<'a> {
         self.budget - self.used
     }
 
-    /// Starts an episode from the start with this number; false when the budget is spent.
+    /// Starts an episode from the start with this number; false when the budget is used up.
     pub fn begin(&mut self, start: u64) -> bool {
         self.stopped |= (self.stop)();
         self.spent |= self.stopped;
@@ -97,8 +96,8 @@ impl<'a> Simulator<'a> {
         !self.spent
     }
 
-    /// Carries out a decision, one command for each pedestrian; none when the budget is spent. The episode is over when the step
-    /// says so.
+    /// Carries out a decision, one command for each pedestrian; none when the budget is used up. The step reports whether the episode is
+    /// over.
     pub fn step(&mut self, commands: &[WalkCommand]) -> Option<Step> {
         let rule = &self.env.scenario().episode;
         let before = self.env.world().ticks;
@@ -124,7 +123,7 @@ impl<'a> Simulator<'a> {
         self.decide(|env, commands| env.write_commands(action, commands))
     }
 
-    /// Runs the episode to its end; none when the budget is spent before. `choose` writes the commands of each decision.
+    /// Runs the episode to its end; none when the budget is used up before. `choose` writes the commands of each decision.
     pub fn finish(&mut self, mut choose: impl FnMut(&PedestrianEnv, &mut [WalkCommand])) -> Option<Outcome> {
         loop {
             self.decide(&mut choose)?;
@@ -151,7 +150,7 @@ impl<'a> Simulator<'a> {
         }
     }
 
-    /// Splits what is left of the budget into equal shares that may be used side by side, one decision at a time.
+    /// Splits the rest of the budget into equal shares that may be used in parallel, one decision at a time.
     pub(super) fn shares(&self, count: u64) -> Vec<Self> {
         let share = |_| {
             let mut share = Self::new(self.scenario.clone(), self.seed, self.left() / count, self.stop);
@@ -161,8 +160,8 @@ impl<'a> Simulator<'a> {
         (0..count).map(share).collect()
     }
 
-    /// Takes over what the shares found. They ran in step, so a failure counts with the ticks that all of them had used
-    /// after that decision.
+    /// Adds the failures of the shares. The shares ran in step, so the ticks of a failure are those that all shares had used after that
+    /// decision.
     pub(super) fn take_over(&mut self, shares: Vec<Self>) {
         let before = self.used;
         let clocks: Vec<Vec<u64>> = shares.iter().map(|share| share.clock.clone().unwrap_or_default()).collect();
@@ -185,7 +184,7 @@ impl<'a> Simulator<'a> {
         self.failures.sort_by_key(|failure| (failure.ticks, failure.start));
     }
 
-    /// What was done with the budget.
+    /// The result of the search.
     pub fn into_spent(self) -> SearchOutcome {
         SearchOutcome {
             ticks: self.used,

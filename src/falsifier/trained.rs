@@ -7,15 +7,15 @@ use crate::sim::WalkCommand;
 /// How a trained policy chooses an action.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ActionMode {
-    /// It takes the mean of its distribution.
+    /// Deterministic: it takes the mean of its distribution.
     Deterministic,
-    /// It draws from its distribution, as in training.
+    /// Stochastic: it draws from its distribution, as in training.
     Stochastic,
 }
 
 /// A trained policy.
 ///
-/// It gets as many of the last states as in training, and normalises them as at the end of it.
+/// It gets as many of the last states as in training. It normalises them as at the end of the training.
 #[derive(Debug, Clone)]
 pub struct TrainedWalker {
     actor_critic: ActorCritic,
@@ -32,7 +32,7 @@ pub struct TrainedWalker {
 }
 
 impl TrainedWalker {
-    /// Takes over a policy, for environments whose states have `obs_dim` numbers.
+    /// Makes a walk policy of a trained policy, for environments whose states have `obs_dim` numbers.
     ///
     /// # Panics
     /// When the policy does not expect one or several such states.

@@ -18,7 +18,7 @@ pub enum TrainError {
     Driver {
         /// The update, from 1.
         update: u64,
-        /// What went wrong with the driver in the end.
+        /// The driver's last fault.
         fault: Fault,
     },
 }
@@ -35,7 +35,7 @@ impl TrainError {
 /// An episode in which the driver fails is cut off without a reward; ten in a row end the training.
 ///
 /// # Errors
-/// A loss that is no number, with its update; a driver that fails again and again; or that the observer broke.
+/// A loss that is not a number, with its update; a driver that fails in ten episodes in a row; or the break of the observer.
 pub fn train(
     scenario: &Arc<Scenario>,
     environments: usize,

@@ -9,7 +9,7 @@ use crate::seed::Seed;
 
 /// A training of a pedestrian between two updates, with its environments.
 ///
-/// It can be saved there and taken up again, on any number of threads, as if nothing had been between.
+/// It can be saved between two updates and continued on any number of threads. The result is the same as without interruption.
 ///
 /// # Example
 /// ```
@@ -52,13 +52,13 @@ impl TrainingRun {
         Ok(Self { trainer: Trainer::new(&mut envs, config, &seed.child("ppo"))?, envs })
     }
 
-    /// Takes a training up again that was begun with the same scenario, environments, settings and seed.
+    /// Continues a training that was started with the same scenario, environments, settings and seed.
     ///
     /// `total_steps` and `threads` may differ.
     ///
     /// # Errors
-    /// The bytes are not the state of such a training: they are damaged, a setting differs, or the episodes in hand lead
-    /// elsewhere in this scenario.
+    /// The bytes are not the state of such a training: they are damaged, a setting differs, or the running episodes lead to other states
+    /// in this scenario.
     pub fn resume(
         state: &[u8],
         scenario: &Arc<Scenario>,
@@ -73,8 +73,7 @@ impl TrainingRun {
     /// Collects a rollout and learns from it.
     ///
     /// # Errors
-    /// The first number that is not finite, or a driver that failed in ten episodes in a row; the training is of no use after
-    /// that.
+    /// The first number that is not finite, or a driver that failed in ten episodes in a row. The training cannot be used after that.
     pub fn update(&mut self) -> Result<&UpdateLog, TrainError> {
         let log = self.trainer.update(&mut self.envs)?;
         match self.envs.iter().find_map(PedestrianEnv::hopeless) {
@@ -83,7 +82,7 @@ impl TrainingRun {
         }
     }
 
-    /// Tells whether as many decisions have been taken as the settings ask for.
+    /// Returns whether the number of decisions that the settings ask for has been taken.
     pub fn is_done(&self) -> bool {
         self.trainer.is_done()
     }
@@ -93,9 +92,9 @@ impl TrainingRun {
         self.trainer.learning_curve()
     }
 
-    /// Encodes the training so that [`TrainingRun::resume`] can take it up; `metadata` goes into the header.
+    /// Encodes the training so that [`TrainingRun::resume`] can continue it; `metadata` goes into the header.
     ///
-    /// The format is safetensors; the pedestrian as it is now can be read from it, too.
+    /// The format is safetensors. The present networks can be read from it, too.
     pub fn state(&self, metadata: &BTreeMap<String, String>) -> Vec<u8> {
         self.trainer.state(&self.envs, metadata)
     }
@@ -105,10 +104,10 @@ impl TrainingRun {
         self.trainer.finish()
     }
 
-    /// Trains to the end, showing the training to the observer after every update.
+    /// Trains to the end, and shows the training to the observer after every update.
     ///
     /// # Errors
-    /// As [`TrainingRun::update`]; or that the observer broke.
+    /// As [`TrainingRun::update`]; or the break of the observer.
     pub fn carry_on(
         mut self,
         observer: &mut dyn FnMut(&TrainingRun) -> ControlFlow<()>,

@@ -9,14 +9,14 @@ use crate::units::Dimension;
 
 /// Monte Carlo tree search over the pedestrian's actions, in the manner of adaptive stress testing.
 ///
-/// A node stands for the actions that lead to it from the start: the simulator is deterministic, so they are its state,
-/// and of *double* progressive widening only that of actions is left. Each simulation runs from the start and all of its
-/// ticks count, as with a simulator that cannot be set back to a state. On its way down it adds an action to a node with
-/// *N* visits while there are fewer than *k N^α* of them, else takes the one with the greatest upper confidence bound; below the tree it
-/// acts at random, and the sum of rewards is backed up as a mean. New actions are drawn as the `random` falsifier draws
-/// them. Returns are scaled to the least and greatest that the tree has met, so the exploration constant does not depend on the reward.
+/// A node represents the actions that lead to it from the start. The simulator is deterministic, so these actions are its state, and
+/// *double* progressive widening reduces to that of actions. Each simulation runs from the start and all of its ticks count, as for a
+/// simulator that cannot be reset to a state. On its way down it adds an action to a node with *N* visits while there are fewer than *k
+/// N^α* of them; otherwise it takes the action with the greatest upper confidence bound. Below the tree it acts at random. The sum of
+/// rewards is backed up as a mean. New actions are drawn as the `random` falsifier draws them. Returns are scaled to the least and
+/// greatest of the tree, so the exploration constant does not depend on the reward.
 ///
-/// The reward is the scenario's; stress testing's own is written there (`scenarios/lib/rewards.scn`).
+/// The reward is that of the scenario; the reward of adaptive stress testing is in `scenarios/lib/rewards.scn`.
 ///
 /// # Source
 /// Lee, Kochenderfer, Mengshoel, Brat, Owen, *Adaptive stress testing of airborne collision avoidance systems*, DASC 2015
@@ -34,7 +34,7 @@ pub struct TreeSearch {
 #[derive(Debug, Clone, Copy)]
 struct Branch {
     visits: f64,
-    /// Mean of the rewards from this action on.
+    /// Mean of the sums of rewards from this action on.
     value: f64,
     /// Number of the node below, and of the action in [`Tree::actions`].
     node: usize,
@@ -57,7 +57,7 @@ struct Tree {
     returns: (f64, f64),
 }
 
-/// A branch that a simulation went down, and what that decision was worth.
+/// A branch that a simulation took, and the reward of that decision.
 struct Taken {
     node: usize,
     branch: usize,
@@ -65,7 +65,7 @@ struct Taken {
 }
 
 impl TreeSearch {
-    /// What it takes in a scenario.
+    /// Its keys in a scenario.
     pub fn signature() -> Signature {
         let ratio = |min, max| Type::Quantity { dimension: Dimension::RATIO, min, max };
         let params = vec![
@@ -106,7 +106,7 @@ impl TreeSearch {
         }
     }
 
-    /// Grows a tree from one start; none when the budget is spent.
+    /// Grows a tree from one start; none when the budget is used up.
     fn search_from(&self, start: u64, simulator: &mut Simulator<'_>, stream: &mut Stream) -> Option<()> {
         let mut tree = Tree::new(simulator.env().bounds().len());
         for _ in 0..self.tries {
@@ -121,7 +121,7 @@ impl TreeSearch {
         Some(())
     }
 
-    /// Goes down the tree, adds a node, acts at random below it, and takes the rewards back up.
+    /// Goes down the tree, adds a node, acts at random below it, and backs the rewards up.
     fn simulate(&self, tree: &mut Tree, simulator: &mut Simulator<'_>, stream: &mut Stream) -> Option<()> {
         let mut path = Vec::new();
         let (mut node, mut grown) = (0, false);
@@ -142,7 +142,7 @@ impl TreeSearch {
         Some(())
     }
 
-    /// The branch to go down, and whether it is new.
+    /// The branch to take, and whether it is new.
     fn choose(&self, tree: &mut Tree, node: usize, simulator: &Simulator<'_>, stream: &mut Stream) -> (usize, bool) {
         let (next, scale) = (tree.nodes.len(), tree.scale());
         let here = &mut tree.nodes[node];
@@ -176,7 +176,7 @@ impl Tree {
         &self.actions[node * self.dim..(node + 1) * self.dim]
     }
 
-    /// Turns a return into a share of the way from the least to the greatest.
+    /// Scales a return to its share of the way from the least to the greatest.
     fn scale(&self) -> impl Fn(f64) -> f64 + use<> {
         let (low, high) = self.returns;
         let span = high - low;

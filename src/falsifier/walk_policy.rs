@@ -4,14 +4,14 @@ use crate::sim::WalkCommand;
 
 /// A policy that chooses the commands of pedestrians.
 pub trait WalkPolicy {
-    /// Gets ready for an episode that has just started; `stream` is its own.
+    /// Prepares for an episode that has just started; `stream` holds its random numbers.
     fn begin(&mut self, stream: Stream);
 
-    /// Chooses the next decision: one command for each pedestrian, in the order of their numbers. It may read all of the
-    /// environment's present state.
+    /// Chooses the next decision: one command for each pedestrian, in the order of their numbers. It may read the whole present state of
+    /// the environment.
     fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]);
 
-    /// Another policy that chooses as this one does, for episodes that run at the same time; none when it cannot be in two
+    /// Another policy that chooses as this one does, for episodes that run at the same time. None when this policy cannot be in two
     /// episodes at once.
     fn clone_for_batch(&self) -> Option<Box<dyn WalkPolicy>> {
         None

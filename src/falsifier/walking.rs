@@ -10,21 +10,21 @@ pub struct Walking<W> {
 }
 
 impl Walking<Random> {
-    /// What it takes in a scenario.
+    /// Its keys in a scenario.
     pub fn signature() -> Signature {
         Signature::new("random", "Draws every command uniformly: the floor that every search must beat.", Vec::new())
     }
 }
 
 impl Walking<Homing> {
-    /// What it takes in a scenario.
+    /// Its keys in a scenario.
     pub fn signature() -> Signature {
         Signature::new("homing", "Walks straight at the ego, as fast as it can.", Vec::new())
     }
 }
 
 impl Walking<Intercept> {
-    /// What it takes in a scenario.
+    /// Its keys in a scenario.
     pub fn signature() -> Signature {
         Signature::new("intercept", "Walks to where it would meet an ego that keeps its velocity.", Vec::new())
     }

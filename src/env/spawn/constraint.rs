@@ -7,7 +7,7 @@ use crate::signature::Formula;
 
 use super::Spawn;
 
-/// What kind of ground a place is.
+/// The kind of ground at a place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ground {
     /// A driving lane.

@@ -5,33 +5,33 @@ use crate::geometry::{Pose, wrap_angle};
 use crate::road::{LaneFilter, LaneStretch, Town, Waypoint};
 use crate::seed::Stream;
 
-/// Where the ego starts.
+/// The rule for the ego's start.
 #[derive(Debug, Clone, PartialEq)]
 pub enum EgoStart {
     /// Anywhere on the driving lanes outside junctions, uniform in length.
     Anywhere,
-    /// One of these poses, each as likely.
+    /// One of these poses, with equal probability.
     Poses(Vec<Pose>),
-    /// Anywhere on these pieces of lanes, uniform in length.
+    /// Anywhere on these parts of lanes, uniform in length.
     Pieces(Vec<LanePiece>),
 }
 
-/// A piece of a driving lane, given by its start.
+/// A part of a driving lane, given by its start.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LanePiece {
     /// A pose near the middle of the lane and along it.
     pub from: Pose,
-    /// Its length from there, in driving direction (m).
+    /// Its length from its start, in driving direction (m).
     pub length: f64,
 }
 
-/// Which stretches of road the ego may start on.
+/// The stretches of road on which the ego may start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum RoadShape {
     /// All.
     #[default]
     Any,
-    /// Where the lane runs straight for the next ten metres.
+    /// Where the lane is straight for the next 10 m.
     Straight,
     /// Where the lane bends.
     Bend,
@@ -39,7 +39,7 @@ pub enum RoadShape {
 
 /// How far ahead the shape of the road is considered (m).
 pub const LOOK_AHEAD: f64 = 10.0;
-/// The lane turns by less over that length where it is straight (rad).
+/// A lane is straight if it turns by less than this over that length (rad).
 const STRAIGHT: f64 = 0.05;
 
 impl EgoStart {
@@ -69,7 +69,7 @@ impl EgoStart {
     /// Checks that every pose lies on a driving lane.
     ///
     /// # Errors
-    /// Names the first that does not.
+    /// The first pose that does not.
     pub(super) fn check(&self, town: &Town) -> Result<(), SpawnError> {
         match self {
             Self::Anywhere if town.driving_lanes().is_empty() => Err(SpawnError::NoLane),
@@ -122,7 +122,7 @@ fn lane_of(town: &Town, pose: &Pose) -> Option<Waypoint> {
     town.nearest_lane(pose.position(), LaneFilter::Driving)
 }
 
-/// How far the lane section reaches ahead of a waypoint (m).
+/// The length of the lane section ahead of a waypoint (m).
 fn room_ahead(town: &Town, from: Waypoint) -> f64 {
     let same = |stretch: &&LaneStretch| {
         let start = stretch.start;

@@ -8,30 +8,30 @@ pub enum SpawnError {
     /// The town has no lane to start on.
     #[error("the town has no driving lane outside junctions")]
     NoLane,
-    /// A listed pose of the ego lies on no lane, or against it.
+    /// A listed pose of the ego is not on a lane, or is against its direction.
     #[error(
         "the pose at ({x} m, {y} m) is {apart:.1} m from the nearest driving lane and turned by {degrees:.0} degrees from it"
     )]
     OffLane {
-        /// Where (m).
+        /// Its x (m).
         x: f64,
-        /// Where (m).
+        /// Its y (m).
         y: f64,
         /// Distance from the middle of the nearest lane (m).
         apart: f64,
         /// Angle from its heading to the lane's (degrees).
         degrees: f64,
     },
-    /// A piece of a lane is longer than the lane.
+    /// A part of a lane is longer than the lane.
     #[error("the lane at ({x} m, {y} m) ends after {room:.1} m, before the {length} m asked for")]
     ShortLane {
-        /// Where (m).
+        /// The x of its start (m).
         x: f64,
-        /// Where (m).
+        /// The y of its start (m).
         y: f64,
-        /// What was asked for (m).
+        /// The length that was asked for (m).
         length: f64,
-        /// What there is (m).
+        /// The length of the lane (m).
         room: f64,
     },
     /// Too few starts satisfy all constraints.
@@ -39,7 +39,7 @@ pub enum SpawnError {
     Crowded(Rarity),
 }
 
-/// How rare starts are that satisfy all constraints, and which constraint most starts fail.
+/// How rare starts are that satisfy all constraints, and the constraint that most starts fail.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Rarity {
     /// Starts that satisfied all.
@@ -50,8 +50,8 @@ pub struct Rarity {
     pub worst: String,
     /// Drawn starts that satisfied it.
     pub worst_passed: u32,
-    /// Whether enough starts satisfy all when pose and place are drawn together, but none around most poses of the ego. Then the
-    /// numbers count starts that were drawn as episodes draw them, and the tries that they took.
+    /// Whether enough starts satisfy all constraints when pose and place are drawn together, but none around most poses of the ego. Then
+    /// the numbers count starts that were drawn as episodes draw them, and the tries for them.
     pub barren: bool,
 }
 

@@ -1,16 +1,16 @@
-//! How an episode begins: a logical scene (distributions and constraints) becomes a concrete one.
+//! The start of an episode: a logical scene (distributions and constraints) becomes a concrete one.
 //!
-//! The ego's pose, the sector about it and the headings are sampled directly; a [`Constraint`] that cannot be turned into
-//! sampling rejects what it does not admit. The compiler has narrowed the distributions by all constraints that allow it.
+//! The ego's pose, the sector around it and the headings are sampled directly. Some [`Constraint`]s cannot be turned into sampling; they
+//! reject the draws that violate them. The compiler has narrowed the distributions by all constraints that allow it.
 //!
 //! | what | measure |
 //! |---|---|
 //! | ego anywhere, or on stretches of lanes | uniform in length of lane |
-//! | ego on listed poses | each as likely |
+//! | ego on listed poses | equal probability |
 //! | pedestrian, [`Measure::Range`] | bearing and distance from their distributions, independent |
 //! | pedestrian, [`Measure::Area`] | uniform over the ground of the sector |
 //!
-//! A pose of the ego is kept until a pedestrian can be placed around it, so crowded places are as likely as free ones.
+//! A pose of the ego is kept until a pedestrian can be placed around it. So crowded places are as likely as open ones.
 
 mod ego_start;
 mod constraint;

@@ -8,12 +8,12 @@ use crate::road::Town;
 use crate::seed::Stream;
 use crate::signature::Distribution;
 
-/// What is uniform when a place in the sector is drawn.
+/// The measure that is uniform when a place in the sector is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Measure {
-    /// The distance follows its distribution: where that is uniform, places near the ego are denser.
+    /// The distance has its distribution. If that is uniform, places near the ego are denser.
     Range,
-    /// The ground: the same number of places per square metre everywhere in the sector. The distance must be a range.
+    /// The area: the same number of places per square metre everywhere in the sector. The distance must be a range.
     Area,
 }
 
@@ -26,11 +26,11 @@ pub struct SpawnRule {
     pub bearing: Distribution,
     /// Distance between the centres (m).
     pub distance: Distribution,
-    /// What is uniform.
+    /// The measure that is uniform.
     pub measure: Measure,
-    /// Where the ego starts.
+    /// The rule for the ego's start.
     pub ego_start: EgoStart,
-    /// On which stretches of road the ego starts.
+    /// The stretches of road on which the ego may start.
     pub road_shape: RoadShape,
     /// Speed of the ego at the start (m/s).
     pub ego_speed: Distribution,
@@ -53,25 +53,25 @@ pub struct Spawn {
 
 /// Starts that must be accepted for [`SpawnRule::probe`] to pass.
 const ENOUGH: u32 = 4;
-/// Tries within which they are found unless they are rare.
+/// Number of tries in which they are found, unless they are rare.
 const FEW_PROBES: u32 = 400;
-/// Starts by which their rate is measured when they are rare.
+/// Number of starts that measure their rate, if they are rare.
 const RARE: u32 = 40;
-/// Most tries for each listed pose of the ego, and most tries in total where many poses are listed.
+/// Most tries for each listed pose of the ego, and most tries in total for many poses.
 const MOST_PROBES: u32 = 40_000;
 const ALL_PROBES: u32 = 400_000;
 /// A probe that finds enough within this number of tries does not check the poses of the ego.
 const QUICK_PROBES: u32 = 10 * ENOUGH;
-/// Starts that a probe draws where that may take long, and the tries for each that are not reported.
+/// Number of starts that a probe draws if that may take long, and the number of tries for each below which there is no report.
 const DRAWN: u32 = 8;
 const FEW_TRIES: u32 = 2000;
-/// Places that one [`SpawnRule::sample`] tries around one pose of the ego; then the ego moves on.
+/// Number of places that one [`SpawnRule::sample`] tries around one pose of the ego; then it draws another pose.
 const TRIES: u32 = 1000;
 /// Poses of the ego around which one [`SpawnRule::sample`] tries this often; then it draws a new pose with every try.
 const EGOS: u32 = 20;
-/// Most tries of those: with one in ten thousand accepted, all of them fail once in 10⁴³⁴ starts.
+/// Most tries of the latter kind: with one in ten thousand accepted, all of them fail once in 10⁴³⁴ starts.
 const LAST_TRIES: u32 = 10_000_000;
-/// Poses that are drawn until one lies on a stretch of road that the rule admits.
+/// Most poses that are drawn to find one on a stretch of road that the rule admits.
 const MOST_POSES: u32 = 1_000_000;
 /// Poses of the ego that one [`SpawnRule::sample_if_easy`] tries.
 const FEW_EGOS: u32 = 10;
@@ -79,11 +79,11 @@ const FEW_EGOS: u32 = 10;
 const NEAREST: f64 = 0.1;
 
 impl SpawnRule {
-    /// Checks that the rule can place a pedestrian: about one start in ten thousand must satisfy all constraints, around every listed
-    /// pose, for this first heading. Gives a report where it is less than about one in a hundred.
+    /// Checks that the rule can place a pedestrian with this first heading. About one start in ten thousand must satisfy all constraints,
+    /// around every listed pose. Returns a report if it is less than about one in a hundred.
     ///
     /// # Errors
-    /// Names what prevents it.
+    /// The reason why none can be placed.
     pub fn probe(
         &self,
         town: &Town,
@@ -119,8 +119,8 @@ impl SpawnRule {
         }
     }
 
-    /// A report on a rule that accepts enough starts when pose and place are drawn together, but none around most poses of the ego:
-    /// each such pose costs a thousand tries.
+    /// A report on a rule that accepts enough starts when pose and place are drawn together, but none around most poses of the ego. Each
+    /// such pose costs a thousand tries.
     fn toil(
         &self,
         survey: &Survey,
@@ -140,24 +140,24 @@ impl SpawnRule {
         (tried > DRAWN * FEW_TRIES).then(|| Rarity { accepted, tried, barren: true, ..Rarity::of(survey) })
     }
 
-    /// Whether the ego has a place to start in a town; else nothing can be drawn there.
+    /// Whether the ego can start in a town; otherwise nothing can be drawn there.
     pub fn begins_in(&self, town: &Town) -> bool {
         self.ego_start.check(town).is_ok()
     }
 
-    /// The share of draws that the rule accepts: the density of a draw divided by it is the density of a start.
+    /// The share of draws that the rule accepts. The density of a draw divided by this share is the density of a start.
     ///
-    /// It is 1 when nothing is left to rejection. None, that is unknown, when constraints or the shape of the road reject draws; then
-    /// only a [`Survey`] can estimate it.
+    /// It is 1 when no draw is rejected. None (unknown) when constraints or the shape of the road reject draws; then only a [`Survey`] can
+    /// estimate it.
     pub fn normaliser(&self) -> Option<f64> {
         let admits_all = |each: &Constraint| matches!(each, Constraint::Clearance(least) if *least <= 0.0);
         (self.constraints.iter().all(admits_all) && self.road_shape == RoadShape::Any).then_some(1.0)
     }
 
-    /// The rule with the nearest of its distances only: a tenth of them at a share of 0, all at 1, for which it gives none. It
-    /// gives none as well where the distances have no end.
+    /// The rule with only the nearest of its distances: a tenth of them at a share of 0, all at 1. None at a share of 1, and for distances
+    /// without an upper bound.
     ///
-    /// Parts are measured in metres, not in likelihood. The narrower rule has passed no probe.
+    /// Parts are measured in metres, not in probability. The narrower rule has not been probed.
     pub fn nearest(&self, share: f64) -> Option<Self> {
         let (low, high) = self.distance.support();
         let reach = low + (high - low) * (NEAREST + (1.0 - NEAREST) * share);
@@ -168,8 +168,8 @@ impl SpawnRule {
 
     /// Draws a start; the rule must have passed [`SpawnRule::probe`].
     ///
-    /// The ego's pose is drawn once, so crowded places are as likely as free ones; only when none of a thousand starts is accepted
-    /// it is drawn again. After twenty such poses it is drawn anew for every try.
+    /// The ego's pose is drawn once, so crowded places are as likely as open ones. It is drawn again only when none of a thousand starts
+    /// is accepted. After twenty such poses it is drawn anew for every try.
     pub fn sample(&self, town: &Town, obstacles: &Obstacles, first: FirstHeading, stream: &mut Stream) -> Spawn {
         self.sample_counting(town, obstacles, first, stream).0
     }
@@ -188,7 +188,7 @@ impl SpawnRule {
         (start.expect("checked: of ten thousand starts one is accepted"), tried)
     }
 
-    /// Draws a start as [`SpawnRule::sample`]; none when none is found around a few poses of the ego.
+    /// Draws a start as [`SpawnRule::sample`]; none if none is found around a few poses of the ego.
     pub fn sample_if_easy(
         &self,
         town: &Town,
@@ -241,7 +241,7 @@ impl SpawnRule {
         ego.to_world(Vector::new(distance * libm::cos(bearing), distance * libm::sin(bearing)))
     }
 
-    /// Draws what does not depend on the town.
+    /// Draws the values that do not depend on the town.
     pub(super) fn complete(&self, ego: &Pose, place: Point, first: FirstHeading, stream: &mut Stream) -> Spawn {
         let turn = stream.random_range(-std::f64::consts::PI..std::f64::consts::PI);
         let towards = libm::atan2(ego.y - place.y, ego.x - place.x);

@@ -4,7 +4,7 @@ use crate::geometry::{Obstacles, Pose};
 use crate::road::Town;
 use crate::seed::Stream;
 
-/// How many of a number of drawn starts satisfy the constraints.
+/// The number of drawn starts that satisfy the constraints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Survey {
     /// The number of drawn starts.
@@ -39,7 +39,7 @@ impl SpawnRule {
         self.survey_from(&mut { each }, town, obstacles, first, (count, count), stream)
     }
 
-    /// Does as [`SpawnRule::survey`], with the ego at the given poses; ends early when enough starts are accepted.
+    /// As [`SpawnRule::survey`], with the ego at the given poses; ends early when enough starts are accepted.
     pub(super) fn survey_from(
         &self,
         ego: &mut dyn FnMut(&mut Stream) -> Pose,

@@ -4,8 +4,8 @@ use crate::seed::Stream;
 
 /// The cross-entropy method with a normal distribution of independent components.
 ///
-/// Each generation is drawn from the distribution; mean and standard deviation then move by the smoothing towards those of its
-/// elite.
+/// Each generation is drawn from the distribution. Then mean and standard deviation move towards those of the generation's elite, by the
+/// smoothing.
 ///
 /// # Source
 /// de Boer, Kroese, Mannor, Rubinstein, *A tutorial on the cross-entropy method*, Annals of Operations Research 134, 2005,

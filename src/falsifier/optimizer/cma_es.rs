@@ -43,7 +43,7 @@ impl CmaEs {
         4 + (3.0 * libm::log(dimensions as f64)).floor() as usize
     }
 
-    /// Begins around a point with one standard deviation for all components; the population is at least 4.
+    /// Starts around a point with one standard deviation for all components; the population is at least 4.
     pub fn new(mean: Vec<f64>, step: f64, population: usize) -> Self {
         let (n, population) = (mean.len() as f64, population.max(4));
         let best = population / 2;
@@ -78,7 +78,7 @@ impl CmaEs {
         }
     }
 
-    /// Decomposes the covariance into its axes, only as often as it can have changed.
+    /// Decomposes the covariance into its axes, only after enough generations to change it.
     fn decompose(&mut self) {
         let rate = (self.rank_one + self.rank_mu) * self.mean.len() as f64 * 10.0;
         if f64::from(self.generation - self.decomposed) < 1.0 / rate {
