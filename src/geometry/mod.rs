@@ -1,4 +1,4 @@
-//! Points, poses, boxes and what can be asked of them.
+//! Points, poses, boxes and computations with them.
 //!
 //! The world frame is OpenDRIVE's: right-handed, `x` east, `y` north, metres; a yaw is in radians,
 //! counter-clockwise from `+x`, wrapped to (−π, π] by [`wrap_angle`] and by nothing else. CARLA's
@@ -19,5 +19,5 @@ pub use sweep::{Touch, first_touch, first_touch_of_boxes, time_to_touch};
 /// A place in the plane (m).
 pub type Point = nalgebra::Point2<f64>;
 
-/// A displacement or a velocity in the plane (m) or (m/s).
+/// A displacement (m) or a velocity (m/s) in the plane.
 pub type Vector = nalgebra::Vector2<f64>;

@@ -1,7 +1,7 @@
-//! Standing obstacles: what blocks a walker and a line of sight. The only code that knows parry2d.
+//! Static obstacles, which block pedestrians and lines of sight. The only code that knows parry2d.
 //!
-//! parry2d counts in `f32`. A town is hundreds of metres wide, so every exact question is asked in the frame of one
-//! box, where an `f32` resolves micrometres; only the search for boxes near by uses world coordinates, with a margin.
+//! parry2d computes in `f32`. A town is hundreds of metres wide, so every exact query is made in the frame of one box, where an `f32`
+//! resolves micrometres. Only the search for nearby boxes uses world coordinates, with a margin.
 
 use parry2d::bounding_volume::Aabb;
 use parry2d::math::Vector as Vec32;
@@ -14,7 +14,7 @@ use super::{OrientedBox, Point, Vector};
 /// Slack of the search in world coordinates (m).
 const MARGIN: f64 = 0.05;
 
-/// Boxes that stand still, with an index over them.
+/// Static boxes, with an index over them.
 pub struct Obstacles {
     boxes: Vec<(OrientedBox, Cuboid)>,
     index: Bvh,
@@ -39,7 +39,7 @@ impl Obstacles {
         }
     }
 
-    /// How many boxes there are.
+    /// The number of boxes.
     pub fn len(&self) -> usize {
         self.boxes.len()
     }
@@ -49,7 +49,7 @@ impl Obstacles {
         self.boxes.is_empty()
     }
 
-    /// Moves the centre of a disc out of every box it overlaps, the shortest way; a walker slides along walls so.
+    /// Moves the centre of a disc out of every box it overlaps, the shortest way; so a pedestrian slides along walls.
     ///
     /// Between two boxes closer than the disc is wide the last one wins.
     pub fn push_out(&self, centre: Point, radius: f64) -> Point {
@@ -68,7 +68,7 @@ impl Obstacles {
             if !projection.is_inside && distance >= radius {
                 continue;
             }
-            // A centre exactly on the surface has no direction of its own; the way from the box's middle will do.
+            // A centre exactly on the surface has no direction of its own; it takes the direction from the box's centre.
             let middle = local.try_normalize(1e-9).unwrap_or_else(Vector::x);
             let direction = if distance > 1e-9 { outward / distance } else { middle };
             centre = obstacle.pose.to_world(surface + direction * radius);

@@ -31,7 +31,7 @@ impl OrientedBox {
     /// Whether two boxes overlap or touch; by separating axes.
     pub fn overlaps(&self, other: &Self) -> bool {
         let offset = other.pose.position() - self.pose.position();
-        // Most boxes are too far from each other whatever their headings are.
+        // Most boxes are too far from each other for any headings.
         if offset.norm() > (self.half.norm() + other.half.norm()) * (1.0 + 1e-9) {
             return false;
         }
@@ -49,7 +49,7 @@ impl OrientedBox {
         if self.overlaps(other) {
             return Vector::zeros();
         }
-        // Of two separate boxes a corner of one is nearest to the other.
+        // Of two separate boxes, a corner of one is nearest to the other.
         let (there, back) = (self.way_to_corners(other), -other.way_to_corners(self));
         if there.norm_squared() <= back.norm_squared() { there } else { back }
     }

@@ -1,11 +1,11 @@
 //! The first touch of a moving box with a moving disc or another moving box within one tick.
 //!
-//! Disc against box has a closed form. In the frame of the box the disc's centre moves along a line (to the accuracy of one tick's rotation, under a
-//! centimetre at walking distances). The disc touches the box when its centre enters the box grown by the radius: two
-//! slabs and four quarter circles.
+//! Disc against box has a closed form. In the frame of the box the disc's centre moves along a line. This neglects one tick's rotation,
+//! under a centimetre at walking distances. The disc touches the box when its centre enters the box grown by the radius: two slabs and
+//! four quarter circles.
 //!
-//! Two boxes are moved on from touch bound to touch bound (*conservative advancement*): they cannot touch before they have closed the
-//! distance between them, so that much time is skipped, again and again until they touch or the tick ends.
+//! Two boxes are advanced from bound to bound (*conservative advancement*). They cannot touch before they have closed the distance between
+//! them, so that time is skipped. This repeats until they touch or the tick ends.
 //!
 //! # Source
 //! Mirtich, *Impulse-based dynamic simulation of rigid body systems*, PhD thesis, Berkeley 1996, section 2.3.
@@ -15,20 +15,20 @@ use super::{OrientedBox, Point, Pose, Vector, wrap_angle};
 /// A touch within a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Touch {
-    /// When, as a share of the tick from 0 to 1.
+    /// Its time, as a share of the tick from 0 to 1.
     pub fraction: f64,
-    /// The centre of the disc or of the second box in the frame of the (first) box then: ahead and to the left (m).
+    /// The centre of the disc or of the second box in the frame of the (first) box at that time: ahead and to the left (m).
     pub local: Vector,
 }
 
-/// Finds the first moment at which a disc that moves from `from` to `to` touches a box that moves from `start` to
-/// `end`; both boxes have the same size.
+/// Finds the first touch of a disc that moves from `from` to `to` and a box that moves from `start` to `end`; both boxes have the same
+/// size.
 pub fn first_touch(from: Point, to: Point, radius: f64, start: &OrientedBox, end: &OrientedBox) -> Option<Touch> {
     let a = start.pose.to_local(from);
     let motion = end.pose.to_local(to) - a;
     let half = start.half;
     let reach = half + Vector::new(radius, radius);
-    // Most ticks end here: the whole way lies beyond one side of the grown box.
+    // Most ticks end here: the whole motion is beyond one side of the grown box.
     let b = a + motion;
     if a.x.min(b.x) > reach.x || a.x.max(b.x) < -reach.x || a.y.min(b.y) > reach.y || a.y.max(b.y) < -reach.y {
         return None;
@@ -40,8 +40,8 @@ pub fn first_touch(from: Point, to: Point, radius: f64, start: &OrientedBox, end
 /// Boxes that are nearer than this (m) touch.
 const TOUCHING: f64 = 1e-4;
 
-/// Finds the first moment at which a box that moves from `start` to `end` touches another one that moves from `other_start` to
-/// `other_end`; boxes keep their sizes, move along straight lines and turn evenly.
+/// Finds the first touch of a box that moves from `start` to `end` and another one that moves from `other_start` to `other_end`. Boxes
+/// keep their sizes, move along straight lines and turn evenly.
 ///
 /// A touch is found up to 0.1 mm early and never missed.
 pub fn first_touch_of_boxes(
@@ -52,7 +52,7 @@ pub fn first_touch_of_boxes(
 ) -> Option<Touch> {
     let way = |from: &OrientedBox, to: &OrientedBox| to.pose.position() - from.pose.position();
     let relative = way(other_start, other_end) - way(start, end);
-    // No point of a box moves farther than this because the box turns.
+    // The rotation of a box moves no point of it farther than this.
     let swing = |from: &OrientedBox, to: &OrientedBox| wrap_angle(to.pose.yaw - from.pose.yaw).abs() * from.half.norm();
     let swings = swing(start, end) + swing(other_start, other_end);
     let mut fraction = 0.0;
@@ -80,8 +80,8 @@ fn between(from: &OrientedBox, to: &OrientedBox, share: f64) -> OrientedBox {
     OrientedBox { pose: Pose::new(place.x, place.y, yaw), half: from.half }
 }
 
-/// Finds the time (s) after which a disc touches a box, from its place (m) and its constant velocity (m/s) in the frame of the box;
-/// none when that is not within the horizon (s). 0 when it touches already.
+/// Finds the time (s) after which a disc touches a box, from its position (m) and its constant velocity (m/s) in the frame of the box.
+/// None when that is not within the horizon (s). 0 when it touches already.
 pub fn time_to_touch(place: Vector, velocity: Vector, half: Vector, radius: f64, horizon: f64) -> Option<f64> {
     let (reach, end) = (half + Vector::new(radius, radius), place + velocity * horizon);
     if place.x.min(end.x) > reach.x
@@ -144,7 +144,7 @@ mod tests {
     fn a_fast_car_does_not_jump_over_a_walker() {
         let car = |x| OrientedBox::new(Pose::new(x, 0.0, 0.0), 2.4, 1.08);
         let walker = Point::new(5.0, 1.2);
-        // 20 m in one tick: the car is past the walker at the end of it.
+        // 20 m in one tick: the car is past the pedestrian at the end of it.
         let touch = first_touch(walker, walker, 0.19, &car(-10.0), &car(10.0)).unwrap();
         assert!(touch.fraction > 0.6 && touch.fraction < 0.65, "{touch:?}");
         assert!(touch.local.x > 2.4);

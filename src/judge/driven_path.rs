@@ -11,12 +11,12 @@ pub struct Place {
     pub direction: Vector,
 }
 
-/// Vertices that are passed over together.
+/// Number of vertices in a block that is skipped as a whole.
 const BLOCK: usize = 16;
 /// Lengths and distances are exact to this (m).
 const ROUNDING: f64 = 1e-6;
 
-/// The path of the middle of a car, with its heading, and straight on beyond its end.
+/// The path of the middle of a car, with its heading. It continues straight beyond its end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrivenPath {
     vertices: Vec<(f64, Pose)>,
@@ -63,7 +63,7 @@ impl DrivenPath {
         Pose::new(mix(pose.x, end.x), mix(pose.y, end.y), pose.yaw + wrap_angle(end.yaw - pose.yaw) * share)
     }
 
-    /// The place on the path nearest to a point, from the length `from` (m) onwards; a point behind that is measured from the straight
+    /// The place on the path nearest to a point, from the length `from` (m) onwards. A point behind `from` is measured from the straight
     /// line backwards.
     pub fn place(&self, point: Point, from: f64) -> Place {
         let first = self.vertices.partition_point(|(at, _)| *at <= from).max(1) - 1;
@@ -72,7 +72,7 @@ impl DrivenPath {
         let bound = blocks().map(|block| apart(&block[0])).fold(f64::INFINITY, f64::min).sqrt() + ROUNDING;
         let mut nearest = (f64::INFINITY, first);
         for (number, block) in blocks().enumerate() {
-            // Nothing of a block is nearer than its first vertex less its length.
+            // No point of a block is nearer than its first vertex less the block's length.
             let reach = bound + block[block.len() - 1].0 - block[0].0;
             if apart(&block[0]) > reach * reach {
                 continue;
@@ -84,7 +84,7 @@ impl DrivenPath {
                 }
             }
         }
-        // One of the two pieces that meet there is the nearest.
+        // One of the two segments that meet there is the nearest.
         let index = nearest.1;
         let ahead = self.seen_from(index, point);
         if index == first || ahead.along >= self.vertices[index].0 {
@@ -93,7 +93,7 @@ impl DrivenPath {
         self.seen_from(index - 1, point)
     }
 
-    /// A point relative to the piece of the path that starts at a vertex, extended at both ends.
+    /// A point relative to the segment of the path that starts at a vertex, extended at both ends.
     fn seen_from(&self, index: usize, point: Point) -> Place {
         let (along, pose) = self.vertices[index];
         let start = pose.position();
@@ -115,7 +115,7 @@ mod tests {
     use super::*;
     use std::f64::consts::FRAC_PI_2;
 
-    /// A quarter circle of 20 m to the left, in steps of half a degree, the car standing for a while in its middle.
+    /// A quarter circle of 20 m to the left, in steps of half a degree; the car stands for a while in its middle.
     fn bend() -> DrivenPath {
         let angles = (0..=180).flat_map(|i| std::iter::repeat_n(i, if i == 90 { 5 } else { 1 }));
         DrivenPath::new(angles.map(|i| {

@@ -3,29 +3,29 @@ use crate::av::reference_drivers::Threat;
 use crate::env::{Frame, Pair};
 use crate::geometry::{OrientedBox, Point, Vector};
 
-/// A pedestrian that has been no danger for this long (s) starts a new approach.
+/// Time without danger (s) after which a pedestrian starts a new approach.
 const FORGETTING: f64 = 1.0;
-/// For how long after the recorded touch the pedestrian continues (s).
+/// Time after the recorded touch for which the pedestrian continues (s).
 const AFTERWARDS: f64 = 5.0;
 
 /// The pedestrian at a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
-    /// Where it is.
+    /// Its position.
     pub position: Point,
-    /// Where that is from the path.
+    /// Its position relative to the path.
     pub place: Place,
     /// Its velocity (m/s).
     pub velocity: Vector,
 }
 
-/// The last part of an episode that ended in a touch, from the start of the danger: the path of the car, the track of the pedestrian
-/// and the speed of the car.
+/// The last part of an episode that ended in a touch, from the start of the danger. It has the path of the car, the track of the
+/// pedestrian and the speed of the car.
 #[derive(Debug, Clone)]
 pub struct Encounter {
     /// The path of the car, from the start of the episode.
     pub path: DrivenPath,
-    /// Where the car is on it when the danger starts (m).
+    /// The car's position on it when the danger starts (m).
     pub start: f64,
     /// The greatest speed of the car since the danger started, tick by tick up to the recorded touch (m/s).
     pub pace: Vec<f64>,
@@ -44,7 +44,7 @@ pub struct Encounter {
 }
 
 impl Encounter {
-    /// Rewinds an episode to where its danger started; none when the two did not touch.
+    /// Rewinds an episode to the start of its danger; none when the two did not touch.
     pub fn new(pair: &Pair<'_>) -> Option<Self> {
         let contact = pair.contact()?;
         let (blueprint, body, dt) = (pair.blueprint(), pair.body(), pair.dt());
@@ -84,7 +84,7 @@ impl Encounter {
         Some(encounter)
     }
 
-    /// The tick at which the approach started that ended in the touch: at the latest the tick before the touch.
+    /// The tick at which the approach that ended in the touch started: at the latest the tick before the touch.
     fn rewind(&self, pair: &Pair<'_>, ways: &[f64]) -> usize {
         let last = pair.len() - 2;
         let patience = (FORGETTING / self.dt).ceil() as usize;
@@ -100,7 +100,7 @@ impl Encounter {
         begun
     }
 
-    /// Whether the pedestrian is not behind the car, is in its way or on the way into it, and can be seen.
+    /// Whether the pedestrian is not behind the car, is in its way or moves into it, and can be seen.
     fn is_dangerous(&self, frame: &Frame, way: f64, pair: &Pair<'_>) -> bool {
         let position = frame.pedestrian.pose.position();
         let place = self.path.place(position, way);
@@ -109,7 +109,7 @@ impl Encounter {
         threat.is_some_and(|threat| threat.is_on_its_way()) && pair.in_sight(frame)
     }
 
-    /// The pedestrian between two ticks as a driver sees it who is `way` (m) along the path; none when it is behind the car.
+    /// The pedestrian between two ticks, as seen by a driver who is `way` (m) along the path; none when it is behind the car.
     pub fn threat(&self, from: &Step, to: &Step, share: f64, way: f64) -> Option<Threat> {
         let mix = |a: f64, b: f64| a + (b - a) * share;
         let (along, aside) = (mix(from.place.along, to.place.along), mix(from.place.aside, to.place.aside));
@@ -132,7 +132,7 @@ impl Encounter {
     }
 }
 
-/// How far along its own path the car is at each frame (m).
+/// The car's position along its own path at each frame (m).
 fn ways(pair: &Pair<'_>) -> Vec<f64> {
     let mut way = 0.0;
     let mut last = pair.frame(0).ego.pose.position();

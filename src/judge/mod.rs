@@ -1,6 +1,6 @@
-//! Was a failure avoidable? Repeats each failure with reference drivers at the brake.
+//! Was a failure avoidable? Repeats each failure with reference drivers that control the brake.
 //!
-//! All of it works on the [`Pair`](crate::env::Pair) of the ego and the pedestrian that it struck.
+//! It works on the [`Pair`](crate::env::Pair) of the ego and the pedestrian that it struck.
 //!
 //! 1. The traced episode is rewound to the start of the danger ([`Encounter`]): the first instant of the unbroken approach before
 //!    the touch at which the pedestrian can be seen and is in, or moves towards, the path that the car is going to sweep. A
@@ -16,8 +16,8 @@
 //!
 //! [`NearMiss`] measures how near any episode came to a touch.
 //!
-//! The labels are explained at [`Label`], the drivers at [`Reference`]. Reference drivers brake with their own figures, not
-//! with those of the car's brake.
+//! The labels are explained at [`Label`], the drivers at [`Reference`]. Reference drivers brake with their own parameters, not with those
+//! of the car's brake.
 
 mod driven_path;
 mod sight;

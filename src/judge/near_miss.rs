@@ -2,9 +2,9 @@ use super::trial::STANDING;
 use crate::env::{Frame, Pair};
 use crate::geometry::{Vector, time_to_touch};
 
-/// Touches farther ahead than this (s) are none.
+/// The longest time to collision (s) that counts.
 const HORIZON: f64 = 10.0;
-/// Footprints that are looked at together.
+/// Number of footprints in a block that is tested as a whole.
 const BLOCK: usize = 16;
 
 /// How near an episode came to a touch.
@@ -20,11 +20,11 @@ const BLOCK: usize = 16;
 /// point of conflict; here it is the least over all points that both sweep.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct NearMiss {
-    /// Least time to collision at constant velocities (s), over all ticks at which the car moves (more than 0.1 m/s); none when they
-    /// never were on course to touch within ten seconds. 0 when they touched while it moved.
+    /// Least time to collision at constant velocities (s), over all ticks at which the car moves (more than 0.1 m/s). None when they were
+    /// never on course to touch within ten seconds. 0 when they touched while the car moved.
     pub min_ttc: Option<f64>,
-    /// Post-encroachment time (s), to a tick: the least time between one leaving a place and the other taking it. None when their
-    /// ways do not cross, and when they touched.
+    /// Post-encroachment time (s), to a tick: the least time between one leaving a place and the other reaching it. None when their paths
+    /// do not cross, and when they touched.
     pub pet: Option<f64>,
 }
 
@@ -62,7 +62,7 @@ impl Bodies {
         (least < HORIZON).then_some(least)
     }
 
-    /// The least number of ticks between the box and the disc filling the same place.
+    /// The least number of ticks between the box and the disc occupying the same place.
     fn least_lag(&self, frames: impl ExactSizeIterator<Item = Frame> + Clone) -> Option<usize> {
         let reach = self.half.norm() + self.radius;
         let mut heading = Heading::default();
@@ -76,7 +76,7 @@ impl Bodies {
         let (car_bounds, walker_bounds) = (bounds(&cars), bounds(&walkers));
         let mut least = usize::MAX;
         for (here, bounds) in cars.chunks(BLOCK).zip(&car_bounds) {
-            // From the same time on, and back from there, as long as a smaller lag may be found.
+            // Forwards from the same time, and backwards, as long as a smaller lag is possible.
             let same = walker_bounds.partition_point(|others| others.ticks.1 < bounds.ticks.0);
             let mut look = |index: usize| {
                 let others = &walker_bounds[index];
@@ -93,7 +93,7 @@ impl Bodies {
         (least < usize::MAX).then_some(least)
     }
 
-    /// The least lag of some footprints that touch, if it is less than the least known one.
+    /// The least lag of some footprints that touch, if it is less than the least lag so far.
     fn least_of(&self, cars: &[Footprint], walkers: &[Footprint], reach: f64, mut least: usize) -> usize {
         for car in cars {
             for walker in walkers {
@@ -117,7 +117,7 @@ impl Bodies {
     }
 }
 
-/// A heading whose sine and cosine are taken once, as long as it stays the same.
+/// A heading with its sine and cosine, computed once while it stays the same.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Heading {
     yaw: f64,
@@ -139,13 +139,13 @@ impl Heading {
         }
     }
 
-    /// A displacement of the world seen from this heading: ahead and to the left.
+    /// A displacement of the world in the frame of this heading: ahead and to the left.
     fn local(&self, x: f64, y: f64) -> Vector {
         Vector::new(self.cos * x + self.sin * y, -self.sin * x + self.cos * y)
     }
 }
 
-/// Where an actor was from one tick to another, both included.
+/// The positions of an actor from one tick to another, both included.
 #[derive(Debug, Clone, Copy)]
 struct Footprint {
     ticks: (usize, usize),
@@ -154,7 +154,7 @@ struct Footprint {
     heading: Heading,
 }
 
-/// The places of an actor in order; ticks without a motion count as one.
+/// The positions of an actor in order; ticks without a motion count as one.
 fn footprints(
     frames: impl ExactSizeIterator<Item = Frame>,
     mut place: impl FnMut(&Frame) -> (f64, f64, Heading),
@@ -170,12 +170,12 @@ fn footprints(
     all
 }
 
-/// The ticks between two stretches of time; 0 when they overlap.
+/// The ticks between two intervals of time; 0 when they overlap.
 fn lag(a: (usize, usize), b: (usize, usize)) -> usize {
     a.0.saturating_sub(b.1).max(b.0.saturating_sub(a.1))
 }
 
-/// What holds several footprints: their ticks and the box of their middles.
+/// The bounds of several footprints: their ticks and the box of their centres.
 #[derive(Debug, Clone, Copy)]
 struct Bounds {
     ticks: (usize, usize),
@@ -199,7 +199,7 @@ impl Bounds {
         lag(self.ticks, other.ticks)
     }
 
-    /// Whether the boxes are no farther apart than this, on either axis.
+    /// Whether the distance of the boxes is at most this, on either axis.
     fn is_within(&self, other: &Self, reach: f64) -> bool {
         self.low.0 - reach <= other.high.0
             && other.low.0 - reach <= self.high.0

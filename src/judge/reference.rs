@@ -1,11 +1,11 @@
 use crate::av::reference_drivers::{DelayedBrake, FuzzySafety, ReferenceDriver, Rss};
 
-/// The reference drivers that every failure is judged by.
+/// The reference drivers for the verdict on every failure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Reference {
-    /// UN R157's careful human, 1.15 s from when the danger began.
+    /// UN R157's careful human, 1.15 s after the start of the danger.
     CarefulHuman,
-    /// The same, 0.75 s from when the time to collision fell to 2 s.
+    /// The same, 0.75 s after the time to collision fell to 2 s.
     CarefulHumanAtTwoSeconds,
     /// The Fuzzy Safety Model.
     FuzzySafety,
@@ -28,7 +28,7 @@ impl Reference {
         Self::Bound,
     ];
 
-    /// What its columns begin with.
+    /// The prefix of its columns.
     pub fn name(self) -> &'static str {
         match self {
             Self::CarefulHuman => "cc",

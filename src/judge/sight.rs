@@ -4,20 +4,20 @@ use crate::env::Pair;
 /// not matter; only obstacles hide it, not the car itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sight {
-    /// Share of that time, or of as much of it as the episode lasted, in which it was hidden.
+    /// Share of that time in which it was hidden. In a shorter episode it is the share of the episode.
     pub hidden: f64,
-    /// For how long before the touch it was in sight without a break (s), at most [`Sight::WINDOW`]; where the episode is
-    /// shorter, the pedestrian counts as in sight before its start.
+    /// Time before the touch in which it was in sight without a break (s), at most [`Sight::WINDOW`]. In a shorter episode the pedestrian
+    /// counts as in sight before its start.
     pub seen: f64,
 }
 
 impl Sight {
-    /// How far back it looks (s).
+    /// The length of the time that is considered (s).
     pub const WINDOW: f64 = 3.0;
-    /// A pedestrian that was in sight for less (s) was occluded: a careful human needs as long until the car brakes.
+    /// A pedestrian that was in sight for less (s) was occluded: a careful human needs this time until the car brakes.
     pub const LATE: f64 = 1.15;
 
-    /// Looks back over the end of an episode that ended in a touch.
+    /// Measures the end of an episode that ended in a touch.
     pub(super) fn new(pair: &Pair<'_>) -> Self {
         let dt = pair.dt();
         let before = pair.len().saturating_sub(1);

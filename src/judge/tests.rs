@@ -7,7 +7,8 @@ use crate::geometry::{Point, Pose, Vector};
 const HALF: Vector = Vector::new(2.2, 0.9);
 const RADIUS: f64 = 0.25;
 
-/// A car that drives east at a constant speed (m/s), its bumper so far (m) from a pedestrian at its left, who walks so (m/s).
+/// A car that drives east at a constant speed (m/s). Its bumper is at this distance (m) from a pedestrian at its left with this velocity
+/// (m/s).
 fn crossing(speed: f64, gap: f64, aside: f64, velocity: Vector) -> Encounter {
     let path = DrivenPath::new([Pose::new(0.0, 0.0, 0.0), Pose::new(1.0, 0.0, 0.0)]);
     let dt = 0.05;
@@ -49,7 +50,7 @@ fn for_somebody_who_stands_in_the_way_the_closed_forms_hold() {
             let short = 0.5;
             let hit = trial(&crossing(speed, needed - short, 0.0, Vector::zeros()), reference);
             let wanted = (2.0 * profile.full * short).sqrt();
-            // Slower ones stop within the ramp and are softer at the end.
+            // Slower cars stop within the ramp and are softer at the end.
             if speed > profile.full * profile.ramp / 2.0 + wanted {
                 assert!((hit.impact_speed.unwrap() - wanted).abs() < 0.05, "{reference:?} {speed}: {hit:?}");
             }
@@ -59,7 +60,7 @@ fn for_somebody_who_stands_in_the_way_the_closed_forms_hold() {
 
 #[test]
 fn a_careful_human_at_two_seconds_begins_when_the_gap_is_two_seconds() {
-    // From 8 m/s it needs 12.2 m and has 16; one that waits for 1.15 s has them too if it saw the danger at once.
+    // From 8 m/s it needs 12.2 m and has 16 m. A driver that waits for 1.15 s also has them if it saw the danger at once.
     let far = crossing(8.0, 40.0, 0.0, Vector::zeros());
     let (late, early) = (trial(&far, Reference::CarefulHumanAtTwoSeconds), trial(&far, Reference::CarefulHuman));
     assert!(late.is_avoided() && early.is_avoided());
@@ -71,7 +72,7 @@ fn a_careful_human_at_two_seconds_begins_when_the_gap_is_two_seconds() {
 #[test]
 fn until_it_interferes_a_driver_drives_as_the_recorded_car_did() {
     let mut encounter = crossing(0.0, 12.0, 0.0, Vector::zeros());
-    // The recorded car pulls away at 2 m/s², brakes at the end and hits: the braking is not inherited.
+    // The recorded car accelerates at 2 m/s², brakes at the end and hits: its braking is not inherited.
     encounter.pace = (0..60).map(|tick| 0.1 * f64::from(tick)).collect();
     let gate = trial(&encounter, Reference::CarefulHumanAtTwoSeconds);
     assert!(gate.time > 2.0 && gate.is_avoided(), "{gate:?}");

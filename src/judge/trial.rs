@@ -2,25 +2,25 @@ use super::Encounter;
 use crate::av::reference_drivers::{OwnMotion, ReferenceDriver};
 use crate::geometry::{OrientedBox, first_touch};
 
-/// Steps that a tick is driven in: reference drivers react in hundredths of a second.
+/// Number of steps of a tick: reference drivers react in hundredths of a second.
 const STEPS: u32 = 5;
-/// More than a corner of the car moves within a step because the car turns (m).
+/// An upper bound of the distance (m) that the rotation of the car moves a corner of it within a step.
 const TURNING: f64 = 0.05;
-/// Slower than this (m/s) the car stands.
+/// Below this speed (m/s) the car stands.
 pub(super) const STANDING: f64 = 0.1;
 
-/// How a reference driver fared in an encounter.
+/// The result of a reference driver in an encounter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trial {
-    /// Speed at which the car touched the pedestrian (m/s); none when it avoided that.
+    /// Speed at which the car touched the pedestrian (m/s); none when it avoided the touch.
     pub impact_speed: Option<f64>,
-    /// Time from the start of the danger to that touch, or until the car had stopped or passed, or the time was up (s).
+    /// Time from the start of the danger to that touch; without one, until the car had stopped or passed, or the time limit (s).
     pub time: f64,
     /// Least gap between car and pedestrian until the car stood (m); 0 at a touch.
     pub least_gap: f64,
 }
 
-/// The car with the reference driver in it.
+/// The car, driven by the reference driver.
 #[derive(Debug, Clone, Copy)]
 struct Car {
     way: f64,
@@ -30,12 +30,12 @@ struct Car {
 }
 
 impl Car {
-    /// Moves on by one step of a tick of `tick` (s): as the driver brakes, or to the recorded pace at the end of the tick.
+    /// Simulates one step of a tick of `tick` (s): with the driver's braking, or towards the recorded speed at the end of the tick.
     fn advance(&mut self, braking: Option<f64>, pace: Option<f64>, dt: f64, tick: f64) {
         self.interfered |= braking.is_some();
         let braking = braking.unwrap_or(0.0);
         if !self.interfered {
-            // As the simulator moves a car: with the tick's first speed until its end.
+            // As in the simulator: the car keeps the tick's first speed until the tick's end.
             self.way += self.speed * dt;
             if let Some(pace) = pace {
                 self.acceleration = (pace - self.speed).max(0.0) / tick;
@@ -44,7 +44,7 @@ impl Car {
             return;
         }
         let next = (self.speed - braking * dt).max(0.0);
-        // A car that stops within the step does not use all of it.
+        // A car that stops within the step moves for a part of it.
         let moving = if next == 0.0 && braking > 0.0 { (self.speed / braking).min(dt) } else { dt };
         self.way += (self.speed + next) / 2.0 * moving;
         (self.speed, self.acceleration) = (next, -braking);
@@ -56,7 +56,7 @@ impl Car {
 }
 
 impl Trial {
-    /// Lets a reference driver brake in an encounter.
+    /// Simulates an encounter with a reference driver.
     pub fn new(encounter: &Encounter, driver: &mut dyn ReferenceDriver) -> Self {
         driver.begin();
         let (tick, part) = (encounter.dt, 1.0 / f64::from(STEPS));
@@ -85,7 +85,7 @@ impl Trial {
                 let before = outline;
                 outline = encounter.outline(car.way);
                 let (start, end) = (from.position + chord * share, from.position + chord * (share + part));
-                // The distance of the middles bounds the gap from below; most steps need no more.
+                // The distance of the centres bounds the gap from below; most steps need no more.
                 let moved = own.speed * dt + chord.norm() * part + TURNING;
                 let reach = far + least_gap.max(moved);
                 if (end - outline.pose.position()).norm_squared() > reach * reach {

@@ -3,7 +3,7 @@ use super::{Encounter, Reference, Sight, Trial};
 use crate::env::Pair;
 use crate::sim::Contact;
 
-/// The label of a failure, from how reference drivers fare. The first that applies, in this order:
+/// The label of a failure, from the results of the reference drivers. The first that applies, in this order:
 ///
 /// | label | when |
 /// |---|---|
@@ -61,7 +61,7 @@ impl Label {
 /// The judgement of a failure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Verdict {
-    /// What it is.
+    /// The label.
     pub label: Label,
     /// Time from the start of the danger to the touch (s).
     pub warning: f64,
@@ -72,23 +72,23 @@ pub struct Verdict {
     pub sight: Sight,
     /// The car's speed at the recorded touch (m/s).
     pub impact_speed: f64,
-    /// How each driver fared, in the order of [`Reference::ALL`].
+    /// The result of each driver, in the order of [`Reference::ALL`].
     pub trials: [Trial; 6],
 }
 
 impl Verdict {
-    /// How a driver fared.
+    /// The result of a driver.
     pub fn trial(&self, reference: Reference) -> &Trial {
         &self.trials[reference as usize]
     }
 
-    /// By how much a driver lowers the speed at the impact (m/s): all of it when it avoids the failure.
+    /// The reduction of the impact speed by a driver (m/s): all of it when it avoids the failure.
     pub fn reduction(&self, reference: Reference) -> f64 {
         self.impact_speed - self.trial(reference).impact_speed.unwrap_or(0.0)
     }
 }
 
-/// Judges what happened between a vehicle and a pedestrian; none when they did not touch.
+/// Judges an episode of a vehicle and a pedestrian; none when they did not touch.
 pub fn judge(pair: &Pair<'_>) -> Option<Verdict> {
     let encounter = Encounter::new(pair)?;
     let trials = Reference::ALL.map(|reference| Trial::new(&encounter, reference.driver().as_mut()));
@@ -110,7 +110,7 @@ pub fn judge(pair: &Pair<'_>) -> Option<Verdict> {
     })
 }
 
-/// The label of a failure of a moving car's front.
+/// The label of a failure at the front of a moving car.
 fn label(trials: &[Trial; 6]) -> Label {
     let avoids = |reference: Reference| trials[reference as usize].is_avoided();
     let others = [Reference::CarefulHuman, Reference::CarefulHumanAtTwoSeconds, Reference::FuzzySafety, Reference::Rss];
@@ -125,7 +125,7 @@ fn label(trials: &[Trial; 6]) -> Label {
     }
 }
 
-/// Whether the pedestrian walked into the flank or the rear of the car when the front had passed it.
+/// Whether the pedestrian walked into the flank or the rear of the car after the front had passed it.
 fn has_passed(contact: &Contact, pair: &Pair<'_>, encounter: &Encounter) -> bool {
     let half = encounter.half;
     if contact.ahead < -half.x {
@@ -137,7 +137,7 @@ fn has_passed(contact: &Contact, pair: &Pair<'_>, encounter: &Encounter) -> bool
     contact.ahead < half.x && contact.aside.abs() > half.y && inward > STANDING
 }
 
-/// Euro NCAP's running adult: its speed (m/s), and its speeding up (m/s²).
+/// Euro NCAP's running adult: its speed (m/s) and its acceleration (m/s²).
 const RUNNING: (f64, f64) = (8.0 / 3.6, 1.65);
 
 fn is_foreseeable(pair: &Pair<'_>) -> bool {

@@ -8,7 +8,7 @@ use crate::road::Town;
 /// CARLA `Vehicle/WheeledVehicleAIController.h`: 30 km/h until the first sign.
 const FIRST_LIMIT: f64 = 30.0 / 3.6;
 
-/// Names an actor of a world: its number among the vehicles or among the pedestrians. It stays the same for a whole episode.
+/// The identity of an actor of a world: its number among the vehicles or among the pedestrians. It stays the same for a whole episode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ActorId {
     /// A vehicle.
@@ -41,7 +41,7 @@ pub struct Vehicle {
     pub state: VehicleState,
     /// The limit of the last sign that it passed (m/s).
     pub speed_limit: f64,
-    /// Its state one tick ago.
+    /// Its state one tick earlier.
     pub(super) before: VehicleState,
 }
 
@@ -67,14 +67,14 @@ impl Vehicle {
         })
     }
 
-    /// Puts the vehicle at the start of an episode.
+    /// Places the vehicle at the start of an episode.
     pub(super) fn begin(&mut self, state: VehicleState, town: &Town) {
         (self.state, self.before) = (state, state);
         self.speed_limit = FIRST_LIMIT;
         self.obey_signs(town);
     }
 
-    /// Moves on by one tick.
+    /// Simulates one tick.
     #[inline]
     pub(super) fn step(&mut self, control: Control, town: &Town, dt: f64) {
         self.before = self.state;
@@ -101,7 +101,7 @@ pub struct Pedestrian {
     pub body: PedestrianBody,
     /// Its pose and velocity.
     pub state: PedestrianState,
-    /// Its state one tick ago.
+    /// Its state one tick earlier.
     pub(super) before: PedestrianState,
 }
 
@@ -112,12 +112,12 @@ impl Pedestrian {
         Self { body, state, before: state }
     }
 
-    /// Puts the pedestrian at the start of an episode.
+    /// Places the pedestrian at the start of an episode.
     pub(super) fn begin(&mut self, state: PedestrianState) {
         (self.state, self.before) = (state, state);
     }
 
-    /// Moves on by one tick.
+    /// Simulates one tick.
     #[inline]
     pub(super) fn step(&mut self, command: WalkCommand, obstacles: &Obstacles, dt: f64) {
         self.before = self.state;

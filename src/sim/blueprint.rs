@@ -11,10 +11,10 @@ pub struct ThrottleLine {
     pub slope: f64,
 }
 
-/// Size and dynamics of a model of car.
+/// Size and dynamics of a car model.
 ///
-/// Every figure is a parameter because CARLA keeps them in binary assets: sizes were printed by many independent
-/// programs, masses and torques by one, and the braking at low speed is an unexplained report.
+/// Every figure is a parameter because CARLA has them in binary assets. Many independent programs printed the sizes, one program printed
+/// masses and torques, and the braking at low speed is from an unexplained report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VehicleBlueprint {
     /// Half of its length (m).
@@ -27,17 +27,17 @@ pub struct VehicleBlueprint {
     pub greatest_wheel_angle: f64,
     /// Share of the wheel angle that the tyres follow; a kinematic bicycle with the full angle turns too sharply.
     pub steering_response: f64,
-    /// Share of the greatest angle over the speed: pairs of (m/s, share), sorted.
+    /// Share of the greatest angle at each speed: pairs of (m/s, share), sorted.
     pub steering_curve: Vec<(f64, f64)>,
     /// Acceleration over throttle and speed, sorted by throttle; linear in between.
     pub throttle: Vec<ThrottleLine>,
     /// Deceleration at full brake (m/s²); linear in the brake.
     pub full_brake: f64,
-    /// Below this speed (m/s) CARLA's cars brake harder than the brake pedal asks for.
+    /// Below this speed (m/s) CARLA's cars brake harder than the brake pedal demands.
     pub low_speed: f64,
-    /// By this factor.
+    /// The factor of that.
     pub low_speed_braking: f64,
-    /// How long a car stands after it has been placed at rest (s).
+    /// Time for which a car stands after it has been placed at rest (s).
     pub start_up_pause: f64,
 }
 
@@ -137,7 +137,7 @@ impl VehicleBlueprint {
         push - control.brake.clamp(0.0, 1.0) * self.full_brake * jump
     }
 
-    /// The pedals for an acceleration (m/s²); the nearest that the car can do.
+    /// The pedals for an acceleration (m/s²), or for the nearest that the car can reach.
     pub fn pedals_for(&self, acceleration: f64, speed: f64) -> Control {
         let at = |line: &ThrottleLine| line.at_rest + line.slope * speed;
         let coasting = self.throttle.first().map_or(0.0, at);
@@ -158,7 +158,7 @@ impl VehicleBlueprint {
     }
 }
 
-/// The value at `x` on the broken line through the points, held at both ends; none without points.
+/// The value at `x` on the broken line through the points, constant beyond both ends; none without points.
 fn interpolate(points: impl Iterator<Item = (f64, f64)>, x: f64) -> Option<f64> {
     let mut before: Option<(f64, f64)> = None;
     for (at, value) in points {

@@ -6,7 +6,7 @@ use crate::geometry::{Touch, first_touch, first_touch_of_boxes};
 pub struct Contact {
     /// The vehicle, and the pedestrian or vehicle that touched it. Of two vehicles the first is the one with the smaller number.
     pub pair: (ActorId, ActorId),
-    /// When, as a share of the tick from 0 to 1.
+    /// Its time, as a share of the tick from 0 to 1.
     pub fraction: f64,
     /// Bearing of the second's centre from the middle of the first's box (rad), positive to the left.
     pub bearing: f64,
@@ -14,7 +14,7 @@ pub struct Contact {
     pub ahead: f64,
     /// How far the second's centre is to the left of the first's axis (m).
     pub aside: f64,
-    /// Speed of the first then (m/s).
+    /// Speed of the first at that time (m/s).
     pub impact_speed: f64,
 }
 
@@ -35,7 +35,7 @@ impl Contact {
         }
     }
 
-    /// Whether a vehicle and a pedestrian may have touched in the last tick of `dt` (s). Far apart nothing needs to be computed:
+    /// Whether a vehicle and a pedestrian may have touched in the last tick of `dt` (s). If they are far apart nothing is computed:
     /// neither moves more than a few metres in a tick.
     #[inline]
     pub(super) fn is_pedestrian_near(vehicle: &Vehicle, pedestrian: &Pedestrian, dt: f64) -> bool {

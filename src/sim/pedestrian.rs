@@ -7,11 +7,11 @@ pub struct PedestrianBody {
     pub radius: f64,
     /// Half of its height (m).
     pub half_height: f64,
-    /// Time from rest to any commanded speed (s); 0 for at once.
+    /// Time from rest to any commanded speed (s); 0 for immediately.
     pub ramp: f64,
-    /// Rate at which the velocity turns to a new direction (1/s); infinite for at once.
+    /// Rate at which the velocity turns to a new direction (1/s); infinite for immediately.
     pub turning: f64,
-    /// Deceleration when the command is slower (m/s²); infinite for at once.
+    /// Deceleration when the command is slower (m/s²); infinite for immediately.
     pub stopping: f64,
 }
 
@@ -30,13 +30,13 @@ impl PedestrianBody {
         Self { radius: 0.25, half_height: 0.55, ..Self::adult() }
     }
 
-    /// Reaches every commanded velocity at once.
+    /// Reaches every commanded velocity immediately.
     pub fn nimble(self) -> Self {
         Self { ramp: 0.0, turning: f64::INFINITY, stopping: f64::INFINITY, ..self }
     }
 }
 
-/// What a pedestrian is to do: a direction and a speed, in the world.
+/// A command of a pedestrian: a direction and a speed, in the world.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub struct WalkCommand {
     /// Direction (rad).
@@ -45,10 +45,10 @@ pub struct WalkCommand {
     pub speed: f64,
 }
 
-/// Where a pedestrian is and how it moves.
+/// Position and motion of a pedestrian.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PedestrianState {
-    /// Middle of its disc, and where it faces: the direction of its motion, or of its command while it stands.
+    /// Centre of its disc, and its facing direction: that of its motion, or of its command while it stands.
     pub pose: Pose,
     /// Velocity (m/s).
     pub velocity: Vector,
@@ -65,7 +65,7 @@ impl PedestrianState {
         self.velocity.norm()
     }
 
-    /// Moves on by one tick and slides along obstacles.
+    /// Simulates one tick; the pedestrian slides along obstacles.
     pub fn step(&self, command: WalkCommand, body: &PedestrianBody, obstacles: &Obstacles, dt: f64) -> Self {
         let wanted = Vector::new(libm::cos(command.heading), libm::sin(command.heading));
         let velocity = body.velocity(self.velocity, wanted, command.speed, dt);
@@ -98,7 +98,7 @@ impl PedestrianBody {
         if reached <= speed {
             return pushed;
         }
-        // Too fast for the command: it slows down, but not faster than it can.
+        // Faster than the command: it slows down, limited by its deceleration.
         let allowed = speed.max(present - self.stopping * dt);
         if reached > allowed { pushed * (allowed / reached) } else { pushed }
     }

@@ -1,7 +1,7 @@
 use super::{PedestrianState, VehicleState};
 use crate::geometry::Pose;
 
-/// Where an actor starts.
+/// The start of an actor.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ActorStart {
     /// Its pose.
@@ -38,6 +38,6 @@ pub struct Start<'a> {
     pub vehicles: &'a [ActorStart],
     /// The pedestrians.
     pub pedestrians: &'a [ActorStart],
-    /// How far the traffic lights are in their cycles (s).
+    /// Time within the cycles of the traffic lights (s).
     pub light_phase: f64,
 }

@@ -1,17 +1,17 @@
 use crate::road::TrafficLight;
 
-/// What a traffic light shows.
+/// The colour of a traffic light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LightColour {
     /// Go.
     Green,
-    /// About to turn red.
+    /// Red follows soon.
     Yellow,
     /// Stop.
     Red,
 }
 
-/// How long a light shows each colour when it has its turn; the others of its group show red in the meantime.
+/// Duration of each colour during a light's turn; the other lights of its group are red in the meantime.
 ///
 /// # Source
 /// CARLA `Traffic/TrafficLightController.h`.
@@ -37,7 +37,7 @@ impl LightCycle {
         self.green + self.yellow + self.red
     }
 
-    /// What a light shows at this time (s) after the first turn of its group started.
+    /// The colour of a light at this time (s) after the first turn of its group started.
     pub fn colour(&self, light: &TrafficLight, time: f64) -> LightColour {
         self.clock(time).colour(light)
     }
@@ -52,17 +52,17 @@ impl LightCycle {
     }
 }
 
-/// A moment in the cycles of all groups; every light is asked at every tick, so the division is done once.
+/// A time in the cycles of all groups. Every light is queried at every tick, so the division is done once.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightClock {
     cycle: LightCycle,
     time: f64,
-    /// Time within the cycle of a group, by its number of turns (s).
+    /// Time within the cycle of a group (s), by its number of turns.
     within: [f64; 5],
 }
 
 impl LightClock {
-    /// What a light shows.
+    /// The colour of a light.
     pub fn colour(&self, light: &TrafficLight) -> LightColour {
         let turns = light.turns.max(1) as usize;
         let turn = self.cycle.turn();

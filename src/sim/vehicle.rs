@@ -17,24 +17,24 @@ impl Control {
     pub const FULL_BRAKE: Self = Self { throttle: 0.0, brake: 1.0, steer: 0.0 };
 }
 
-/// Where a vehicle is and how fast it drives.
+/// Position and speed of a vehicle.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct VehicleState {
-    /// Middle of its box, half way between the axles, and its heading.
+    /// Centre of its box, half way between the axles, and its heading.
     pub pose: Pose,
     /// Speed along its heading (m/s), never negative.
     pub speed: f64,
-    /// How long it has existed (s); a fresh one stands until it is in gear.
+    /// Time since it was placed (s); a new vehicle stands until it is in gear.
     pub age: f64,
 }
 
 impl VehicleState {
-    /// The box that the vehicle fills.
+    /// The box of the vehicle.
     pub fn outline(&self, blueprint: &VehicleBlueprint) -> OrientedBox {
         OrientedBox::new(self.pose, blueprint.half_length, blueprint.half_width)
     }
 
-    /// Moves on by one tick: a kinematic bicycle about the middle of the wheelbase.
+    /// Simulates one tick: a kinematic bicycle about the middle of the wheelbase.
     ///
     /// With slip angle β = atan(tan δ / 2) the position moves along yaw + β and the yaw turns by `v sin β / (L / 2)`;
     /// position and yaw use the speed at the start of the tick.

@@ -9,12 +9,12 @@ use crate::road::Town;
 
 /// A town with vehicles and pedestrians in it. Vehicle 0 is the ego, the car under test.
 ///
-/// An actor costs time only where it exists: every tick loops over the two lists and allocates nothing.
+/// A tick loops over the two lists of actors and allocates nothing. A list without actors costs no time.
 #[derive(Debug, Clone)]
 pub struct World {
     /// The roads.
     pub town: Arc<Town>,
-    /// What blocks pedestrians and sight.
+    /// The obstacles that block pedestrians and sight.
     pub obstacles: Arc<Obstacles>,
     /// The vehicles, the ego first.
     pub vehicles: Vec<Vehicle>,
@@ -30,7 +30,7 @@ pub struct World {
 }
 
 impl World {
-    /// Makes a world whose actors stand at the origin; [`World::begin`] places them.
+    /// Makes a world with all actors at the origin; [`World::begin`] places them.
     ///
     /// # Panics
     /// Without a vehicle, or with more than [`ActorId::MOST`] vehicles or pedestrians.
@@ -101,12 +101,12 @@ impl World {
         (vehicle.outline().distance_to(pedestrian.state.pose.position()) - pedestrian.body.radius).max(0.0)
     }
 
-    /// Moves all actors by one tick and finds their first touch. There is one control for each vehicle and one command for each
+    /// Simulates one tick of all actors and finds their first touch. There is one control for each vehicle and one command for each
     /// pedestrian.
     ///
-    /// Vehicles touch pedestrians and each other. Pedestrians pass through each other. Of two touches at the same time the one
-    /// with a pedestrian counts, then the one of the smaller numbers. After a touch the actors stand where the tick ends; the touch
-    /// itself is in the [`Contact`].
+    /// Vehicles touch pedestrians and each other. Pedestrians pass through each other. Of two touches at the same time the one with a
+    /// pedestrian counts, then the one with the smaller numbers. After a touch the actors are where the tick ends; the [`Contact`] has the
+    /// touch itself.
     ///
     /// # Panics
     /// When the number of controls or commands is not that of the vehicles or pedestrians.

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 const PAIR: Bodies = Bodies { half: Vector::new(2.4, 1.0), radius: 0.2 };
 const TICK: f64 = 0.05;
 
-/// A car and a pedestrian that keep their velocities: where they begin (m), heading (rad), how fast (m/s).
+/// A car and a pedestrian at constant velocities: start (m), heading (rad), speed (m/s).
 fn straight(car: (Pose, f64), walker: (Point, Vector), ticks: u32) -> Vec<Frame> {
     let frame = |tick: u32| {
         let time = f64::from(tick) * TICK;
@@ -25,7 +25,7 @@ fn straight(car: (Pose, f64), walker: (Point, Vector), ticks: u32) -> Vec<Frame>
 
 #[test]
 fn the_time_to_collision_is_the_gap_over_the_closing_speed() {
-    // Bumper at 2.4 m, edge of the pedestrian at 22.2 m: 19.8 m at 9 m/s, and a second later a second less.
+    // Bumper at 2.4 m, edge of the pedestrian at 22.2 m: 19.8 m at 9 m/s, and a second later it is a second less.
     let east = Pose::new(0.0, 0.0, 0.0);
     let ahead = (Point::new(22.4, 0.5), Vector::new(1.0, 0.0));
     let least = PAIR.least_time(straight((east, 10.0), ahead, 21).into_iter()).unwrap();
@@ -35,7 +35,7 @@ fn the_time_to_collision_is_the_gap_over_the_closing_speed() {
     assert_eq!(PAIR.least_time(straight((east, 10.0), beside, 21).into_iter()), None);
     let behind = (Point::new(-8.0, 0.0), Vector::new(1.0, 0.0));
     assert_eq!(PAIR.least_time(straight((east, 10.0), behind, 21).into_iter()), None);
-    // Whoever walks at a standing car is not in its way.
+    // A pedestrian that walks at a standing car is not in its way.
     assert_eq!(
         PAIR.least_time(straight((east, 0.0), (Point::new(9.0, 0.0), Vector::new(-1.0, 0.0)), 21).into_iter()),
         None
@@ -49,7 +49,7 @@ fn the_post_encroachment_time_is_that_from_one_leaving_to_the_other_arriving() {
     let walker = (Point::new(20.0, -4.0), Vector::new(0.0, 1.0));
     let ticks = PAIR.least_lag(straight(car, walker, 100).into_iter()).unwrap();
     assert!((ticks as f64 * TICK - (2.8 - 2.26)).abs() <= 2.0 * TICK, "{ticks}");
-    // Ways that do not cross have none.
+    // Paths that do not cross have none.
     assert_eq!(PAIR.least_lag(straight(car, (Point::new(20.0, -4.0), Vector::new(1.0, 0.0)), 100).into_iter()), None);
     let early = (Point::new(20.0, -1.3), Vector::new(0.0, 5.0));
     let ticks = PAIR.least_lag(straight(car, early, 100).into_iter()).unwrap();
@@ -57,7 +57,7 @@ fn the_post_encroachment_time_is_that_from_one_leaving_to_the_other_arriving() {
     assert!((ticks as f64 * TICK - (1.74 - 0.5)).abs() <= 2.0 * TICK, "{ticks}");
 }
 
-/// The definition, pair by pair.
+/// The definition, evaluated for every pair.
 fn slow_lag(frames: &[Frame]) -> Option<usize> {
     let all = || frames.iter().enumerate();
     let touching = all().flat_map(|(i, car)| {
@@ -73,7 +73,7 @@ proptest! {
     fn the_least_lag_is_that_of_all_pairs(x in -10.0..25.0f64, y in -8.0..8.0f64, yaw in -3.0..3.0f64, speed in 0.0..9.0f64,
         vx in -2.0..2.0f64, vy in -2.0..2.0f64, standing in 0_usize..80) {
         let mut frames = straight((Pose::new(0.0, 0.0, yaw), speed), (Point::new(x, y), Vector::new(vx, vy)), 100);
-        // The car stops for the rest, and the pedestrian goes on.
+        // The car stops for the rest, and the pedestrian continues.
         let stop = frames[standing].ego;
         frames[standing..].iter_mut().for_each(|frame| frame.ego = stop);
         prop_assert_eq!(PAIR.least_lag(frames.iter().copied()), slow_lag(&frames));
