@@ -1,5 +1,4 @@
-/// The adjusted Rand index of two partitions of the same points: 1 when they are equal, 0 on average when they have nothing to do
-/// with each other.
+/// The adjusted Rand index of two partitions of the same points: 1 when they are equal, 0 on average when they are independent.
 ///
 /// # Source
 /// Hubert and Arabie, *Comparing partitions*, Journal of Classification 2, 1985, eq. 5.
@@ -20,7 +19,7 @@ pub(super) fn adjusted_rand(a: &[usize], b: &[usize]) -> f64 {
 
 /// The mean silhouette of a partition: 1 when the clusters are points far apart, about 0 when points lie between them.
 ///
-/// A point alone in its cluster counts as 0. One cluster has no silhouette; neither have no points.
+/// A point alone in its cluster counts as 0. The result is none for one cluster and for no points.
 ///
 /// # Source
 /// Rousseeuw, *Silhouettes: a graphical aid to the interpretation and validation of cluster analysis*, J. Comput. Appl. Math. 20, 1987.

@@ -1,11 +1,11 @@
 use crate::env::{Frame, Pair};
 
-/// Where the pedestrian was from the car at a time, and how fast the car was.
+/// Position of the pedestrian relative to the car at a time, and speed of the car.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Station {
-    /// How far the pedestrian was ahead of the middle of the car (m).
+    /// Distance of the pedestrian ahead of the car's centre (m).
     pub ahead: f64,
-    /// How far it was to the left of the car's axis (m).
+    /// Distance of the pedestrian to the left of the car's axis (m).
     pub left: f64,
     /// Speed of the car (m/s).
     pub speed: f64,
@@ -27,16 +27,16 @@ impl Station {
     }
 }
 
-/// The last [`Approach::WINDOW`] before a touch: the track of the pedestrian in the frame of the car, which moves and turns with it,
+/// The last [`Approach::WINDOW`] before a touch: the track of the pedestrian in the frame of the car, which moves and turns with the car,
 /// and the speed of the car.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Approach {
-    /// One station every [`Approach::STEP`], the last one at the touch. Before the episode it is as at its start.
+    /// One station every [`Approach::STEP`], the last one at the touch. Stations before the episode have the values of its start.
     pub stations: [Station; Self::STATIONS],
 }
 
 impl Approach {
-    /// How far back it goes (s).
+    /// The length of the time before the touch that it covers (s).
     pub const WINDOW: f64 = 3.0;
     /// Time between two stations (s).
     pub const STEP: f64 = Self::WINDOW / (Self::STATIONS - 1) as f64;
@@ -55,14 +55,14 @@ impl Approach {
         Some(Self { stations })
     }
 
-    /// How far two approaches lie apart (m): the root of the mean over the stations of the squared distance between the places plus the
-    /// squared difference of the speeds, 1 m/s counting as 1 m.
+    /// The distance of two approaches (m): the root of a mean over the stations. Its terms are the squared distance between the positions
+    /// plus the squared difference of the speeds; 1 m/s counts as 1 m.
     pub fn distance(&self, other: &Self) -> f64 {
         let apart = |(a, b): (&f64, &f64)| (a - b) * (a - b);
         self.features().iter().zip(&other.features()).map(apart).sum::<f64>().sqrt()
     }
 
-    /// A point whose Euclidean distance from another approach's is [`Approach::distance`].
+    /// A point. The Euclidean distance of two such points is the [`Approach::distance`] of their approaches.
     pub(super) fn features(&self) -> Vec<f64> {
         let scale = 1.0 / (Self::STATIONS as f64).sqrt();
         let numbers = self.stations.iter().flat_map(|station| [station.ahead, station.left, station.speed]);

@@ -7,23 +7,23 @@ use crate::seed::Seed;
 
 /// Fewer points than this are one cluster.
 const LEAST: usize = 40;
-/// Most clusters that are tried.
+/// The largest number of clusters that is evaluated.
 const MOST: usize = 5;
-/// Two halves, and bootstrap samples with the whole, must agree so well for clusters to count.
+/// Clusters count only if the two halves agree at least this well, and the bootstrap samples with the whole, too.
 const STABLE: f64 = 0.8;
 /// Clusters with a smaller silhouette have "no substantial structure" (Kaufman and Rousseeuw, *Finding Groups in Data*, 1990).
 const APART: f64 = 0.25;
-/// Number of runs of k-means, of which the best counts; the number of a run seeds its choice of centres.
+/// Number of runs of k-means, of which the best counts. The number of a run is the seed of its centres.
 const BEGINNINGS: u64 = 5;
-/// Bootstrap samples.
+/// Number of bootstrap samples.
 const SAMPLES: u64 = 10;
 
 /// How far clusters can be trusted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stability {
-    /// How well the partitions agree that k-means finds on the two halves, as adjusted Rand index.
+    /// Agreement of the partitions that k-means finds on the two halves, as adjusted Rand index.
     pub halves: f64,
-    /// How well partitions found on bootstrap samples agree with the one of all points, as mean adjusted Rand index.
+    /// Agreement of the partitions of bootstrap samples with that of all points, as mean adjusted Rand index.
     pub bootstrap: f64,
     /// Mean silhouette.
     pub silhouette: f64,
@@ -34,15 +34,15 @@ pub struct Stability {
 pub struct Clusters {
     /// The cluster of each point, from 0.
     pub labels: Vec<usize>,
-    /// How far to trust it; none for a single cluster.
+    /// Its stability; none for a single cluster.
     pub stability: Option<Stability>,
 }
 
-/// Partitions points of equal dimension into as many clusters as two halves of them agree on: those of even and those of
-/// odd groups, so that points which belong together stay in one half. Bootstrap samples must agree as well. Of several such numbers the
-/// one with the largest silhouette counts.
+/// Partitions points of equal dimension into a number of clusters on which two halves of the points agree. The halves are those of even
+/// and those of odd groups, so that points which belong together stay in one half. Bootstrap samples must agree as well. If several
+/// numbers of clusters pass, the one with the largest silhouette counts.
 ///
-/// K-means also cuts one long heap in two, and halves may agree on where: clusters are a way to look at the data, no finding.
+/// K-means also cuts one long cluster in two, and the halves may agree on the cut. So clusters are a view of the data, not a finding.
 pub fn clusters(points: &[Vec<f64>], groups: &[u32]) -> Clusters {
     let single = Clusters { labels: vec![0; points.len()], stability: None };
     if points.len() < LEAST {
@@ -67,8 +67,7 @@ pub fn clusters(points: &[Vec<f64>], groups: &[u32]) -> Clusters {
     best.map_or(single, |(labels, stability)| Clusters { labels, stability: Some(stability) })
 }
 
-/// How well partitions of samples drawn with replacement agree with this one; a sample on which there are not as many clusters
-/// agrees not at all.
+/// Agreement of partitions of samples drawn with replacement with this one. A sample with fewer clusters counts as 0.
 fn bootstrap(points: &[Vec<f64>], labels: &[usize]) -> f64 {
     let k = labels.iter().max().map_or(1, |most| most + 1);
     let agreement = |sample| {
@@ -80,8 +79,7 @@ fn bootstrap(points: &[Vec<f64>], labels: &[usize]) -> f64 {
     (0..SAMPLES).map(agreement).sum::<f64>() / SAMPLES as f64
 }
 
-/// Fits `k` centres to some points in several runs, and gives the nearest centre of each other point; none when a
-/// centre stays empty.
+/// Fits `k` centres to some points in several runs, and returns the nearest centre of each other point; none when a centre has no points.
 fn partition(fit: &[Vec<f64>], points: &[Vec<f64>], k: usize) -> Option<Vec<usize>> {
     if fit.len() < k {
         return None;
@@ -98,7 +96,7 @@ fn partition(fit: &[Vec<f64>], points: &[Vec<f64>], k: usize) -> Option<Vec<usiz
     best.map(|(_, labels)| labels).filter(|labels| (0..k).all(|cluster| labels.contains(&cluster)))
 }
 
-/// The sum of squared distances from the points to the middles of their clusters.
+/// The sum of squared distances from the points to the centres of their clusters.
 fn scatter(points: &[Vec<f64>], labels: &[usize], k: usize) -> f64 {
     let dimensions = points.first().map_or(0, Vec::len);
     let mut middles = vec![vec![0.0; dimensions]; k];
@@ -118,7 +116,7 @@ fn scatter(points: &[Vec<f64>], labels: &[usize], k: usize) -> f64 {
 mod tests {
     use super::*;
 
-    /// Points about the given centres, spread evenly by half a unit.
+    /// Points around the given centres, spread evenly by half a unit.
     fn around(centres: &[f64], each: usize) -> Vec<Vec<f64>> {
         let point = |i: usize| {
             let spread = (i as f64 * 0.618_034).fract() - 0.5;

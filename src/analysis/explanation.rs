@@ -6,22 +6,22 @@ use super::tree::{Node, Tree};
 use super::{Cases, Feature, Scale};
 use crate::seed::Seed;
 
-/// Questions in a row, at most.
+/// Largest depth of the tree.
 const DEPTH: u16 = 3;
-/// Least share of the episodes that a rule speaks of, and least number.
+/// A rule covers at least this share and this number of the episodes.
 const LEAST: (f64, usize) = (0.05, 15);
-/// Episodes of either outcome that it takes to learn anything.
+/// Number of episodes of either outcome that learning needs.
 const FEW: u64 = 20;
-/// Two sides of a split must differ by this χ² with one degree of freedom to be distinguished: that of 0.1 %, since the split is
-/// the best of many.
+/// Two sides of a split are distinct if their χ² with one degree of freedom exceeds this. It is the value of 0.1 %, since the split is the
+/// best of many.
 const TOLD_APART: f64 = 10.83;
-/// How often a feature is shuffled.
+/// Number of times that a feature is shuffled.
 const SHUFFLES: u64 = 5;
 
 /// One side of a split.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Condition {
-    /// What it is about.
+    /// The feature.
     pub feature: Feature,
     /// The feature is above this; minus infinity when there is no bound.
     pub above: f64,
@@ -48,13 +48,13 @@ impl fmt::Display for Condition {
 pub struct Rule {
     /// Which ones: all of these hold.
     pub conditions: Vec<Condition>,
-    /// Hits and episodes that it was learnt from.
+    /// Its conditions: all of them are true.
     pub learnt: (u64, u64),
-    /// Hits and episodes of the other half.
+    /// Hits and episodes from which it was learnt.
     pub held_out: (u64, u64),
 }
 
-/// Words its conditions; `always` when there is none.
+/// Words its conditions; `always` without conditions.
 impl fmt::Display for Rule {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let words: Vec<String> = self.conditions.iter().map(Condition::to_string).collect();
@@ -63,35 +63,35 @@ impl fmt::Display for Rule {
     }
 }
 
-/// How much the forecast needs a feature.
+/// How much the prediction depends on a feature.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Importance {
-    /// Which.
+    /// The feature.
     pub feature: Feature,
-    /// By how much the skill falls on the held-out half when the feature is shuffled among its episodes.
+    /// The loss of skill on the held-out half when the feature is shuffled among its episodes.
     pub loss: f64,
 }
 
-/// Which starts end in the outcome that is explained: a small tree, learnt from episodes with even numbers and tested on those
-/// with odd ones.
+/// The starts that end in the outcome to explain, as a small tree. It is learnt from episodes with even numbers and tested on those with
+/// odd ones.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Explanation {
     /// Hits and episodes of both halves.
     pub overall: (u64, u64),
     /// The leaves of the tree, the most dangerous first: each start satisfies one of them.
     pub rules: Vec<Rule>,
-    /// Share of the held-out episodes whose outcome the tree tells.
+    /// Share of the held-out episodes whose outcome the tree predicts.
     pub accuracy: f64,
-    /// Share of them that is predicted by always naming the commoner outcome of the learnt half.
+    /// Share of them that is predicted by always naming the more frequent outcome of the learning half.
     pub majority: f64,
-    /// Share of the held-out outcomes' variance that the rules' rates explain (Brier skill): 0 or less when they say nothing.
+    /// Share of the held-out outcomes' variance that the rules' rates explain (Brier skill). It is 0 or less when they explain nothing.
     pub skill: f64,
-    /// All features that the tree asks about, the most important first.
+    /// All features in the tree, the most important first.
     pub importances: Vec<Importance>,
 }
 
 impl Explanation {
-    /// Explains; none when too few episodes of either outcome are there to learn from or to test on.
+    /// Explains; none when there are too few episodes of either outcome to learn from or to test on.
     ///
     /// # Source
     /// Breiman et al., *Classification and Regression Trees*, 1984; permutation importance: Breiman, *Random Forests*, 2001.
@@ -196,7 +196,7 @@ impl<'a> Forecast<'a> {
         all
     }
 
-    /// Whether the tree asks about a feature at a node or below it; splits that were taken back leave nodes that nothing leads to.
+    /// Whether the tree splits on a feature at a node or below it; pruned splits leave nodes without a parent.
     fn reaches(&self, node: usize, wanted: usize) -> bool {
         match self.tree.nodes[node] {
             Node::Split { feature, at_most, above, .. } => {
@@ -207,7 +207,7 @@ impl<'a> Forecast<'a> {
     }
 }
 
-/// The leaves of a tree with what leads to them.
+/// The leaves of a tree with the conditions that lead to them.
 fn rules(tree: &Tree, cases: &Cases, learn: &[usize], test: &[usize]) -> Vec<Rule> {
     let mut open = vec![(0, Vec::<(usize, f64, f64)>::new())];
     let mut rules = Vec::new();
@@ -239,7 +239,7 @@ fn rules(tree: &Tree, cases: &Cases, learn: &[usize], test: &[usize]) -> Vec<Rul
     rules
 }
 
-/// Bounds of features with one more; those of one feature are one range.
+/// The conditions with one more; those of one feature become one range.
 fn narrowed(path: &[(usize, f64, f64)], feature: usize, above: f64, at_most: f64) -> Vec<(usize, f64, f64)> {
     let mut path = path.to_vec();
     match path.iter_mut().find(|bounds| bounds.0 == feature) {
@@ -269,7 +269,7 @@ mod tests {
         Feature { name: "hidden", scale: Scale::Truth("in sight") },
     ];
 
-    /// Starts that hit at a rate which depends on distance and sight, or by chance alone.
+    /// Starts with a hit rate that depends on distance and sight, or on chance alone.
     fn cases(rate: fn(f64, bool) -> f64) -> Cases {
         let mut stream = Seed::root(3).stream();
         let mut all = Cases { features: FEATURES.to_vec(), rows: vec![], episodes: vec![], hits: vec![] };

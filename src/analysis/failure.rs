@@ -4,7 +4,7 @@ use super::Approach;
 use crate::av::DrivingMode;
 use crate::judge::Label;
 
-/// Where the car was hit.
+/// The side of the car that was hit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Impact {
     /// Within the front sector.
@@ -18,7 +18,8 @@ pub enum Impact {
 }
 
 impl Impact {
-    /// Where a pedestrian hit the car, from whether it was within the front sector and from its bearing from the car's middle (rad).
+    /// The side where a pedestrian hit the car, from whether it was within the front sector and from its bearing from the car's centre
+    /// (rad).
     pub fn new(front: bool, bearing: f64) -> Self {
         match bearing {
             _ if front => Self::Front,
@@ -42,11 +43,11 @@ impl Impact {
 /// The class of a collision, by fixed rules.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Kind {
-    /// Where the car was hit.
+    /// The side of the car that was hit.
     pub impact: Impact,
     /// Whether the car moved.
     pub moving: bool,
-    /// Who would have avoided it.
+    /// The verdict: which reference drivers would have avoided it.
     pub verdict: Label,
     /// Whether the pedestrian came into sight too late for a careful human.
     pub occluded: bool,
@@ -66,7 +67,7 @@ impl fmt::Display for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let verdict = self.verdict.name().replace('_', " ");
         write!(f, "{}, {}", self.impact.name(), self.motion())?;
-        // Who stood is judged as standing: once is enough.
+        // A car that stands has the verdict `standing`: once is enough.
         if verdict != self.motion() {
             write!(f, ", {verdict}")?;
         }
@@ -82,12 +83,12 @@ pub struct Failure {
     pub run: u32,
     /// Number of the episode in it.
     pub episode: u32,
-    /// What it is like.
+    /// Its class.
     pub kind: Kind,
     /// Speed of the car at the touch (m/s).
     pub impact_speed: f64,
     /// Time from the start of the episode to the touch (s).
     pub length: f64,
-    /// How they came together, where that is known.
+    /// The approach before the touch, if it is known.
     pub approach: Option<Approach>,
 }

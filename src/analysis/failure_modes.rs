@@ -3,35 +3,34 @@ use std::collections::BTreeMap;
 use super::clusters::clusters;
 use super::{Approach, Failure, Kind, Stability};
 
-/// A way in which collisions of one kind come about.
+/// A mode of collisions: those of one kind with similar approaches.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FailureMode {
-    /// What its collisions are like.
+    /// The class of its collisions.
     pub kind: Kind,
-    /// How many collisions of that kind there are.
+    /// The number of collisions of that kind.
     pub failures: usize,
     /// Number of the cluster within the kind, from 0, the largest first.
     pub cluster: usize,
-    /// How many clusters the kind has.
+    /// The number of clusters of the kind.
     pub clusters: usize,
-    /// Share of all collisions; a cluster's share of its kind is that among the collisions whose approach is known.
+    /// Share of all collisions. The share of a cluster within its kind is that among the collisions whose approach is known.
     pub share: f64,
-    /// Its collisions, as places in the list given: those whose approach is known, or all of the kind when none is.
+    /// Its collisions, as indices in the given list: those whose approach is known, or all of the kind if none is known.
     pub members: Vec<usize>,
-    /// The member that is nearest to all the others, as place in the list given.
+    /// The member that is nearest to all the others, as index in the given list.
     pub medoid: usize,
     /// Root mean square distance of the members from the medoid (m), see [`Approach::distance`]; none when no approach is known.
     pub spread: Option<f64>,
-    /// Quantiles of the car's speed at the touch (m/s): a tenth, half and nine tenths of the members are at most as fast.
+    /// Quantiles of the car's speed at the touch (m/s): 10 %, 50 % and 90 % of the members are at most as fast.
     pub impact_speed: [f64; 3],
     /// Median time from the start of the episode to the touch (s).
     pub length: f64,
-    /// How far the clusters of the kind can be trusted; none where there is only one.
+    /// The stability of the clusters of the kind; none for a single cluster.
     pub stability: Option<Stability>,
 }
 
-/// Finds the ways in which collisions come about, the commonest first. Runs are kept apart nowhere: a mode may be that of one
-/// training alone.
+/// Finds the modes of collisions, the most frequent first. Runs are pooled, so a mode may come from one training alone.
 pub fn failure_modes(failures: &[Failure]) -> Vec<FailureMode> {
     let mut kinds: BTreeMap<Kind, Vec<usize>> = BTreeMap::new();
     for (place, failure) in failures.iter().enumerate() {
@@ -76,7 +75,7 @@ fn modes_of(kind: Kind, places: &[usize], failures: &[Failure]) -> Vec<FailureMo
         return vec![mode(places.to_vec(), places[0], None)];
     }
     let points: Vec<Vec<f64>> = approaches.iter().map(|approach| approach.features()).collect();
-    // Equal episodes begin the same, whatever the run.
+    // Episodes of equal numbers have equal starts, in every run.
     let groups: Vec<u32> = known.iter().map(|place| failures[*place].episode).collect();
     let found = clusters(&points, &groups);
     let count = found.labels.iter().max().map_or(1, |most| most + 1);
@@ -96,7 +95,7 @@ fn modes_of(kind: Kind, places: &[usize], failures: &[Failure]) -> Vec<FailureMo
     numbered.collect()
 }
 
-/// The one of some approaches whose distances from the others are least in sum, and the root mean square of these distances (m).
+/// The approach with the least sum of distances from the others, and the root mean square of these distances (m).
 fn medoid(heap: &[usize], approaches: &[&Approach]) -> (usize, f64) {
     let distances = |one: usize| heap.iter().map(move |other| approaches[one].distance(approaches[*other]));
     let sums = heap.iter().map(|one| (*one, distances(*one).sum::<f64>()));

@@ -1,11 +1,11 @@
-//! Classes of failure: in how many ways a pedestrian hits the car, and which starts lead to them. The only code that knows smartcore.
+//! Classes of failure: the modes in which a pedestrian hits the car, and the starts that lead to them. The only code that knows smartcore.
 //!
-//! 1. A collision is a [`Failure`], sorted into a [`Kind`] by rules that anyone can check.
-//! 2. Within a kind the ways to the touch ([`Approach`]) are clustered. A number of clusters counts only when two halves of the data
-//!    and bootstrap samples agree on it; each [`FailureMode`] has its medoid as an example.
-//! 3. [`Richness`] counts the classes, and estimates how many have not been seen.
-//! 4. [`Explanation`] gives a few rules for which starts end in a failure, and how well they predict episodes that they were not
-//!    learnt from.
+//! 1. A collision is a [`Failure`], sorted into a [`Kind`] by fixed rules.
+//! 2. Within a kind the motions before the touch ([`Approach`]) are clustered. A number of clusters counts only when two halves of the
+//!    data and bootstrap samples agree on it; each [`FailureMode`] has its medoid as an example.
+//! 3. [`Richness`] counts the classes, and estimates the number of unseen ones.
+//! 4. [`Explanation`] gives a few rules for the starts that end in a failure, and measures their predictions on episodes that were not
+//!    used for learning.
 
 mod failure;
 mod approach;

@@ -1,7 +1,7 @@
-/// The share of a normal distribution's 95 % in standard deviations.
+/// Half the width of the normal distribution's 95 % interval, in standard deviations.
 const Z: f64 = 1.959_963_984_540_054;
 
-/// How many classes of failure there are, and how many there may be that have not been seen.
+/// The number of seen classes of failure, and an estimate of the number of all classes.
 ///
 /// | symbol | field | meaning |
 /// |---|---|---|
@@ -9,23 +9,23 @@ const Z: f64 = 1.959_963_984_540_054;
 /// | f₁, f₂ | `once`, `twice` | kinds seen once, twice |
 /// | n | `failures` | failures |
 ///
-/// The estimate is Chao's, bias-corrected: S + f₁ (f₁ − 1) / (2 (f₂ + 1)). It is a lower bound: kinds that are very rare leave no
-/// trace. It speaks of the same pedestrians, town and driver; another adversary may have other kinds.
+/// The estimate is Chao's, bias-corrected: S + f₁ (f₁ − 1) / (2 (f₂ + 1)). It is a lower bound, since very rare kinds have no influence on
+/// it. It applies to the same pedestrians, town and driver; another adversary may have other kinds.
 ///
 /// # Source
 /// Chao, *Estimating the population size for capture-recapture data with unequal catchability*, Biometrics 43, 1987; variance and
 /// interval as in Colwell's EstimateS 9 and scikit-bio. Coverage: Good, Biometrika 40, 1953.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Richness {
-    /// How many failures.
+    /// The number of failures.
     pub failures: u64,
-    /// How many kinds were seen.
+    /// The number of kinds seen.
     pub seen: u64,
-    /// How many of them once.
+    /// The number of kinds seen once.
     pub once: u64,
-    /// How many of them twice.
+    /// The number of kinds seen twice.
     pub twice: u64,
-    /// How many kinds there are, seen or not.
+    /// The estimated number of kinds, seen or not.
     pub estimate: f64,
     /// Standard error of the estimate.
     pub standard_error: f64,
@@ -39,7 +39,7 @@ pub struct Richness {
 }
 
 impl Richness {
-    /// Of how often each kind was seen.
+    /// Computes it from the number of failures of each kind.
     pub fn new(counts: &[u64]) -> Self {
         let counts: Vec<u64> = counts.iter().copied().filter(|count| *count > 0).collect();
         let times = |wanted| counts.iter().filter(|count| **count == wanted).count() as u64;
@@ -63,7 +63,7 @@ impl Richness {
         }
     }
 
-    /// How many equally common kinds would be as diverse: e to the entropy.
+    /// The number of equally common kinds with the same diversity: e to the entropy.
     pub fn effective(&self) -> f64 {
         if self.seen > 0 { libm::exp(self.entropy) } else { 0.0 }
     }

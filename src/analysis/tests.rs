@@ -17,7 +17,7 @@ pub(super) fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().unwrap().iter().map(number).collect()
 }
 
-/// The track of a pedestrian that comes from a side, positive from the left, at this distance (m) three seconds before.
+/// The track of a pedestrian that comes from a side (positive: from the left), at this distance (m) three seconds before the touch.
 fn from_the_side(side: f64) -> Approach {
     let station = |i: usize| {
         let left = i as f64 / 6.0;

@@ -6,12 +6,12 @@ use smartcore::tree::decision_tree_classifier::{
 
 use super::Cases;
 
-/// A question with its two answers, or an end.
+/// A split with its two branches, or a leaf.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Node {
     /// Whether a feature is at most a value, and the next node for either answer.
     Split { feature: usize, value: f64, at_most: usize, above: usize },
-    /// No further question.
+    /// A leaf.
     Leaf,
 }
 
@@ -21,7 +21,7 @@ pub(super) struct Tree {
     pub(super) nodes: Vec<Node>,
 }
 
-/// smartcore keeps the nodes of a tree to itself; this is how it writes them.
+/// smartcore hides the nodes of a tree; this is their serialised form.
 #[derive(Deserialize)]
 struct Written {
     nodes: Vec<WrittenNode>,
@@ -36,7 +36,7 @@ struct WrittenNode {
 }
 
 impl Tree {
-    /// Learns a tree of at most this depth from some of the cases; only a root when these are all alike.
+    /// Learns a tree of at most this depth from some of the cases; only a root when these all have the same outcome.
     pub(super) fn learn(cases: &Cases, places: &[usize], depth: u16, least: usize) -> Self {
         Self::fitted(cases, places, depth, least).unwrap_or(Self { nodes: vec![Node::Leaf] })
     }
@@ -49,7 +49,7 @@ impl Tree {
         }
         let parameters = DecisionTreeClassifierParameters {
             criterion: SplitCriterion::Gini,
-            // The root is a level of smartcore's, too.
+            // smartcore counts the root as a level.
             max_depth: Some(depth + 1),
             min_samples_leaf: least,
             min_samples_split: 2 * least,
@@ -66,7 +66,7 @@ impl Tree {
         Some(Self { nodes: written.nodes.iter().map(node).collect() })
     }
 
-    /// The leaf that a row comes to.
+    /// The leaf of a row.
     pub(super) fn leaf(&self, row: &[f64]) -> usize {
         let mut at = 0;
         while let Node::Split { feature, value, at_most, above } = self.nodes[at] {
@@ -75,7 +75,7 @@ impl Tree {
         at
     }
 
-    /// Removes splits between two leaves that do not differ by `differ`, until there are none.
+    /// Removes splits between two leaves that are not distinct by `differ`, until there are none.
     pub(super) fn prune(&mut self, differ: &dyn Fn(&Self, usize, usize) -> bool) {
         loop {
             let useless = self.nodes.iter().position(|node| match *node {
@@ -119,8 +119,8 @@ mod tests {
         }
     }
 
-    /// Holds as well how smartcore writes its trees, which it does not promise. With a bound on the leaves the two differ: smartcore
-    /// cuts between rows of different outcome only, where the best cut lies when there is no bound.
+    /// Also checks the serialised form of smartcore's trees, which smartcore does not guarantee. With a bound on the leaves the two
+    /// libraries differ: smartcore splits only between rows of different outcome, where the best split is when there is no bound.
     #[test]
     fn a_tree_is_the_one_of_scikit_learn() {
         let record = &recorded()["tree"];
@@ -132,7 +132,7 @@ mod tests {
         let wanted: Vec<Vec<f64>> = record["splits"].as_array().unwrap().iter().map(numbers).collect();
         assert_eq!(splits.len(), wanted.len(), "{splits:?}");
         for (found, wanted) in splits.iter().zip(&wanted) {
-            // scikit-learn keeps features in 32 bits.
+            // scikit-learn stores features in 32 bits.
             assert!(found.0 == wanted[0] as usize && (found.1 - wanted[1]).abs() < 1e-4, "{splits:?}");
         }
         for (leaf, wanted) in leaves.iter().zip(record["leaves"].as_array().unwrap()) {

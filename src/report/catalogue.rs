@@ -28,8 +28,7 @@ pub fn catalogue() -> Vec<TableReference> {
     all
 }
 
-/// The reference of all columns as Markdown: a heading and a table for each table. Columns of one meaning that follow each other share
-/// a row.
+/// The reference of all columns as Markdown: a heading and a table for each table. Consecutive columns of one meaning share a row.
 pub fn column_reference() -> String {
     let mut text = String::new();
     for table in catalogue() {
@@ -50,7 +49,7 @@ mod tests {
 
     use super::*;
 
-    /// The part of the page that is written here.
+    /// The part of `reports/README.md` that is generated here.
     const MARKS: (&str, &str) = ("<!-- columns: written by a test -->\n", "<!-- end of columns -->\n");
 
     #[test]

@@ -20,13 +20,13 @@ pub enum WriteError {
     Folder {
         /// The folder.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: io::Error,
     },
-    /// Something else stands where the report is to go.
+    /// Another file or folder is at the place of the report.
     #[error("`{path}` is in the way, which is no part of a report of this program; move it away or choose another folder with --out", path = path.display())]
     Occupied {
-        /// What stands there.
+        /// Its path.
         path: PathBuf,
     },
     /// A file cannot be written.
@@ -34,7 +34,7 @@ pub enum WriteError {
     File {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: io::Error,
     },
     /// A table cannot be made.
@@ -42,12 +42,13 @@ pub enum WriteError {
     Table {
         /// The table.
         name: String,
-        /// Why.
+        /// The cause.
         source: PolarsError,
     },
 }
 
-/// A report in the making: files gather beside the place where it is to stand, and take it in one step when all are there.
+/// A report that is being written. Its files are written to a draft folder, which is moved to the report's place in one step when all are
+/// there.
 #[derive(Debug)]
 pub struct ReportFolder {
     out: PathBuf,
@@ -56,7 +57,7 @@ pub struct ReportFolder {
     formats: Formats,
 }
 
-/// What tables are written as.
+/// The file formats of tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Formats {
     /// Comma-separated values.
@@ -66,11 +67,11 @@ pub struct Formats {
 }
 
 impl ReportFolder {
-    /// Begins a report that is to stand at `out/name`; its files gather in a folder among `drafts`, which must be on the same
-    /// file system. Fails at once when it never could.
+    /// Starts a report whose place is `out/name`. Its files are written to a folder among `drafts`, which must be on the same file system.
+    /// Fails immediately if the report could not be moved to its place.
     ///
     /// # Errors
-    /// The folder cannot be written to, or something else stands there.
+    /// The folder cannot be written to, or another file or folder is at that place.
     pub fn begin(out: &Path, name: &str, drafts: &Path) -> Result<Self, WriteError> {
         let folder = |source| WriteError::Folder { path: out.to_path_buf(), source };
         fs::create_dir_all(out).map_err(folder)?;
@@ -111,7 +112,7 @@ impl ReportFolder {
         Ok(())
     }
 
-    /// Begins a table that is written piece by piece, in the formats of this report.
+    /// Starts a table that is written part by part, in the formats of this report.
     ///
     /// # Errors
     /// A file cannot be written.
@@ -143,7 +144,7 @@ impl ReportFolder {
         file.sync_all().map_err(failed)
     }
 
-    /// The names of the files that are there so far, in order.
+    /// The names of the files that are there, in order.
     ///
     /// # Errors
     /// The folder cannot be read.
@@ -157,8 +158,8 @@ impl ReportFolder {
         Ok(names)
     }
 
-    /// Puts the report in its place; an earlier report there gives way. An incomplete one gets a place of its own,
-    /// `name-partial`, so that it never replaces a complete one; when that comes, it goes.
+    /// Moves the report to its place, where it replaces an earlier report. An incomplete report has its own place, `name-partial`, so that
+    /// it never replaces a complete one. A complete report removes the incomplete one.
     ///
     /// # Errors
     /// The folders cannot be moved.
@@ -181,19 +182,19 @@ impl ReportFolder {
             fs::rename(place, &old).map_err(failed)?;
         }
         if let Err(error) = fs::rename(draft, place) {
-            // The earlier report is better than none.
+            // Restores the earlier report, which is better than none.
             if old.exists() {
                 let _ = fs::rename(&old, place);
             }
             return Err(failed(error));
         }
-        // The new report stands; a remainder of the old one is not worth an error.
+        // The new report is in its place; a remainder of the old one is not worth an error.
         let _ = fs::remove_dir_all(&old);
         Ok(())
     }
 }
 
-/// Writes a file that stands alone; it appears whole or not at all.
+/// Writes a single file; it appears whole or not at all.
 ///
 /// # Errors
 /// The file cannot be written.
@@ -207,7 +208,7 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     draft.persist(path).map(|_| ()).map_err(|error| failed(error.error))
 }
 
-/// Writes a table that stands alone as CSV.
+/// Writes a single table as CSV.
 ///
 /// # Errors
 /// The file cannot be written.
@@ -220,7 +221,7 @@ pub fn write_csv(path: &Path, table: &DataFrame) -> Result<(), WriteError> {
     write_file(path, &bytes)
 }
 
-/// Writes a table that stands alone, as Parquet where its name ends in `.parquet`, else as CSV.
+/// Writes a single table, as Parquet if its name ends in `.parquet`, else as CSV.
 ///
 /// # Errors
 /// The file cannot be written.
@@ -234,7 +235,7 @@ pub fn write_table(path: &Path, table: &DataFrame) -> Result<(), WriteError> {
     write_file(path, &bytes)
 }
 
-/// Makes sure that nothing of anybody else's stands at a place: it is empty, or holds a report and nothing beside it.
+/// Checks that a place holds no other data: it is empty, or holds a report and nothing else.
 fn make_way(place: &Path) -> Result<(), WriteError> {
     let Ok(kind) = fs::symlink_metadata(place) else { return Ok(()) };
     let occupied = |path: &Path| Err(WriteError::Occupied { path: path.to_path_buf() });
@@ -264,7 +265,7 @@ fn is_ours(name: &str) -> bool {
     }
 }
 
-/// What is made as temporary is for its owner alone; a report is for everyone who may read its parent.
+/// Temporary files are for their owner alone. A report is for all who may read its parent.
 #[cfg(unix)]
 fn set_mode(path: &Path, mode: u32) -> io::Result<()> {
     use std::os::unix::fs::PermissionsExt;

@@ -1,25 +1,25 @@
 use serde::{Deserialize, Serialize};
 
-/// Everything that another needs to repeat a campaign.
+/// All data that are needed to repeat a campaign.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
     /// Version of this program.
     pub version: String,
-    /// Digest of the code that makes numbers; results of other code are not taken up again.
+    /// Digest of the code that affects numbers; results of other code are not continued.
     pub code: String,
     /// Name of the campaign.
     pub campaign: String,
     /// The user's seed.
     pub seed: u64,
-    /// What was set from outside the files or by a `matrix`, as `name = value`.
+    /// Values that were set outside the files or by a `matrix`, as `name = value`.
     pub settings: Vec<String>,
-    /// Whether it was a trial of the machinery.
+    /// Whether it was a smoke run.
     pub smoke: bool,
     /// Whether every training and every episode is there.
     pub complete: bool,
     /// Whether the user stopped it.
     pub stopped: bool,
-    /// How many threads worked; without influence on any number but the times.
+    /// The number of threads; they influence only the times.
     pub threads: usize,
     /// Vector instructions of the processor, on which the last bits of a training depend.
     pub vector_instructions: String,
@@ -31,15 +31,15 @@ pub struct Manifest {
     pub search_ticks: u64,
     /// Wall time of the whole campaign (s).
     pub wall_time_s: f64,
-    /// How the program was called, for whoever repeats it.
+    /// The input of the program, for a repetition.
     pub call: Call,
-    /// The scenario files and what they name, in the order they were read.
+    /// The scenario files and the files that they name, in the order they were read.
     pub files: Vec<FileRecord>,
     /// The trainings.
     pub trainings: Vec<TrainingRecord>,
 }
 
-/// What the program was given beside the seed.
+/// The input of the program, besides the seed.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Call {
     /// The folder in which it ran: other paths are relative to it.
@@ -50,7 +50,7 @@ pub struct Call {
     pub maps: Vec<String>,
     /// Each `--set`, as `NAME=VALUE`.
     pub set: Vec<String>,
-    /// Whether scenarios might start programs.
+    /// Whether scenarios could start programs.
     pub allow_external: bool,
 }
 
@@ -80,7 +80,7 @@ pub struct TrainingRecord {
     pub wall_time_s: f64,
     /// File of the trained pedestrian, relative to the manifest; empty when the training failed.
     pub pedestrian: String,
-    /// Why it failed; empty when it did not.
+    /// The error; empty without one.
     pub error: String,
 }
 
@@ -100,7 +100,7 @@ impl Manifest {
     /// Reads a manifest.
     ///
     /// # Errors
-    /// What the parser says.
+    /// The error of the parser.
     pub fn from_toml(text: &str) -> Result<Self, String> {
         toml::from_str(text).map_err(|error| error.message().to_string())
     }

@@ -3,7 +3,7 @@ use polars::prelude::{DataFrame, PolarsResult};
 use crate::compile::{Campaign, Evaluation};
 use crate::record::{Chunk, Chunks, RunKey};
 
-/// All episodes of a campaign, run by run, so that no more than one run need be in memory.
+/// All episodes of a campaign, run by run, so that only one run needs to be in memory.
 #[derive(Clone, Copy)]
 pub struct Episodes<'a> {
     campaign: &'a Campaign,
@@ -11,7 +11,7 @@ pub struct Episodes<'a> {
 }
 
 impl<'a> Episodes<'a> {
-    /// The episodes of a campaign that are stored there.
+    /// The episodes of a campaign that are stored in this store.
     pub fn new(campaign: &'a Campaign, chunks: &'a dyn Chunks) -> Self {
         Self { campaign, chunks }
     }
@@ -29,7 +29,7 @@ impl<'a> Episodes<'a> {
 pub struct Run<'a> {
     /// Its place in the plan.
     pub index: usize,
-    /// What was run.
+    /// The evaluation.
     pub evaluation: &'a Evaluation,
     /// The key of its rows.
     pub key: RunKey,
@@ -37,7 +37,7 @@ pub struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// Its episodes as a table, at most [`CHUNK`](crate::campaign::CHUNK) rows at a time; those that could not be run are in error.
+    /// Its episodes as a table, at most [`CHUNK`](crate::campaign::CHUNK) rows at a time. Episodes that could not be run are in error.
     ///
     /// # Errors
     /// Those of polars; none for what [`encode`](crate::record::encode) wrote.
@@ -58,7 +58,7 @@ impl Run<'_> {
         for part in self.parts() {
             whole.vstack_mut(&part?)?;
         }
-        // Sums must not depend on the number of pieces.
+        // Sums must not depend on the number of parts.
         whole.rechunk_mut();
         Ok(whole)
     }

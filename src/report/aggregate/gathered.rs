@@ -9,38 +9,38 @@ use crate::record::{self, EPISODES, EpisodeTable};
 use crate::report::{Evidence, FailureModes, Gathering, ReportFolder, Starts, Tally, WriteError};
 use crate::seed::Seed;
 
-/// What one pass over all episodes brings: small tables, counts, and a bounded sample.
+/// The results of one pass over all episodes: small tables, counts, and a bounded sample.
 #[derive(Debug, Clone)]
 pub struct Gathered {
-    /// One row a run.
+    /// One row for each run.
     pub runs: DataFrame,
     /// Episodes, those in error included.
     pub episodes: u64,
-    /// Simulator ticks of them.
+    /// Their simulator ticks.
     pub ticks: u64,
     /// Whether every evaluation has all its episodes, or as many as its stopping rule asks for.
     pub all_tried: bool,
     /// Episodes in error.
     pub errors: u64,
-    /// How many of these were not tried, for a limit or since something before them had failed.
+    /// The number of these that were not run, because of a limit or of an earlier error.
     pub untried: u64,
-    /// Where the first error is, and what went wrong.
+    /// The place of the first error, and the error.
     pub first_error: Option<String>,
-    /// Episodes whose reward is no number.
+    /// Episodes whose reward is not a number.
     pub unpaid: u64,
-    /// Where the first of these is.
+    /// The place of the first of these.
     pub first_unpaid: Option<String>,
-    /// Whether every driver drove at least one episode in every town to its end.
+    /// Whether every driver reached the end of at least one episode in every town.
     pub every_driver_drove: bool,
     /// Intervals over trainings, comparisons on common starts, transfer gaps.
     pub evidence: Evidence,
-    /// Where trained pedestrians began, by town.
+    /// The starts of trained pedestrians, by town.
     pub starts: BTreeMap<String, Starts>,
-    /// What the page shows of the episodes.
+    /// The data of the page on the episodes.
     pub tally: Tally,
 }
 
-/// Goes over all episodes once: writes the table `episodes` and gathers what all other outputs are made from.
+/// Reads all episodes once: writes the table `episodes` and gathers the data of all other outputs.
 ///
 /// # Errors
 /// A table that cannot be made or a file that cannot be written.
@@ -88,7 +88,7 @@ pub fn gather(
             continue;
         };
         gathered.all_tried &= is_finished(evaluation, &whole).map_err(failed)?;
-        // Sums must not depend on the number of pieces.
+        // Sums must not depend on the number of parts.
         whole.rechunk_mut();
         gathered.runs.vstack_mut(&runs(&whole).map_err(failed)?).map_err(failed)?;
         if evaluation.controller.name() == "trained" {
@@ -111,7 +111,7 @@ fn is_finished(evaluation: &Evaluation, run: &DataFrame) -> PolarsResult<bool> {
 }
 
 impl Gathered {
-    /// Counts what is in a table of episodes; says whether the driver drove any to its end.
+    /// Counts the rows of a table of episodes; returns whether the driver reached the end of any.
     fn count(&mut self, run: &Run<'_>, part: &DataFrame) -> PolarsResult<bool> {
         let Evaluation { town, policy, trained, .. } = run.evaluation;
         let table = EpisodeTable::new(part)?;
@@ -137,7 +137,7 @@ impl Gathered {
         Ok(drives)
     }
 
-    /// Notes the places where a run began.
+    /// Records the starts of a run.
     fn note_starts(&mut self, evaluation: &Evaluation, run: &DataFrame) -> PolarsResult<()> {
         let table = EpisodeTable::new(run)?;
         let starts = self.starts.entry(evaluation.town.to_string()).or_default();

@@ -28,11 +28,11 @@ pub struct Spread {
 pub struct Cell {
     /// Which cell.
     pub key: CellKey,
-    /// How many runs.
+    /// The number of runs.
     pub runs: u32,
-    /// How many episodes in all runs, without those in which the driver failed.
+    /// The number of episodes in all runs, without those in which the driver failed.
     pub episodes: u32,
-    /// How many episodes in which the driver failed; they count nowhere else.
+    /// The number of episodes in which the driver failed; no other figure counts them.
     pub errors: u32,
     /// Collisions of all episodes.
     pub collision: Spread,
@@ -58,9 +58,9 @@ pub struct Cell {
     pub preventable_share: Spread,
     /// Wilson's interval of that, over all collisions.
     pub preventable_share_interval: (f64, f64),
-    /// How many collisions got each label, in the order of [`Label::ALL`].
+    /// The number of collisions with each label, in the order of [`Label::ALL`].
     pub labels: [u32; 6],
-    /// How many collisions were with a foreseeable pedestrian.
+    /// The number of collisions with a foreseeable pedestrian.
     pub foreseeable: u32,
 }
 
@@ -69,8 +69,8 @@ pub const RUNS: &str = "runs";
 /// The stem of the files of the table of cells.
 pub const CELLS: &str = "cells";
 
-/// Aggregates episodes to runs and runs to cells, each in the order of first appearance. Episodes in which the driver failed
-/// are counted as `errors` and enter nothing else.
+/// Aggregates episodes to runs and runs to cells, each in the order of first appearance. Episodes in which the driver failed are counted
+/// as `errors` and have no influence on other figures.
 ///
 /// # Errors
 /// Those of polars; none for a table made by [`episodes`](crate::record::episodes).
@@ -78,7 +78,7 @@ pub fn metrics(episodes: &DataFrame) -> PolarsResult<Metrics> {
     Metrics::of_runs(runs(episodes)?)
 }
 
-/// Aggregates episodes to runs. Those of a run must be together; several tables of whole runs give the same as one of all.
+/// Aggregates episodes to runs. The episodes of a run must be consecutive. Several tables of whole runs give the same result as one table.
 ///
 /// # Errors
 /// As [`metrics`].
@@ -132,12 +132,12 @@ fn add_intervals(table: &mut DataFrame, metrics: &[Metric]) -> PolarsResult<()> 
     Ok(())
 }
 
-/// A count of runs or cells. Episodes have no weights in these tables yet, so they are plain.
+/// A count of runs or cells. Episodes have no weights in these tables yet, so every weight is 1.
 fn weighted(count: metric::Count, table: &DataFrame) -> PolarsResult<Vec<Weighted>> {
     Ok(count.read(table)?.into_no_null_iter().map(|count| u64::from(count).into()).collect())
 }
 
-/// Whether the driver drove to the end of the episode.
+/// Whether the driver reached the end of the episode.
 fn valid() -> Expr {
     col(columns::OUTCOME.name).neq(lit(record::IN_ERROR))
 }
@@ -159,7 +159,7 @@ fn ratio(part: &str, whole: &str) -> Expr {
     when(col(whole).gt(lit(0u32))).then(share).otherwise(lit(NULL).cast(DataType::Float64))
 }
 
-/// What is said of the tables of runs and of cells; what [`infer`](crate::report::infer) adds to the latter is not among it.
+/// The reference of the tables of runs and of cells, without the columns that [`infer`](crate::report::infer) adds to the latter.
 pub fn references(metrics: &[Metric]) -> [TableReference; 2] {
     let interval = |metric: &Metric| match metric.how {
         How::Rate(rate) => vec![metric::WILSON_LOW.reference(rate.name), metric::WILSON_HIGH.reference(rate.name)],
@@ -271,7 +271,7 @@ mod tests {
         let spawn = Spawn { ego: Pose::default(), ego_speed: 0.0, pedestrian: Pose::default() };
         let reward = hit.map_or(0.0, |(_, speed)| 1.0 + speed);
         let (least_gap, last_mode) = (1.0, DrivingMode::Cruise);
-        // Frontal ones are preventable, others happen to a standing car.
+        // Frontal collisions are preventable; the others hit a standing car.
         let verdict = hit.map(|(front, impact_speed)| Verdict {
             label: if front { Label::Preventable } else { Label::Standing },
             warning: 2.0,
@@ -379,7 +379,7 @@ mod tests {
         let [said_of_runs, said_of_cells] = references(&all);
         assert!(said_of_runs.columns.iter().any(|column| column.name == "hurry" && column.doc == "mean hurry"));
         assert!(said_of_cells.columns.iter().any(|column| column.name == "hurry_mean" && column.unit == "1/s"));
-        // All else stays as it is.
+        // All other columns stay the same.
         let before = metrics(&record::episodes(&[])).unwrap();
         assert_eq!((cells.width(), runs.width()), (before.cells.width() + 2, before.runs.width() + 1));
     }

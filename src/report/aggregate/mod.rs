@@ -1,4 +1,4 @@
-//! Episodes to runs, runs to cells; searches to cells of searches; the tables of all of them.
+//! Aggregates episodes to runs, runs to cells, and searches to cells of searches; defines their tables.
 //!
 //! Metrics are aggregated in two steps, as in the paper: episodes → run → cell. A "±" is the standard deviation over runs, that is
 //! over trainings. An interval is Wilson's over the episodes of all runs together and says nothing about further trainings;

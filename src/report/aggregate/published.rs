@@ -5,44 +5,43 @@ use crate::compile::{Published, PublishedCell, PublishedFigure};
 use crate::record::{Column, Interval, Table, cell_key, metric};
 use crate::statistics::student_quantile;
 
-/// A spread that is printed as 0.00 may have been as large as this.
+/// The largest spread that is printed as 0.00.
 const ROUNDED_AWAY: f64 = 0.004;
 
-/// A figure of ours beside one that others have published.
+/// One of our figures compared with a published one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PublishedComparison<'a> {
-    /// Where the published one is from.
+    /// The source of the published one.
     pub source: &'a str,
-    /// What is said of it.
+    /// The claim about it.
     pub docs: &'a str,
     /// Our cell.
     pub cell: &'a Cell,
-    /// The published figure; its column says which of the cell's it stands beside.
+    /// The published figure; its column names the column of the cell that it is compared with.
     pub published: PublishedFigure,
-    /// Over how many trainings it was averaged.
+    /// The number of trainings in its average.
     pub published_runs: u32,
-    /// Ours.
+    /// Our figure.
     pub ours: Spread,
-    /// Ours less theirs; none when ours has no value.
+    /// Our figure less the published one; none when ours has no value.
     pub difference: Option<f64>,
-    /// Welch's 95 % interval of the difference, both spreads being between trainings; none without spreads.
+    /// Welch's 95 % interval of the difference, where both spreads are between trainings; none without spreads.
     ///
     /// # Source
-    /// Welch, *The generalization of "Student's" problem*, Biometrika 34, 1947. A
-    /// published spread of 0.00 counts as 0.004.
+    /// Welch, *The generalization of "Student's" problem*, Biometrika 34, 1947. A published spread of 0.00 counts as 0.004.
     pub interval: Option<(f64, f64)>,
 }
 
-/// How near ours is.
+/// How near our figure is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Agreement {
     /// No farther from the published mean than the published standard deviation.
     Within,
-    /// Farther, but the interval of the difference holds 0.
+    /// Farther, but the interval of the difference contains 0.
     Indistinct,
-    /// The interval of the difference does not hold 0.
+    /// The interval of the difference does not contain 0.
     Differs,
-    /// There is too little to say.
+    /// There is not enough data.
     Unknown,
 }
 
@@ -64,7 +63,7 @@ impl PublishedComparison<'_> {
         Spread { mean: Some(self.published.mean), sd: self.published.sd }
     }
 
-    /// How near ours is.
+    /// How near our figure is.
     pub fn agreement(&self) -> Agreement {
         let (Some(difference), Some((low, high))) = (self.difference, self.interval) else { return Agreement::Unknown };
         if self.published.sd.is_some_and(|sd| difference.abs() <= sd.max(ROUNDED_AWAY)) {
@@ -77,7 +76,7 @@ impl PublishedComparison<'_> {
     }
 }
 
-/// Puts published figures beside those of our trained pedestrians, in the order of the published cells.
+/// Compares published figures with those of our trained pedestrians, in the order of the published cells.
 pub fn beside<'a>(published: &'a [Published], cells: &'a [Cell]) -> Vec<PublishedComparison<'a>> {
     let mut all = Vec::new();
     for table in published {
@@ -132,7 +131,7 @@ fn welch((a, n): (f64, u32), (b, m): (f64, u32)) -> Option<f64> {
     Some(student_quantile(degrees) * (a + b).sqrt())
 }
 
-/// Published figures beside ours as a table, one row for each figure.
+/// Published figures compared with ours as a table, one row for each figure.
 pub fn published(all: &[PublishedComparison<'_>]) -> DataFrame {
     published_table().frame(&all.iter().collect::<Vec<_>>())
 }

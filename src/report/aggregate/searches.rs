@@ -16,7 +16,7 @@ use crate::record::metric::MEAN;
 use crate::record::{Column, Entry, Interval, Table};
 use crate::statistics::mean_interval;
 
-/// A search in figures.
+/// The figures of a search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figures {
     failures: usize,
@@ -46,7 +46,7 @@ impl Figures {
     }
 }
 
-/// What tells failures apart: where the car was hit, whether it moved, what its driver was doing.
+/// The kind of a failure: the side of the car that was hit, whether it moved, and what its driver was doing.
 fn kind(outcome: &Outcome) -> (Impact, bool, &'static str) {
     match outcome.ending {
         Ending::Collision { front, moving, bearing, .. } => {
@@ -59,29 +59,29 @@ fn kind(outcome: &Outcome) -> (Impact, bool, &'static str) {
 /// All runs of a falsifier in one town against one policy, for people.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SearchCell {
-    /// Which falsifier, town and policy; the run is the first.
+    /// The falsifier, the town and the policy; the run is the first.
     pub key: SearchKey,
-    /// Simulator ticks that each run might use.
+    /// The budget of each run (simulator ticks).
     pub budget: u64,
-    /// How many runs.
+    /// The number of runs.
     pub runs: usize,
-    /// How many of them found nothing.
+    /// The number of runs without a failure.
     pub censored: usize,
     /// Ticks to the first failure.
     pub first_failure: MedianTime,
-    /// Share of the episodes that failed; as all of these, mean over runs and interval.
+    /// Share of the episodes that failed. This and the following are means over runs with intervals.
     pub failure_rate: Average,
     /// Failures.
     pub failures: Average,
-    /// Starts from which a failure was found.
+    /// The number of starts from which a failure was found.
     pub failed_starts: Average,
-    /// Kinds of failures.
+    /// The number of kinds of failures.
     pub distinct: Average,
-    /// Collision rate of the pedestrian it ended up with.
+    /// Collision rate of the walk policy that it ended up with.
     pub evaluated_rate: Average,
 }
 
-/// A mean over runs with Student's 95 % interval; the mean is none without a value, the interval with fewer than two.
+/// A mean over runs with Student's 95 % interval. The mean is none without a value, the interval with fewer than two values.
 pub type Average = (Option<f64>, Option<(f64, f64)>);
 
 fn average(values: impl Iterator<Item = Option<f64>>) -> Average {
@@ -90,11 +90,11 @@ fn average(values: impl Iterator<Item = Option<f64>>) -> Average {
         return (None, None);
     }
     let (mean, interval) = mean_interval(&values);
-    // Nothing that is averaged here can be below zero.
+    // No averaged value can be below 0.
     (Some(mean), interval.map(|(low, high)| (low.max(0.0), high)))
 }
 
-/// Gathers runs to cells, in the order of first appearance.
+/// Gathers runs into cells, in the order of first appearance.
 pub fn search_cells(results: &[SearchResult]) -> Vec<SearchCell> {
     let mut cells: Vec<Vec<&SearchResult>> = Vec::new();
     for result in results {
@@ -151,7 +151,7 @@ pub const COMMANDS: Column<String> = Column::new(
 /// The stem of the files of the table of failures.
 pub const FAILURES: &str = "search_failures";
 
-/// What each run may use.
+/// The budget of each run.
 const BUDGET: Column<u64> = Column::new("budget_ticks", "", "simulator ticks that each run may use");
 // The columns of searches that cells of searches summarise.
 const FAILURE_COUNT: &str = "failures";
@@ -336,7 +336,7 @@ pub fn failure_table<'a>() -> Table<'a, Found<'a>> {
         .column(STATE_HASHES.of(|row: &Row<'_>| row.1.outcome.state_hashes.to_string()))
 }
 
-/// Commands as `heading@speed` (rad, m/s), with all the digits that it takes to read the same numbers back.
+/// Commands as `heading@speed` (rad, m/s), with all digits that are needed to read the same numbers back.
 fn commands(failure: &Failure) -> String {
     let each = failure.commands.iter().map(|command| format!("{}@{}", command.heading, command.speed));
     each.collect::<Vec<_>>().join(" ")

@@ -1,8 +1,7 @@
-/// The median of times of which some are only known to be longer, with its 95 % interval; an end that the data do not
-/// show is none.
+/// The median of censored times with its 95 % interval; an end that the data do not determine is none.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MedianTime {
-    /// The median; none when less than half of the events were seen.
+    /// The median; none when fewer than half of the events were observed.
     pub median: Option<f64>,
     /// Low end of the interval.
     pub low: Option<f64>,
@@ -10,15 +9,15 @@ pub struct MedianTime {
     pub high: Option<f64>,
 }
 
-/// Estimates the median time to an event from times and whether the event was seen then; the others are censored.
+/// Estimates the median time to an event from times and whether the event was observed at them; the others are censored.
 ///
 /// # Source
-/// Kaplan and Meier, JASA 53, 1958; interval of Brookmeyer and Crowley, Biometrics 38, 1982, over the band of Greenwood's
-/// variance on the log-log scale, as in lifelines. Where none is left the band has no upper end, as in R.
+/// Kaplan and Meier, JASA 53, 1958; interval of Brookmeyer and Crowley, Biometrics 38, 1982, over the band of Greenwood's variance on the
+/// log-log scale, as in lifelines. When no run is left, the band has no upper end, as in R.
 pub fn median_time(times: &[(f64, bool)]) -> MedianTime {
     const Z: f64 = 1.959_963_984_540_054;
     let mut sorted = times.to_vec();
-    // A run that is censored at a time was still at risk then.
+    // A run that is censored at a time was still at risk at that time.
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
     let (mut survival, mut variance) = (1.0, 0.0);
     let mut found = MedianTime::default();
@@ -47,7 +46,7 @@ pub fn median_time(times: &[(f64, bool)]) -> MedianTime {
                 found.high = found.high.or(Some(time));
             }
         } else {
-            // Its low end is 0 there.
+            // The low end of the band is 0 there.
             found.low = found.low.or(Some(time));
         }
     }
@@ -80,7 +79,7 @@ mod tests {
         assert_eq!(cases, 4);
         assert_eq!(median_time(&[]), MedianTime::default());
         assert_eq!(median_time(&[(5.0, false), (5.0, false)]), MedianTime::default(), "all censored");
-        // lifelines: 1..6 of seven times; with six its high end is the last, where R and we have none.
+        // lifelines: 1..6 of seven times. With six, its high end is the last time, where R and this code have none.
         let first = |n: u32| median_time(&(1..=n).map(|time| (f64::from(time), true)).collect::<Vec<_>>());
         assert_eq!((first(7).low, first(7).high), (Some(1.0), Some(6.0)));
         assert_eq!((first(6).low, first(6).high), (Some(1.0), None));

@@ -15,24 +15,24 @@ use crate::report::{ReportFolder, WriteError};
 use crate::rl::ActorCritic;
 use crate::seed::Seed;
 
-/// Most episodes that a thread repeats in one go and holds in memory.
+/// Most episodes that a thread repeats at once and holds in memory.
 const MOST: usize = 100;
-/// Rows of a row group of the file, about.
+/// Approximate number of rows in a row group of the file.
 const ROWS: usize = 1 << 17;
 
-/// Some episodes of an evaluation that are wanted tick by tick.
+/// Episodes of an evaluation that are written tick by tick.
 #[derive(Debug, Clone)]
 pub struct Wanted<'a> {
     /// The evaluation.
     pub evaluation: &'a Evaluation,
-    /// What its training has brought forth; none for untrained pedestrians.
+    /// The result of its training; none for untrained controllers.
     pub trained: Option<&'a ActorCritic>,
     /// The numbers of the episodes, in order.
     pub episodes: Vec<u32>,
 }
 
 impl<'a> Wanted<'a> {
-    /// The collisions of a campaign, or all of its episodes but those that were never tried.
+    /// The collisions of a campaign, or all of its episodes except those that were not run.
     ///
     /// # Errors
     /// A table of episodes that is damaged.
@@ -56,7 +56,7 @@ impl<'a> Wanted<'a> {
     /// Repeats some of the episodes.
     fn repeat(&self, episodes: &[u32], seed: &Seed) -> Vec<DataFrame> {
         let (evaluation, mut tables) = (self.evaluation, Vec::with_capacity(episodes.len()));
-        // Those in a row are tried together, as drivers in company like it.
+        // Consecutive episodes run together, which is faster for drivers with batches.
         for row in episodes.chunk_by(|one, next| one + 1 == *next) {
             let (Some(first), Some(last)) = (row.first(), row.last()) else { continue };
             let note = &mut |_: &Outcome, trace: &Trace| trace.clone();
@@ -69,14 +69,14 @@ impl<'a> Wanted<'a> {
     }
 }
 
-/// The numbers of the collisions, or of all episodes that were tried.
+/// The numbers of the collisions, or of all episodes that were run.
 fn chosen(part: &DataFrame, all: bool) -> PolarsResult<Vec<u32>> {
     let table = EpisodeTable::new(part)?;
     let wanted = table.rows().filter(|row| table.ticks(*row).is_some() && (all || table.is_collision(*row)));
     Ok(wanted.map(|row| table.episode(row)).collect())
 }
 
-/// Repeats episodes and writes them tick by tick as `ticks.parquet`, in the order given. Only a few hundred are in memory at once.
+/// Repeats episodes and writes them tick by tick as `ticks.parquet`, in the given order. At most a few hundred are in memory at once.
 ///
 /// # Errors
 /// The file cannot be written.

@@ -8,7 +8,7 @@ use crate::record::RunKey;
 use crate::rl::ActorCritic;
 use crate::seed::Seed;
 
-/// The ways in which the pedestrians of a campaign hit the cars, and from which starts.
+/// The failure modes of a campaign, and the starts that lead to failures.
 #[derive(Debug, Clone)]
 pub struct FailureModes<'a> {
     campaign: &'a Campaign,
@@ -16,20 +16,20 @@ pub struct FailureModes<'a> {
     seed: Seed,
     /// The keys of the evaluations, in the plan's order.
     keys: Vec<RunKey>,
-    /// The runs of cells of which some are still to come.
+    /// The runs of cells of which more runs are expected.
     open: Vec<Vec<RunSample<'a>>>,
     cells: Vec<CellModes<'a>>,
 }
 
 impl<'a> FailureModes<'a> {
-    /// Of a campaign that has been run from this seed, before any of its episodes is seen.
+    /// For a campaign that has been run from this seed, before its first episode is added.
     pub fn new(campaign: &'a Campaign, trainings: &'a [TrainingResult], seed: &Seed) -> Self {
         let keys = campaign.evaluations.iter().map(RunKey::of).collect();
         Self { campaign, trainings, seed: *seed, keys, open: Vec::new(), cells: Vec::new() }
     }
 
-    /// Takes a table of the episodes of one run, as [`episodes`](crate::record::episodes) makes it; runs may come in any order, each
-    /// once. One that was not planned, or has no episodes, is left out.
+    /// Adds a table of the episodes of one run, as [`episodes`](crate::record::episodes) makes it. Runs may come in any order, each once.
+    /// A run that was not planned, or has no episodes, is ignored.
     ///
     /// # Errors
     /// Those of polars, when a column is missing or of another type.
@@ -62,7 +62,7 @@ impl<'a> FailureModes<'a> {
         self.cells.push(CellModes::new(runs, &trained, &self.seed));
     }
 
-    /// The cells of all that was added, in the plan's order whatever the order in which their runs came.
+    /// The cells of all added runs, in the plan's order, for any order of the runs.
     pub fn finish(mut self) -> Vec<CellModes<'a>> {
         for runs in std::mem::take(&mut self.open) {
             self.analyse(runs);
@@ -73,7 +73,7 @@ impl<'a> FailureModes<'a> {
     }
 }
 
-/// The networks of an evaluation's pedestrian, if it has any.
+/// The networks of an evaluation's controller, if it has any.
 fn networks<'a>(
     campaign: &Campaign,
     trainings: &'a [TrainingResult],

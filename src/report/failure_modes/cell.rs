@@ -8,17 +8,17 @@ use crate::record::CellKey;
 use crate::rl::ActorCritic;
 use crate::seed::Seed;
 
-/// What is explained.
+/// The outcome to explain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Target {
-    /// That there is a collision.
+    /// A collision.
     Collision,
-    /// That there is one that a careful human would have avoided.
+    /// A collision that a careful human would have avoided.
     Preventable,
 }
 
 impl Target {
-    /// Both.
+    /// Both outcomes.
     pub const ALL: [Self; 2] = [Self::Collision, Self::Preventable];
 
     /// Its name in tables.
@@ -37,15 +37,15 @@ impl Target {
     }
 }
 
-/// A mode with what a reader wants to see of it.
+/// A mode with its examples.
 #[derive(Debug, Clone)]
 pub struct Mode {
     pub mode: FailureMode,
     /// The medoid's run and episode, and the name under which it can be found.
     pub example: (u32, u32, String),
-    /// How the medoid came about; none when it could not be repeated.
+    /// The approach of the medoid; none when it could not be repeated.
     pub medoid: Option<Approach>,
-    /// How some others did.
+    /// The approaches of some other members.
     pub others: Vec<Approach>,
 }
 
@@ -56,29 +56,29 @@ impl Mode {
     }
 }
 
-/// What is known of a cell.
+/// The analysis of a cell.
 #[derive(Debug, Clone)]
 pub struct CellModes<'a> {
-    /// Which cell.
+    /// The key of the cell.
     pub key: CellKey,
     /// One of its evaluations.
     pub evaluation: &'a Evaluation,
     /// Half extents of the car (m).
     pub car: Vector,
-    /// How many episodes and collisions it has, without those in which the driver failed.
+    /// The numbers of its episodes and collisions, without those in which the driver failed.
     pub all: (u64, u64),
-    /// How many of each were looked at.
+    /// The number of each that was analysed.
     pub sampled: (u64, u64),
-    /// How many collisions were seen again.
+    /// The number of collisions that were repeated.
     pub repeated: u64,
-    /// How often each kind was seen.
+    /// The number of collisions of each kind.
     pub counts: Vec<u64>,
     pub richness: Richness,
     pub modes: Vec<Mode>,
     pub explanations: Vec<(Target, Explanation)>,
 }
 
-/// Approaches of a mode that a picture shows.
+/// The number of approaches of a mode in a picture.
 const SHOWN: usize = 40;
 
 impl<'a> CellModes<'a> {
@@ -100,7 +100,7 @@ impl<'a> CellModes<'a> {
             (failures, shown)
         };
         let ((failures, modes), explanations) = rayon::join(look, explain);
-        // Each kind once, whatever its clusters.
+        // Each kind once, for any number of clusters.
         let counts: Vec<u64> =
             modes.iter().filter(|mode| mode.mode.cluster == 0).map(|mode| mode.mode.failures as u64).collect();
         let sum = |of: fn(&RunSample<'_>) -> u64| runs.iter().map(of).sum::<u64>();

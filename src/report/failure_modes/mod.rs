@@ -1,8 +1,8 @@
 //! Failure modes: samples of a campaign's episodes go to [`analysis`](crate::analysis); classes, clusters and rules come back.
 //!
-//! Episodes arrive one run at a time. A cell is analysed when the last of its runs is there, and then forgotten but for the results,
-//! so memory does not grow with the episodes. How the pedestrian came to the car is not in the tables: a bounded number of collisions
-//! of each kind is repeated to see it.
+//! Episodes arrive one run at a time. A cell is analysed when the last of its runs is there; then only its results stay in memory. So
+//! memory does not grow with the episodes. The tables do not have the approach of the pedestrian, so a bounded number of collisions of
+//! each kind is repeated to record it.
 
 mod sample;
 mod start;

@@ -12,8 +12,8 @@ use crate::seed::Seed;
 /// Most collisions of a kind that are repeated.
 pub const MOST: usize = 60;
 
-/// Repeats collisions and stores how the pedestrian came to the car: the first of each kind, evenly over the runs. One
-/// that does not go as before, since its driver is not deterministic, stays without.
+/// Repeats collisions and stores their approaches: the first of each kind, evenly over the runs. A collision that is not the same again,
+/// since its driver is not deterministic, has no approach.
 pub fn repeat(runs: &mut [RunSample<'_>], trained: &[Option<&ActorCritic>], seed: &Seed) {
     let wanted = wanted(runs);
     runs.par_iter_mut().zip(trained).zip(wanted).for_each(|((run, trained), wanted)| {

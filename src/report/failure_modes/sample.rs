@@ -7,12 +7,12 @@ use crate::env::Spawn;
 use crate::judge::{Label, Sight};
 use crate::record::{EpisodeTable, RunKey};
 
-/// Most collisions of a cell that are looked at, the first ones of each of its runs.
+/// Most collisions of a cell that are analysed, the first ones of each of its runs.
 pub const MOST_FAILURES: usize = 20_000;
 /// Most episodes of a cell that are explained, the first ones of each of its runs.
 pub const MOST_CASES: usize = 6_000;
 
-/// A collision with what tells whether it has been repeated.
+/// A collision, and the digest that shows whether its repetition is the same.
 #[derive(Debug, Clone)]
 pub struct Sampled {
     pub failure: Failure,
@@ -20,7 +20,7 @@ pub struct Sampled {
     pub digest: String,
 }
 
-/// How an episode began and ended.
+/// The start and the end of an episode.
 #[derive(Debug, Clone, Copy)]
 pub struct Case {
     pub episode: u32,
@@ -29,22 +29,22 @@ pub struct Case {
     pub preventable: bool,
 }
 
-/// A run of a cell, as far as it is looked at.
+/// The analysed part of a run of a cell.
 #[derive(Debug, Clone)]
 pub struct RunSample<'a> {
     pub evaluation: &'a Evaluation,
     /// Its key.
     pub key: RunKey,
-    /// How many episodes and collisions it has, without those in which the driver failed.
+    /// The numbers of its episodes and collisions, without those in which the driver failed.
     pub all: (u64, u64),
-    /// How many of its first episodes were looked at for collisions; all of these are in the list.
+    /// The number of its first episodes whose collisions were analysed; all of these are in the list.
     pub episodes: u64,
     pub failures: Vec<Sampled>,
     pub cases: Vec<Case>,
 }
 
 impl<'a> RunSample<'a> {
-    /// Takes the first episodes of a run, one of this many runs of its cell.
+    /// Takes the first episodes of a run, when its cell has this number of runs.
     pub(super) fn new(evaluation: &'a Evaluation, key: RunKey, runs: usize, frame: &DataFrame) -> PolarsResult<Self> {
         let table = EpisodeTable::new(frame)?;
         let mut sample = Self { evaluation, key, all: (0, 0), episodes: 0, failures: Vec::new(), cases: Vec::new() };

@@ -15,10 +15,10 @@ const FEATURES: [Feature; 8] = [
     Feature { name: "hidden at first", scale: Scale::Truth("in sight at first") },
     Feature { name: "junction ahead", scale: Scale::Truth("no junction ahead") },
 ];
-/// How far ahead of the car junctions are looked for (m).
+/// The distance ahead of the car in which junctions are searched (m).
 const AHEAD: [f64; 3] = [10.0, 20.0, 30.0];
 
-/// The starts of some episodes as numbers, and which of them ended in the outcome that is to be explained.
+/// The starts of some episodes as numbers, and which of them ended in the outcome to explain.
 pub fn cases(scenario: &Scenario, cases: &[Case], hit: fn(&Case) -> bool) -> Cases {
     Cases {
         features: FEATURES.to_vec(),

@@ -6,7 +6,7 @@ use crate::record::columns::{DRIVING_MODE, IMPACT, IMPACT_SPEED, MOTION, VERDICT
 use crate::record::{Column, Entry, Interval, Table, TableReference, cell_key};
 use crate::statistics::wilson;
 
-/// Points of an accumulation curve.
+/// Number of points of an accumulation curve.
 const POINTS: u64 = 25;
 
 /// A row that belongs to a cell.
@@ -17,7 +17,7 @@ fn table<'a, T: 'a>(name: &'static str, doc: &'static str) -> Table<'a, Row<'a, 
     Table::new(name, doc).columns(cell_key(|row: &Row<'a, T>| &row.0.key))
 }
 
-/// A column that counts something, up to the largest number of 32 bits.
+/// A column of counts, up to the largest number of 32 bits.
 fn count<'a, T: 'a>(
     name: &'static str,
     doc: &'static str,
@@ -36,7 +36,7 @@ fn number<'a, T: 'a>(
     Column::<f64>::new(name, unit, doc).of(move |row: &Row<'a, T>| value(row.0, &row.1))
 }
 
-/// What is said of all tables of this module.
+/// The reference of all tables of this module.
 pub fn references() -> [TableReference; 5] {
     [
         mode_table().reference(),
@@ -125,12 +125,12 @@ fn mode_table<'a>() -> Table<'a, Row<'a, &'a Mode>> {
         .column(count("example_episode", "number of its episode", |_, row: &&Mode| row.example.1.into()))
 }
 
-/// How many kinds there are in each cell, and how many may be unseen.
+/// The number of kinds in each cell, and an estimate of the unseen ones.
 pub fn mode_counts(cells: &[CellModes<'_>]) -> DataFrame {
     count_table().frame(&cells.iter().map(|cell| (cell, ())).collect::<Vec<_>>())
 }
 
-/// New kinds a thousand episodes.
+/// New kinds per thousand episodes.
 const NEW_KINDS: &str = "new_kinds_per_1000_episodes";
 
 fn count_table<'a>() -> Table<'a, Row<'a, ()>> {
@@ -177,7 +177,7 @@ pub fn accumulated(cell: &CellModes<'_>) -> Vec<(u64, f64)> {
     points.into_iter().map(|episodes| (episodes, accumulation(&cell.counts, all, episodes))).collect()
 }
 
-/// A point of an accumulation curve: episodes, expected kinds, and new kinds a thousand episodes since the point before.
+/// A point of an accumulation curve: episodes, expected kinds, and new kinds per thousand episodes since the previous point.
 type Step = (u64, f64, Option<f64>);
 
 /// The accumulation curves of all cells.
@@ -221,7 +221,7 @@ pub fn explanations(cells: &[CellModes<'_>]) -> DataFrame {
     rule_table().frame(&rows)
 }
 
-/// What is explained.
+/// The outcome to explain.
 const TARGET: Column<String> =
     Column::new("target", "", "`collision` or `preventable`: the ending of an episode that is explained");
 
@@ -272,7 +272,7 @@ fn rule_table<'a>() -> Table<'a, Row<'a, Explained<'a>>> {
         ))
 }
 
-/// What the rules of all cells need.
+/// The importance of the features in the rules of all cells.
 pub fn explanation_features(cells: &[CellModes<'_>]) -> DataFrame {
     let mut rows: Vec<Row<'_, (Target, Importance)>> = Vec::new();
     for cell in cells {

@@ -6,25 +6,25 @@ use crate::record::CellKey;
 use crate::seed::Seed;
 use crate::statistics::{Sample, Weighted, interquartile_mean, mean_interval, quantile};
 
-/// A figure between trainings.
+/// The distribution of a figure between trainings.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AcrossRuns {
-    /// Of each run, in order; none where it has no value.
+    /// The value of each run, in order; none where a run has no value.
     pub by_run: Vec<Option<f64>>,
     /// Mean of the middle half of the runs.
     pub iqm: Option<f64>,
     /// 95 % interval of the mean by hierarchical bootstrap.
     pub bootstrap: Option<(f64, f64)>,
-    /// Student's 95 % interval over the runs; none for a single one.
+    /// Student's 95 % interval over the runs; none for a single run.
     pub student: Option<(f64, f64)>,
 }
 
-/// Median and tails of something.
+/// Median and tails of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Quantiles {
-    /// Of how many.
+    /// The number of values.
     pub n: u64,
-    /// At the shares that were asked for; none when there are no numbers.
+    /// The quantiles at the requested shares; none without values.
     pub at: [Option<f64>; 3],
 }
 
@@ -35,10 +35,10 @@ impl Quantiles {
     }
 }
 
-/// What is known of a cell beside its means.
+/// The evidence on a cell, in addition to its means.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CellEvidence {
-    /// Which cell.
+    /// The key of the cell.
     pub key: CellKey,
     /// Episodes of all runs.
     pub episodes: Weighted,
@@ -50,9 +50,9 @@ pub struct CellEvidence {
     pub impact_speed: Quantiles,
     /// 1st and 10th percentile and median of the least times to collision of episodes without a collision (s).
     pub min_ttc: Quantiles,
-    /// The same of post-encroachment times (s).
+    /// The same quantiles of post-encroachment times (s).
     pub pet: Quantiles,
-    /// How many collisions each reference driver avoids, in the order of [`Reference::ALL`].
+    /// The number of collisions that each reference driver avoids, in the order of [`Reference::ALL`].
     pub avoided: [Weighted; 6],
     /// The samples of [`Figure::COMPARED`] with the numbers of their runs, for transfer gaps.
     pub(super) samples: [Option<(Vec<u32>, Sample)>; 3],
@@ -76,7 +76,7 @@ impl CellEvidence {
         }
     }
 
-    /// Takes down a figure of this cell of a place.
+    /// Adds a figure of this cell of a place.
     pub(super) fn measure(&mut self, place: &Place, measured: &Measured, cell: usize, seed: &Seed) {
         let figure = measured.figure;
         let runs = place.cells[cell].clone();
@@ -98,12 +98,12 @@ impl CellEvidence {
         }
     }
 
-    /// A figure between trainings.
+    /// The distribution of a figure between trainings.
     pub fn between(&self, figure: Figure) -> &AcrossRuns {
         &self.between[figure as usize]
     }
 
-    /// Collisions that a reference driver would have avoided, and those that it would not.
+    /// The numbers of collisions that a reference driver would have avoided, and that it would not have avoided.
     pub fn split(&self, reference: Reference) -> (Weighted, Weighted) {
         let avoided = self.avoided[reference as usize];
         (avoided, self.collisions - avoided)

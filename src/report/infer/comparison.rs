@@ -4,14 +4,14 @@ use crate::record::CellKey;
 use crate::seed::Seed;
 use crate::statistics::{benjamini_hochberg, holm, mcnemar};
 
-/// How a p-value was found.
+/// The method behind a p-value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Test {
-    /// Student's t over trainings, with the covariance of common starts: about further trainings and episodes.
+    /// Student's t over trainings, with the covariance of common starts. It generalises to further trainings and episodes.
     Student,
-    /// McNemar's exact test on pairs of episodes: about these two pedestrians and further episodes.
+    /// McNemar's exact test on pairs of episodes. It generalises to further episodes of these two pedestrians.
     McNemar,
-    /// None fits: one training against several.
+    /// No method applies: one training against several.
     None,
 }
 
@@ -31,15 +31,15 @@ impl Test {
 pub struct Comparison {
     /// The first.
     pub first: CellKey,
-    /// The one that is taken off.
+    /// The second, which is subtracted.
     pub second: CellKey,
-    /// What is compared.
+    /// The compared figure.
     pub figure: Figure,
-    /// Runs of both.
+    /// The number of runs of both.
     pub runs: [u64; 2],
-    /// Starts that each run had.
+    /// The number of starts of each run.
     pub episodes: u64,
-    /// The figure of both, mean over runs.
+    /// The value of both, mean over runs.
     pub values: [f64; 2],
     /// First less second.
     pub difference: f64,
@@ -47,7 +47,7 @@ pub struct Comparison {
     pub bootstrap: (f64, f64),
     /// Student's 95 % interval.
     pub student: Option<(f64, f64)>,
-    /// How p was found.
+    /// The method of p.
     pub test: Test,
     /// Probability of such a difference by chance.
     pub p: Option<f64>,
@@ -57,8 +57,8 @@ pub struct Comparison {
     pub benjamini_hochberg: Option<f64>,
 }
 
-/// The pairs that matter: every trained pedestrian with every untrained one that has the same reward, and with itself trained for
-/// an earlier reward.
+/// The pairs that are compared: every trained pedestrian with every untrained one that has the same reward, and with the same pedestrian
+/// trained for an earlier reward.
 pub fn pairs(place: &Place) -> Vec<(usize, usize)> {
     let keys = || (0..place.cells.len()).map(|cell| (cell, &place.runs(cell)[0].key));
     let mut pairs = Vec::new();
@@ -83,7 +83,7 @@ pub fn compare(place: &Place, measured: &Measured, (first, second): (usize, usiz
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let cut = |(low, high): (f64, f64)| (low.clamp(-1.0, 1.0), high.clamp(-1.0, 1.0));
     let plain = ours.episodes().is_plain() && theirs.episodes().is_plain();
-    // An exact test counts pairs; it has no form for pairs of different weights.
+    // An exact test counts pairs; there is none for pairs of different weights.
     let (test, p, student) = if plain && a.len() == 1 && b.len() == 1 {
         let (only_first, only_second) = ours.discordant(theirs, figure);
         (Test::McNemar, Some(mcnemar(only_first, only_second)), None)

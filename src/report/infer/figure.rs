@@ -18,10 +18,10 @@ pub enum Figure {
 impl Figure {
     /// All of them, in the order of the tables.
     pub const ALL: [Self; 5] = [Self::Collision, Self::Front, Self::Moving, Self::Preventable, Self::Reward];
-    /// Those in which pedestrians are compared: rates of all episodes.
+    /// The figures in which pedestrians are compared: rates of all episodes.
     pub const COMPARED: [Self; 3] = [Self::Collision, Self::Moving, Self::Preventable];
 
-    /// What its columns begin with.
+    /// The prefix of its columns.
     pub fn name(self) -> &'static str {
         match self {
             Self::Collision => metric::COLLISION_RATE.name,

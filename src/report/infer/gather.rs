@@ -8,19 +8,19 @@ use super::transfer::{Transfer, transfers};
 use super::tried::{KEPT, Tried};
 use crate::seed::Seed;
 
-/// What the results of a campaign show beside means.
+/// The evidence of a campaign's results, in addition to means.
 #[derive(Debug, Clone, Default)]
 pub struct Evidence {
     /// One for each cell, in the order of first appearance.
     pub cells: Vec<CellEvidence>,
-    /// Pedestrians of the same place.
+    /// Comparisons of pedestrians of the same place.
     pub comparisons: Vec<Comparison>,
-    /// The same pedestrian in two places.
+    /// Transfers of the same pedestrian between two places.
     pub transfers: Vec<Transfer>,
 }
 
-/// Gathers the evidence from the episodes of a campaign, run by run in the plan's order: one table for each run of a pedestrian in
-/// one town against one policy. The resampling depends on the seed and the names of a place alone.
+/// Gathers the evidence from the episodes of a campaign, run by run in the plan's order. A run is one table, for a pedestrian in one town
+/// against one policy. The resampling depends only on the seed and the names of a place.
 #[derive(Debug, Clone)]
 pub struct Gathering {
     seed: Seed,
@@ -30,12 +30,12 @@ pub struct Gathering {
 }
 
 impl Gathering {
-    /// Begins without any run.
+    /// Starts without any run.
     pub fn new(seed: Seed) -> Self {
         Self::keeping(KEPT, seed)
     }
 
-    /// Begins with another number of episodes that are looked at one by one.
+    /// Starts with another number of episodes of a run that are kept one by one.
     pub(super) fn keeping(kept: usize, seed: Seed) -> Self {
         Self { seed, kept, here: Vec::new(), found: Evidence::default() }
     }
@@ -56,7 +56,7 @@ impl Gathering {
         Ok(())
     }
 
-    /// What all runs show together.
+    /// The evidence of all runs.
     pub fn finish(mut self) -> Evidence {
         self.found.add(self.here, &self.seed);
         adjust(&mut self.found.comparisons);
@@ -74,7 +74,7 @@ impl Evidence {
         let mut cells: Vec<_> = (0..place.cells.len()).map(|cell| CellEvidence::new(&place, cell)).collect();
         let pairs = pairs(&place);
         let mut comparisons = Vec::new();
-        // One figure after the other, since each takes a number for every episode.
+        // One figure after the other, since each needs a number for every episode.
         for figure in Figure::ALL {
             let measured = place.measure(figure);
             for (number, cell) in cells.iter_mut().enumerate() {

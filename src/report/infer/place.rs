@@ -4,11 +4,11 @@ use super::Figure;
 use super::tried::Tried;
 use crate::statistics::{Sample, Weighted};
 
-/// All runs with common starts, those of a cell side by side.
+/// All runs with common starts; the runs of a cell are consecutive.
 pub struct Place {
     /// The runs.
     pub tried: Vec<Tried>,
-    /// Where the runs of each cell are.
+    /// The indices of the runs of each cell.
     pub cells: Vec<Range<usize>>,
 }
 
@@ -40,7 +40,7 @@ impl Place {
         Measured { figure, runs: self.tried.iter().map(|run| run.influence(figure)).collect() }
     }
 
-    /// A figure of one cell, or of how it differs from another; none when a cell has no value.
+    /// A figure of one cell, or of its difference from another; none when a cell has no value.
     pub fn sample(&self, measured: &Measured, cell: usize, other: Option<usize>) -> Option<Sample> {
         let known = |cell: usize| self.cells[cell].clone().filter(|run| measured.runs[*run].is_some());
         let first: Vec<usize> = known(cell).collect();
@@ -71,15 +71,15 @@ impl Place {
     }
 }
 
-/// The count that says least.
+/// The count with the least effective size.
 pub fn least(counts: impl Iterator<Item = Weighted>) -> Weighted {
     counts.min_by(|a, b| a.effective_size().total_cmp(&b.effective_size())).unwrap_or_default()
 }
 
 /// A figure of all runs of a place.
 pub struct Measured {
-    /// Which.
+    /// The figure.
     pub figure: Figure,
-    /// Of each run, if it has one: the value, and by how much each episode that is kept moves it.
+    /// For each run, if it has one: the value, and the influence of each kept episode on it.
     pub runs: Vec<Option<(f64, Vec<f64>)>>,
 }

@@ -14,7 +14,7 @@ const OTHER_CONTROLLER: Column<String> =
     Column::new("other_controller", "", "controller of the cell that is subtracted");
 /// Its reward.
 const OTHER_REWARD: Column<String> = Column::new("other_reward", "", "reward of that cell");
-/// What is compared.
+/// The compared figure.
 const FIGURE: Column<String> =
     Column::new("figure", "", "`collision_rate`, `moving_rate` or `preventable_rate`: what is compared");
 /// Value of the first cell.
@@ -37,7 +37,7 @@ const P_HOLM: Column<f64> = Column::new(
     "`p` adjusted for all tests in the table by Holm's method, so that in 95 % of campaigns no finding below 0.05 is false",
 );
 
-/// What is different away from home.
+/// The change from home.
 const CHANGED: Column<String> = Column::new(
     "changed",
     "",
@@ -87,7 +87,7 @@ const REST: Family<f64> = Family::new(
      are not run again, so it never is above `collision_rate`",
 );
 
-/// The columns that the table of cells has beside its metrics, in the order of the cells.
+/// The columns that the table of cells has in addition to its metrics, in the order of the cells.
 pub fn cell_columns(cells: &[CellEvidence]) -> Vec<Values> {
     cell_table().values(cells)
 }
@@ -131,7 +131,7 @@ pub fn cell_table() -> Table<'static, CellEvidence> {
     table
 }
 
-/// The two ends of an interval whose name is made up.
+/// The two ends of an interval whose name is computed.
 fn interval<R>(
     name: String,
     unit: &'static str,

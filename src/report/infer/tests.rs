@@ -99,7 +99,7 @@ fn single_runs_are_compared_by_mcnemar_on_pairs_that_both_finished() {
     assert_eq!(pairs, [("r1", "intercept", "r1"), ("r2", "trained", "r1"), ("r2", "random", "r2")]);
     let first = &found.comparisons[0];
     assert_eq!(first.test, Test::McNemar);
-    // Nine pairs disagree, all to one side.
+    // Nine pairs disagree, all in the same direction.
     assert!((first.p.unwrap() - 2.0 / 512.0).abs() < 1e-12, "{first:?}");
     assert!((first.difference - (0.9 - 1.0 / 11.0)).abs() < 1e-12);
     assert!(first.holm.unwrap() >= first.benjamini_hochberg.unwrap() && first.holm.unwrap() > first.p.unwrap());
@@ -109,7 +109,7 @@ fn single_runs_are_compared_by_mcnemar_on_pairs_that_both_finished() {
 #[test]
 fn common_beginnings_make_differences_surer_than_rates() {
     let hits = |offset: usize| -> String {
-        // Every second beginning is hit by all; of the others each run hits one in ten more.
+        // Every second start is hit by all runs. Of the others each run hits one in ten more.
         (0..400).map(|k| if k % 2 == 0 || (k + offset) % 20 == 1 { 'x' } else { '.' }).collect()
     };
     let plain: String = (0..400).map(|k| if k % 2 == 0 { 'x' } else { '.' }).collect();
@@ -138,7 +138,7 @@ fn transfer_is_home_less_away_for_the_same_trainings() {
     assert_eq!((gap.change, gap.figure, gap.runs), (Change::Town, Figure::Collision, 2));
     assert_eq!((gap.home.town.as_str(), gap.away.town.as_str()), ("a", "b"));
     assert_eq!((gap.values, gap.gap), ([0.875, 0.375], 0.5));
-    // Both gaps are 0.5: nothing between trainings, so the interval is that of the episodes.
+    // Both gaps are 0.5, with no spread between trainings, so the interval is that of the episodes.
     assert_eq!(gap.student, Some((0.5, 0.5)));
     assert!(gap.bootstrap.0 < 0.4 && gap.bootstrap.1 > 0.6, "{gap:?}");
     assert_eq!(found.transfers.len(), 3, "collision, moving, preventable; the random one is at home nowhere");
@@ -153,7 +153,7 @@ fn other_cells_change_no_interval() {
 
 #[test]
 fn what_is_not_kept_counts_in_sums_and_hardly_changes_an_interval() {
-    // Both runs collide in half of the episodes, by turns of 2 and of 3, so a third of what moves one moves the other.
+    // Both runs collide in half of the episodes, in blocks of 2 and of 3, so a third of what moves one run also moves the other.
     let word = |turn: usize, size: usize| -> String {
         (0..size).map(|k| if (k / turn).is_multiple_of(2) || k % 60 == 7 { 'x' } else { '.' }).collect()
     };
@@ -190,12 +190,12 @@ fn episodes_count_by_their_weights() {
     let rate = |cell: &CellEvidence| cell.between(Figure::Collision).by_run[0].unwrap();
     assert_eq!(with(|_| 1.0), plain, "weights of 1 are none");
     assert!((rate(&with(|_| 0.25)) - rate(&plain)).abs() < 1e-12, "equal weights change no rate");
-    // The first three, of which two collide, count ten times: 21 of 37.
+    // The first three, of which two collide, have weight 10: 21 of 37.
     let heavy = with(|episode| if episode < 3 { 10.0 } else { 1.0 });
     assert!((rate(&heavy) - 21.0 / 37.0).abs() < 1e-12);
     assert_eq!((heavy.collisions.count(), heavy.collisions.sum()), (3, 21.0));
     let width = |cell: &CellEvidence| cell.between(Figure::Collision).bootstrap.map(|(low, high)| high - low).unwrap();
     assert!(width(&heavy) > width(&plain), "unequal weights say less");
-    // A reward's mean counts by weight, too, and other figures follow.
+    // The mean of a reward is weighted too, and other figures follow.
     assert_eq!(heavy.between(Figure::Reward).by_run, [Some(0.0)]);
 }

@@ -6,7 +6,7 @@ use crate::record::CellKey;
 use crate::seed::Seed;
 use crate::statistics::{Sample, mean_interval};
 
-/// What is different from where a pedestrian was trained.
+/// The change from the place of the training.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Change {
     /// The town.
@@ -25,24 +25,24 @@ impl Change {
     }
 }
 
-/// How much a trained pedestrian loses in another town or against another driver.
+/// The loss of a trained pedestrian in another town or against another driver.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Transfer {
-    /// Where it was trained.
+    /// The place of the training.
     pub home: CellKey,
-    /// Where it is tried.
+    /// The place of the evaluation.
     pub away: CellKey,
-    /// What is different there.
+    /// The change there.
     pub change: Change,
     /// The figure.
     pub figure: Figure,
-    /// Trainings that were tried in both places.
+    /// Trainings that were evaluated in both places.
     pub runs: u64,
     /// The figure at home and away, mean over these.
     pub values: [f64; 2],
-    /// Home less away: above 0 what does not transfer.
+    /// Home less away: above 0 the part that does not transfer.
     pub gap: f64,
-    /// 95 % interval by hierarchical bootstrap: trainings as pairs, episodes apart.
+    /// 95 % interval by hierarchical bootstrap: trainings as pairs, episodes separately.
     pub bootstrap: (f64, f64),
     /// Student's 95 % interval over the gaps of the trainings.
     pub student: Option<(f64, f64)>,
@@ -87,13 +87,13 @@ fn cut((low, high): (f64, f64)) -> (f64, f64) {
     (low.clamp(-1.0, 1.0), high.clamp(-1.0, 1.0))
 }
 
-/// What two cells have in common in which the same pedestrian was tried in the same way.
+/// The common part of the keys of two cells in which the same pedestrian was evaluated in the same way.
 fn pedestrian(key: &CellKey) -> (u32, [&String; 6]) {
     let names = [&key.vehicle, &key.adversary, &key.controller, &key.reward, &key.train_town, &key.train_policy];
     (key.block, names)
 }
 
-/// The gaps of the trainings that were tried in both places, and their means there. Each place has its own starts.
+/// The gaps of the trainings that were evaluated in both places, and their means there. Each place has its own starts.
 fn gap(home: &(Vec<u32>, Sample), away: &(Vec<u32>, Sample)) -> Option<(Sample, [f64; 2])> {
     let both = |run: &(usize, &u32)| Some((run.0, away.0.iter().position(|other| other == run.1)?));
     let pairs: Vec<(usize, usize)> = home.0.iter().enumerate().filter_map(|run| both(&run)).collect();

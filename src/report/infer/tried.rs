@@ -20,11 +20,11 @@ impl CellKey {
     }
 }
 
-/// The number of first episodes of a run that are kept one by one, for sampling errors, pairs and quantiles. Later episodes count in
-/// sums alone, so memory does not grow with them. From this number, an error is known to 0.3 %.
+/// The number of first episodes of a run that are kept one by one, for sampling errors, pairs and quantiles. Later episodes count only in
+/// sums, so memory does not grow with them. With this number, an error is known to 0.3 %.
 pub const KEPT: usize = 100_000;
 
-/// What is known of an episode, in a byte.
+/// The flags of an episode, in a byte.
 mod is {
     pub const VALID: u8 = 1;
     pub const COLLISION: u8 = 2;
@@ -34,7 +34,7 @@ mod is {
     pub const ALL: [u8; 5] = [VALID, COLLISION, FRONT, MOVING, PREVENTABLE];
 }
 
-/// One run: as much of its episodes as inference needs.
+/// The part of one run's episodes that inference needs.
 #[derive(Debug, Clone)]
 pub struct Tried {
     /// Its cell.
@@ -51,14 +51,14 @@ pub struct Tried {
     pub avoided: [Weighted; 6],
     /// The number of episodes, errors included.
     size: usize,
-    /// The episodes with each flag, of all.
+    /// The number of episodes with each flag, over all episodes.
     counts: [Weighted; 5],
-    /// Sum over all episodes, each times its weight.
+    /// Sum of the rewards of all episodes, each times its weight.
     reward: f64,
-    /// Of the episodes that are kept.
+    /// Rewards of the kept episodes.
     flags: Vec<u8>,
     rewards: Vec<f64>,
-    /// How much each of them counts; empty where all count 1.
+    /// The weight of each kept episode; empty when all weights are 1.
     weights: Vec<f64>,
 }
 
@@ -143,14 +143,14 @@ impl Tried {
             .map_or_else(Weighted::default, |(_, count)| count)
     }
 
-    /// By how much what two runs have in common is more than what their kept episodes show: episodes to kept ones.
+    /// The factor from kept episodes to all episodes, for quantities that two runs have in common.
     pub fn stretch(&self, other: &Self) -> f64 {
         let kept = self.flags.len().min(other.flags.len());
         self.size.min(other.size) as f64 / kept.max(1) as f64
     }
 
-    /// Pairs of equal starts, of those kept, in which only this one collided, or had another rate's event, and in which only the
-    /// other did.
+    /// The number of pairs of equal starts, among the kept ones, in which only this run had the event of the figure, and in which only the
+    /// other run had it.
     pub fn discordant(&self, other: &Self, figure: Figure) -> (u64, u64) {
         let flag = part(figure);
         let both = self.flags.iter().zip(&other.flags).filter(|(a, b)| **a & **b & is::VALID != 0);
@@ -161,7 +161,7 @@ impl Tried {
         })
     }
 
-    /// A figure, and by how much each episode that is kept moves it away from its mean; none when it has no value.
+    /// A figure, and the influence of each kept episode on it, relative to its mean; none when it has no value.
     pub fn influence(&self, figure: Figure) -> Option<(f64, Vec<f64>)> {
         let (whole, flag) = (if figure == Figure::Front { is::COLLISION } else { is::VALID }, part(figure));
         let count = self.count(whole).sum();

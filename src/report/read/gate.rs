@@ -4,20 +4,20 @@ use crate::record::metric::MEAN;
 use crate::record::{ColumnReference, metrics};
 use crate::report::aggregate::references;
 
-/// What the tables of cells must not show, as `preventable_rate > 0.05 and town == village`.
+/// A condition on the tables of cells under which a run fails, as `preventable_rate > 0.05 and town == village`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gate {
     text: String,
     conditions: Vec<Condition>,
 }
 
-/// Why a gate makes no sense.
+/// Why a gate is invalid.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum GateError {
     /// It is not of the form `COLUMN < NUMBER`.
     #[error("`{text}` is no condition: write COLUMN, one of < <= > >= == !=, and a number; `and` joins several")]
     Form {
-        /// What was written.
+        /// Its text.
         text: String,
     },
     /// The table of cells has no such column.
@@ -25,33 +25,33 @@ pub enum GateError {
     Column {
         /// The name that was written.
         name: String,
-        /// The one that may have been meant.
+        /// A suggestion for it.
         nearest: Option<String>,
         /// All columns.
         columns: Vec<String>,
     },
-    /// A number is compared with a word, or words as if one were less.
+    /// A number is compared with a word, or words with an order.
     #[error("`{name}` holds {holds}: {advice}")]
     Kind {
         /// The column.
         name: String,
-        /// What it holds.
+        /// The kind of its values.
         holds: &'static str,
-        /// What can be written.
+        /// The valid forms.
         advice: &'static str,
     },
 }
 
-/// What a gate makes of a cell.
+/// The result of a gate for a cell.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Judged {
-    /// All is well.
+    /// The condition is false.
     Passed,
-    /// The condition holds; the values that it looked at.
+    /// The condition is true; the values that it used.
     Broken(Vec<(String, f64)>),
-    /// A column has no value there, so nothing can be said.
+    /// A column has no value there, so the condition cannot be evaluated.
     Missing(String),
-    /// The gate speaks of other cells.
+    /// The gate is about other cells.
     Elsewhere,
 }
 
@@ -102,7 +102,7 @@ impl Comparison {
 }
 
 impl Gate {
-    /// Reads a gate. Its columns are looked up in the table of cells, which is the same for all campaigns.
+    /// Parses a gate. Its columns are looked up in the table of cells, which is the same for all campaigns.
     ///
     /// # Errors
     /// It has another form, or names no column.
@@ -113,7 +113,7 @@ impl Gate {
         Ok(Self { text: text.trim().to_string(), conditions })
     }
 
-    /// As it was written.
+    /// Its text.
     pub fn text(&self) -> &str {
         &self.text
     }

@@ -1,4 +1,4 @@
-//! Reports read back: what is needed to repeat an episode, to compare it, and to judge cells.
+//! Reads reports back: the data to repeat an episode, to compare it, and to judge cells.
 
 mod stored;
 mod divergence;

@@ -1,4 +1,4 @@
-//! Reports read back: what is needed to see an episode again, and to tell whether it came out the same.
+//! Reads reports back: the data to repeat an episode, and to check that the repetition is equal.
 
 use std::fs::{self, File};
 use std::io;
@@ -28,15 +28,15 @@ pub enum ReadError {
     File {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: io::Error,
     },
-    /// The manifest is none of ours, or of a version that did not say enough.
+    /// The manifest is not ours, or is of a version that lacks necessary data.
     #[error("`{path}` is no manifest that episodes can be repeated from: {reason}", path = path.display())]
     Manifest {
         /// The file.
         path: PathBuf,
-        /// What the parser says.
+        /// The error of the parser.
         reason: String,
     },
     /// A table is damaged or lacks a column.
@@ -44,7 +44,7 @@ pub enum ReadError {
     Table {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: PolarsError,
     },
     /// A stored pedestrian is damaged.
@@ -52,7 +52,7 @@ pub enum ReadError {
     Pedestrian {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: CheckpointError,
     },
 }
@@ -75,14 +75,14 @@ pub struct StoredFailure {
     pub commands: Vec<WalkCommand>,
 }
 
-/// A cell of a table that came out differently.
+/// A value of a table that differs in the repetition.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Difference {
     /// Name of the column.
     pub column: String,
-    /// What the report has.
+    /// The value in the report.
     pub stored: String,
-    /// What came out now.
+    /// The value of the repetition.
     pub again: String,
 }
 
@@ -90,7 +90,7 @@ impl StoredReport {
     /// Opens the report in a folder.
     ///
     /// # Errors
-    /// There is no manifest, or one that does not say enough.
+    /// There is no manifest, or one that lacks necessary data.
     pub fn open(folder: &Path) -> Result<Self, ReadError> {
         let path = folder.join(MARK);
         let text = fs::read_to_string(&path).map_err(|source| ReadError::File { path: path.clone(), source })?;
@@ -110,12 +110,12 @@ impl StoredReport {
         found
     }
 
-    /// Where it stands.
+    /// Its folder.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// How it came about.
+    /// Its manifest.
     pub fn manifest(&self) -> &Manifest {
         &self.manifest
     }
@@ -135,7 +135,7 @@ impl StoredReport {
         Ok(false)
     }
 
-    /// The row of an episode; none when the report has no such episode. `guess` is where it probably is.
+    /// The row of an episode; none when the report has no such episode. `guess` is its probable index.
     ///
     /// # Errors
     /// A table that is damaged.
@@ -179,7 +179,7 @@ impl StoredReport {
         table.map_or(Ok(Vec::new()), |table| self.names(FAILURES, &table, FAILURE.name))
     }
 
-    /// The ticks of an episode, where the report holds them.
+    /// The ticks of an episode, if the report holds them.
     ///
     /// # Errors
     /// A table that is damaged.
@@ -204,12 +204,12 @@ impl StoredReport {
         Ok(trained)
     }
 
-    /// Some rows of a table; none where the report has no such table or it ends before them.
+    /// Some rows of a table; none if the report has no such table or it ends before them.
     fn rows(&self, table: &str, first: usize, count: usize) -> Result<Option<DataFrame>, ReadError> {
         Ok(self.read(table, None, Some((first, count)))?.filter(|rows| rows.height() > 0))
     }
 
-    /// Reads a table, some of its columns, some of its rows; none where the report has no such table.
+    /// Reads a table, some of its columns, some of its rows; none if the report has no such table.
     fn read(
         &self,
         table: &str,
@@ -240,7 +240,7 @@ impl StoredReport {
     }
 }
 
-/// The values of the only column of a table, as in CSV: all the digits that it takes to read the same number back.
+/// The values of the only column of a table, as in CSV, with all digits that are needed to read the same number back.
 fn values(column: &DataFrame) -> PolarsResult<Vec<String>> {
     let mut bytes = Vec::new();
     CsvWriter::new(&mut bytes).include_header(false).finish(&mut column.clone())?;
@@ -252,7 +252,7 @@ pub fn value(row: &DataFrame, column: &str) -> String {
     row.select([column]).and_then(|row| values(&row)).ok().and_then(|all| all.first().cloned()).unwrap_or_default()
 }
 
-/// The trail of the first row, if it has one.
+/// The state hashes of the first row, if it has any.
 pub fn trail(row: &DataFrame) -> Option<StateHashes> {
     value(row, STATE_HASHES.name).parse().ok()
 }
@@ -275,8 +275,8 @@ fn finite(text: &str) -> Option<f64> {
     text.parse().ok().filter(|number: &f64| number.is_finite())
 }
 
-/// The cells in which two tables with the same rows differ, in the order of the rows, each with the number of its row.
-/// Columns that one of them lacks are left out.
+/// The values in which two tables with the same rows differ, in the order of the rows, each with the number of its row. Columns that one
+/// of them lacks are ignored.
 ///
 /// # Errors
 /// Those of polars.
