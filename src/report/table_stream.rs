@@ -9,10 +9,10 @@ use polars_io::parquet::write::{BatchedWriter as ParquetPieces, ParquetWriter};
 
 use super::WriteError;
 
-/// Rows that are written at once; in Parquet they are a row group.
+/// Number of rows that are written at once; in Parquet they are a row group.
 const GROUP: usize = 1 << 16;
 
-/// A table that is written piece by piece, as CSV, as Parquet or both, so that it need not fit in memory.
+/// A table that is written part by part, as CSV, as Parquet or both, so that it need not fit in memory.
 pub struct TableStream {
     waiting: DataFrame,
     csv: Option<Stream<CsvPieces<BufWriter<File>>>>,
@@ -23,7 +23,7 @@ pub struct TableStream {
 struct Stream<W> {
     path: PathBuf,
     pieces: W,
-    /// The file once more, for the end.
+    /// The file once more, for the sync at the end.
     file: File,
 }
 
@@ -38,9 +38,9 @@ impl<W> Stream<W> {
         Ok(Self { path, pieces, file })
     }
 
-    /// Makes sure that all of it is on the disk.
+    /// Syncs the whole file to the disk.
     fn settle(self) -> Result<(), WriteError> {
-        // What is still in the buffers goes to the file when the writer goes, so that must be now.
+        // Dropping the writer flushes its buffers to the file, so that must come first.
         drop(self.pieces);
         self.file.sync_all().map_err(|source| WriteError::File { path: self.path, source })
     }
@@ -80,7 +80,7 @@ impl TableStream {
         Ok(())
     }
 
-    /// Writes what is left, and makes sure that all of it is on the disk.
+    /// Writes the remaining rows, and syncs the whole table to the disk.
     ///
     /// # Errors
     /// A file cannot be written.

@@ -13,13 +13,12 @@ use super::{
 use crate::campaign::Finished;
 use crate::compile::{Campaign, TrainingKey};
 
-/// Where a report holds a trained pedestrian, relative to its folder; the format is the file's extension.
+/// The path of a trained pedestrian in a report, relative to the report's folder; the format is the file's extension.
 pub fn pedestrian_file(key: &TrainingKey, format: &str) -> String {
     format!("pedestrians/{}-{}-{}-{}.{format}", key.reward, key.town, key.policy, key.run)
 }
 
-/// Fills a report's folder with all that is to be seen of a campaign, but the table of episodes, which [`gather`](super::gather)
-/// has written.
+/// Fills a report's folder with all files of a campaign, except the table of episodes, which [`gather`](super::gather) has written.
 ///
 /// # Errors
 /// A table that cannot be made or a file that cannot be written.

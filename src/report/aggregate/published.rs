@@ -13,7 +13,7 @@ const ROUNDED_AWAY: f64 = 0.004;
 pub struct PublishedComparison<'a> {
     /// The source of the published one.
     pub source: &'a str,
-    /// The claim about it.
+    /// Its documentation in the scenario.
     pub docs: &'a str,
     /// Our cell.
     pub cell: &'a Cell,

@@ -2,21 +2,21 @@ use std::fmt::Write;
 
 use super::super::{Cell, Gate, Judged, Manifest};
 
-/// What a campaign tells a server of continuous integration.
+/// The results of a campaign for a server of continuous integration.
 #[derive(Debug, Clone)]
 pub struct Suite {
-    /// How the campaign was run.
+    /// The manifest of the run.
     pub manifest: Manifest,
     /// Its cells, in the order of their table.
     pub cells: Vec<Cell>,
-    /// The gates, each with what it makes of each cell.
+    /// The gates, each with its result for each cell.
     pub gates: Vec<(Gate, Vec<Judged>)>,
 }
 
 /// Writes campaigns as JUnit XML: a test suite for each campaign, a test case for each cell and for each training that failed.
 ///
-/// A cell fails where a gate is broken, is skipped where a gate finds no value, and is in error where a driver failed as a
-/// program. Its figures are properties of the suite, `CELL / FIGURE`.
+/// A cell fails when a gate is broken, is skipped when a gate finds no value, and is in error when a driver failed as a program. Its
+/// figures are properties of the suite, `CELL / FIGURE`.
 ///
 /// # Source
 /// `junit-10.xsd` of Jenkins' xUnit plug-in.
@@ -72,7 +72,7 @@ fn one(page: &mut String, suite: &Suite, [tests, failures, errors, skipped]: &[u
     page.push_str("  </testsuite>\n");
 }
 
-/// Tests, failures, errors and skipped ones of a campaign.
+/// Numbers of tests, failures, errors and skipped tests of a campaign.
 fn counts(suite: &Suite) -> [usize; 4] {
     let failed = suite.manifest.trainings.iter().filter(|training| !training.error.is_empty()).count();
     let all: Vec<Vec<Finding>> = (0..suite.cells.len()).map(|row| findings(suite, row)).collect();
@@ -83,7 +83,7 @@ fn counts(suite: &Suite) -> [usize; 4] {
 /// The element, its type and its message.
 type Finding = (&'static str, &'static str, String);
 
-/// What is to be said of a cell: an error, else the gates that are broken, else those that find no value.
+/// The element of a cell: an error, else the broken gates, else the gates without a value.
 fn findings(suite: &Suite, row: usize) -> Vec<Finding> {
     let cell = &suite.cells[row];
     if cell.errors > 0 {
@@ -107,7 +107,7 @@ fn broken(gate: &str, judged: &Judged) -> Option<Finding> {
     Some(("failure", "fail-if", format!("{gate}: {}", shown(values))))
 }
 
-/// The values that a gate looked at, for people.
+/// The values that a gate used, for people.
 pub fn shown(values: &[(String, f64)]) -> String {
     let each = values.iter().map(|(column, value)| format!("{column} is {}", (value * 1e6).round() / 1e6));
     each.collect::<Vec<_>>().join(", ")
@@ -148,7 +148,7 @@ fn figures(cell: &Cell) -> Vec<(&'static str, String)> {
     all
 }
 
-/// Text for an attribute; what XML cannot hold becomes a question mark.
+/// Text for an attribute; characters that XML does not allow become question marks.
 fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

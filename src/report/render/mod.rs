@@ -1,4 +1,4 @@
-//! What people see of a report: tables as text, pictures, the summary, the page.
+//! The visible parts of a report: tables as text, pictures, the summary, the page.
 //!
 //! Nothing here computes a result. A [`table`] is made once and rendered for a terminal, as Markdown and as HTML; a [`section`](table::Section) is a
 //! heading with tables, for the summary and the page. Pictures are drawn with [`svg`].

@@ -6,14 +6,14 @@ use super::table::Section;
 use crate::compile::{Campaign, Driver};
 use crate::report::{Cell, Evidence, Manifest};
 
-/// What the simulator leaves out, for every summary.
+/// The limits of the simulator, for every summary.
 pub const LEFT_OUT: &str = "\
 The simulator is flat and has one car and one pedestrian: no other traffic, no kerbs, no weather. There are parked cars and trees \
 only where the scenario puts them. The car is a kinematic bicycle whose pedals are fitted to published figures of CARLA. Its driver \
 perceives without error and without delay, unless the scenario gives it sensors. The pedestrian is a disc. Maps from OpenDRIVE have \
 no buildings unless the scenario adds them.";
 
-/// The text to read first: tables of cells and what follows from them, further sections, how it was made, and what it does not show.
+/// The text to read first: tables of cells and the conclusions from them, further sections, the origin of the report, and its limits.
 pub fn summary(
     campaign: &Campaign,
     cells: &[Cell],
@@ -51,13 +51,13 @@ pub fn summary(
     page
 }
 
-/// What a reader of a smoke run must know.
+/// A notice for readers of a smoke run.
 pub const SMOKE: &str = "A smoke run: it shows that everything works. Its numbers have no meaning.";
-/// What a reader of an incomplete report must know.
+/// A notice for readers of an incomplete report.
 pub const INCOMPLETE: &str = "Incomplete: the run was stopped, something failed or reached its limit, or a reward was not a number. \
 The manifest says which.";
 
-/// What the scenario says of the things that are named above.
+/// The scenario's documentation of the names above.
 fn words(campaign: &Campaign) -> String {
     let mut text = String::new();
     if campaign.words.is_empty() {
@@ -71,7 +71,7 @@ fn words(campaign: &Campaign) -> String {
     text
 }
 
-/// What the drivers are, and which of them are surrogates.
+/// The drivers, and which of them are surrogates.
 fn drivers(drivers: &[Driver]) -> String {
     let mut text = String::from("\n## Driving policies\n\n");
     for driver in drivers {

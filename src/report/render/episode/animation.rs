@@ -11,12 +11,12 @@ use crate::report::render::svg::{Digits, fine, px};
 const WIDE: f64 = 760.0;
 /// Height of the speeds (px).
 const SPEEDS: f64 = 90.0;
-/// How long the last frame is seen before the picture starts again (s).
+/// Pause on the last frame before the animation restarts (s).
 const PAUSE: f64 = 1.5;
 
-/// Draws an episode as a picture that moves, in the time in which it happened. It plays in a browser, without any script.
+/// Draws an episode as an animation, in real time. It plays in a browser, without a script.
 ///
-/// `title` and `subtitle` say which it is.
+/// `title` and `subtitle` name the episode.
 pub fn animation(scenario: &Scenario, trace: &Trace, verdict: Option<&Verdict>, title: &str, subtitle: &str) -> String {
     let view = EpisodeView::new(scenario, trace, verdict);
     let ((first, last), tall) = (view.span(), view.height(WIDE));
@@ -38,14 +38,14 @@ pub fn animation(scenario: &Scenario, trace: &Trace, verdict: Option<&Verdict>, 
     sheet.draw((title, subtitle), &scenes, &times, &mark)
 }
 
-/// Which frame is shown at which time: the episode, and a pause at its end.
+/// The times of the frames: the episode, and a pause at its end.
 struct Clock<'a> {
     view: &'a EpisodeView<'a>,
-    /// How long a round takes (s).
+    /// Duration of one cycle (s).
     round: f64,
-    /// The share of it in which anything moves.
+    /// The share of it in which actors move.
     moving: f64,
-    /// The shares at which the frames are seen.
+    /// The shares of the cycle at which the frames are shown.
     key_times: String,
 }
 
@@ -63,14 +63,14 @@ impl<'a> Clock<'a> {
         format!("{}s", fine(self.round))
     }
 
-    /// The values of an animation: one for every frame that is shown, the last one again for the pause.
+    /// The values of an animation: one for every frame, and the last one again for the pause.
     fn values(&self, value: impl FnMut(&Frame) -> String) -> String {
         let mut values: Vec<String> = self.view.shown().map(|(_, frame)| frame).map(value).collect();
         values.extend(values.last().cloned());
         values.join(";")
     }
 
-    /// Animates an attribute; `discrete` values jump, others glide.
+    /// Animates an attribute; `discrete` values jump, others are interpolated.
     fn attribute(&self, name: &str, discrete: bool, value: impl FnMut(&Frame) -> String) -> Markup {
         let mode = if discrete { "discrete" } else { "linear" };
         html! {
@@ -87,7 +87,7 @@ impl<'a> Clock<'a> {
         }
     }
 
-    /// Moves the mark over the speeds, as far as this (px).
+    /// Moves the mark over the speeds, by this distance (px).
     fn sweep(&self, width: f64) -> Markup {
         let width = px(width);
         html! {
@@ -98,7 +98,7 @@ impl<'a> Clock<'a> {
 
     fn car(&self) -> Markup {
         let moved = |frame: &Frame| format!("{} {}", fine(frame.ego.pose.x), fine(-frame.ego.pose.y));
-        // An angle that jumps by a turn would spin the car.
+        // An angle that jumps by a full turn would spin the car.
         let mut last: Option<f64> = None;
         let turned = |frame: &Frame| {
             let yaw = -frame.ego.pose.yaw.to_degrees();

@@ -1,4 +1,4 @@
-//! One episode for people: in words, as a strip of frames, as a picture that moves.
+//! One episode for people: in words, as a strip of frames, as an animation.
 
 mod narrative;
 mod view;

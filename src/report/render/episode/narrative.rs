@@ -2,9 +2,9 @@ use crate::av::DrivingMode;
 use crate::env::{Ending, Frame, Outcome, Pair, Scenario, Trace};
 use crate::judge::{Label, Reference, Verdict};
 
-/// An action of the driver is an event if it lasts for this number of ticks, or to the end.
+/// An action of the driver is an event if it lasts for at least this number of ticks, or to the end.
 const LASTING: usize = 3;
-/// Harder than this is braking.
+/// A brake above this counts as braking.
 pub(super) const BRAKING: f64 = 0.05;
 /// Most events of a narrative.
 const MOST: usize = 40;
@@ -12,13 +12,13 @@ const MOST: usize = 40;
 /// An episode in words.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Narrative {
-    /// What happened, in order: when (s), and what.
+    /// The events in order: time (s) and text.
     pub events: Vec<(f64, String)>,
     /// The verdict and the result of each reference driver, one a line; empty without a collision.
     pub verdict: Vec<String>,
 }
 
-/// Describes an episode: its start, when the pedestrian is in sight, what the driver does, how it ends, and whether it was avoidable.
+/// Describes an episode: its start, when the pedestrian is in sight, the driver's actions, the end, and whether it was avoidable.
 pub fn narrative(scenario: &Scenario, outcome: &Outcome, trace: &Trace, verdict: Option<&Verdict>) -> Narrative {
     let (pair, dt) = (trace.main_pair(scenario), scenario.episode.tick);
     let frames: Vec<Frame> = pair.frames().collect();
@@ -32,7 +32,7 @@ pub fn narrative(scenario: &Scenario, outcome: &Outcome, trace: &Trace, verdict:
             events.push((time(tick + 1), format!("{what}, {:.1} m from the car", pair.gap(frame))));
         }
     }
-    // The control that leads to a frame was chosen a tick before.
+    // The control before a frame was chosen one tick earlier.
     events.extend(actions(&frames).into_iter().map(|(tick, action)| (time(tick - 1), action)));
     if let Some(verdict) = verdict {
         let begun = (outcome.duration - verdict.warning).max(0.0);
@@ -75,7 +75,7 @@ fn bearing(bearing: f64) -> String {
     }
 }
 
-/// What a driver does: its mode, whether it brakes, whether the car stands.
+/// The action of a driver: its mode, whether it brakes, whether the car stands.
 fn action(frame: &Frame) -> (DrivingMode, bool, bool) {
     (frame.mode, frame.control.brake > BRAKING, frame.ego.speed <= 0.05)
 }

@@ -9,13 +9,13 @@ use crate::report::render::town::Scenery;
 
 /// The scene of an episode from above, in metres, y down.
 impl EpisodeView<'_> {
-    /// The `viewBox` of what is seen.
+    /// The `viewBox` of the visible part.
     pub fn view_box(&self) -> String {
         let (low, size) = self.ground();
         format!("{} {} {} {}", fine(low.x), fine(-low.y - size.y), fine(size.x), fine(size.y))
     }
 
-    /// What of the town is in view.
+    /// The visible part of the town.
     pub fn draw_ground(&self) -> Markup {
         let ((low, size), town) = (self.ground(), &self.pair().scenario().town);
         html! {
@@ -35,12 +35,12 @@ impl EpisodeView<'_> {
         }
     }
 
-    /// How large the pedestrian is drawn (m): as large as it is, but large enough to be seen.
+    /// The drawn radius of the pedestrian (m): its true radius, but large enough to be visible.
     pub fn person_radius(&self) -> f64 {
         self.pair().body().radius.max(self.ground().1.x * 0.012)
     }
 
-    /// The ways of both from the first shown tick to this one.
+    /// The paths of both from the first shown tick to this one.
     pub fn draw_ways(&self, end: usize, opacity: f64) -> Markup {
         let way = |place: fn(&Frame) -> Point| {
             let shown = self.shown().take_while(|(tick, _)| *tick <= end);
@@ -59,13 +59,13 @@ impl EpisodeView<'_> {
         line([(eye.x, -eye.y), (person.x, -person.y)], 2)
     }
 
-    /// The line of sight: dashed, and pale where something blocks it.
+    /// The line of sight: dashed, and pale when an obstacle blocks it.
     pub fn draw_sight(&self, frame: &Frame) -> Markup {
         let class = if self.pair().in_sight(frame) { "sight" } else { "hidden" };
         html! { path class=(class) d=(self.line_of_sight(frame)) {} }
     }
 
-    /// Both where they are.
+    /// Both at their positions.
     pub fn draw_actors(&self, frame: &Frame) -> Markup {
         let (pose, place) = (&frame.ego.pose, frame.pedestrian.pose.position());
         let lamps = if frame.control.brake > BRAKING { "1" } else { "0" };
@@ -78,7 +78,7 @@ impl EpisodeView<'_> {
         }
     }
 
-    /// The car at the origin, looking along x, with the opacity of its brake lamps or what animates it.
+    /// The car at the origin, facing along x, with the opacity of its brake lamps or the animation of it.
     pub fn draw_car(&self, lamps: &str, animation: &Markup) -> Markup {
         let vehicle = self.pair().blueprint();
         let (length, width) = (vehicle.half_length, vehicle.half_width);

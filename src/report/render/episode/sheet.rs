@@ -22,7 +22,7 @@ const STYLE: &str = ".panel text{font-size:12px}.panel text.title{font-size:17px
 .car-line,.person-line{fill:none;stroke-width:2}.car-line{stroke:var(--car)}.person-line{stroke:var(--person)}\
 .braking{fill:var(--brake);fill-opacity:.13}.unseen{fill:var(--ink);fill-opacity:.18}";
 
-/// What every picture of an episode has: titles at the top, and the speeds of both over time below the scenes.
+/// The common parts of every picture of an episode: titles at the top, and the speeds of both over time below the scenes.
 pub struct Sheet<'a> {
     view: &'a EpisodeView<'a>,
     width: f64,
@@ -36,14 +36,14 @@ impl<'a> Sheet<'a> {
         Self { view, width: width + 2.0 * EDGE, speeds: (HEAD + height + ABOVE, speeds) }
     }
 
-    /// Where a tick is in the speeds (px).
+    /// The x of a tick in the speeds (px).
     pub fn across(&self, tick: usize) -> f64 {
         let (first, last) = self.view.span();
         let (left, width) = (EDGE + AXIS, self.width - 2.0 * EDGE - AXIS);
         left + width * (tick - first) as f64 / (last - first).max(1) as f64
     }
 
-    /// A dashed line across the speeds at a tick, with what animates it.
+    /// A dashed line across the speeds at a tick, with its animation.
     pub fn mark(&self, tick: usize, animation: &Markup) -> Markup {
         let (top, height) = self.speeds;
         html! { path.mark d={ "M" (px(self.across(tick))) " " (px(top)) "v" (px(height)) } { (animation) } }
@@ -68,7 +68,7 @@ impl<'a> Sheet<'a> {
         Document { title, view, width: self.width, style: STYLE }.with(&body)
     }
 
-    /// The speeds of both over time, when the driver braked, and when it could not see the pedestrian.
+    /// The speeds of both over time, the times of braking, and the times in which the driver could not see the pedestrian.
     fn draw_speeds(&self) -> Markup {
         let ((top, height), view) = (self.speeds, self.view);
         let fastest = view.shown().map(|(_, frame)| frame.ego.speed.max(frame.pedestrian.speed()));
@@ -91,7 +91,7 @@ impl<'a> Sheet<'a> {
         }
     }
 
-    /// A bar for every stretch of ticks for which something is true.
+    /// A bar for every interval of ticks in which a condition is true.
     fn bars(&self, class: &str, (top, height): (f64, f64), is_true: &dyn Fn(&Frame) -> bool) -> Markup {
         let last = self.view.span().1;
         let shown: Vec<(usize, bool)> = self.view.shown().map(|(tick, frame)| (tick, is_true(frame))).collect();

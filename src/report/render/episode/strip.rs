@@ -18,7 +18,7 @@ const SPEEDS: f64 = 110.0;
 
 /// Draws an episode as six frames from a little before the danger to the touch, with the speeds of both below.
 ///
-/// `title` and `subtitle` say which it is.
+/// `title` and `subtitle` name the episode.
 pub fn strip(scenario: &Scenario, trace: &Trace, verdict: Option<&Verdict>, title: &str, subtitle: &str) -> String {
     let view = EpisodeView::new(scenario, trace, verdict);
     let ((first, last), tall) = (view.span(), view.height(WIDE));

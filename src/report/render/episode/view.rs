@@ -4,12 +4,12 @@ use crate::env::{Frame, Pair, Scenario, Trace};
 use crate::geometry::{Point, Vector};
 use crate::judge::Verdict;
 
-/// What is shown before the danger starts, and of an episode without a collision around its least gap (s).
+/// Time shown before the start of the danger. In an episode without a collision: time around its least gap (s).
 const BEFORE: f64 = 1.5;
 /// The shortest and the longest part of an episode that is shown (s).
 const SHORTEST: f64 = 3.0;
 const LONGEST: f64 = 8.0;
-/// Ground around the actors (m), and the least that is shown of it.
+/// Margin of ground around the actors, and the least ground that is shown (m).
 const MARGIN: f64 = 5.0;
 const LEAST: f64 = 24.0;
 
@@ -18,13 +18,13 @@ pub struct EpisodeView<'a> {
     pair: Pair<'a>,
     frames: Vec<Frame>,
     ticks: RangeInclusive<usize>,
-    /// South-west corner and size of what is seen (m).
+    /// South-west corner and size of the visible ground (m).
     low: Point,
     size: Vector,
 }
 
 impl<'a> EpisodeView<'a> {
-    /// Chooses what is shown: from a little before the danger to the touch, or the time around the least gap.
+    /// Chooses the shown part: from a little before the danger to the touch, or the time around the least gap.
     pub fn new(scenario: &'a Scenario, trace: &'a Trace, verdict: Option<&Verdict>) -> Self {
         let (pair, dt) = (trace.main_pair(scenario), scenario.episode.tick);
         let frames: Vec<Frame> = pair.frames().collect();
@@ -83,7 +83,7 @@ impl<'a> EpisodeView<'a> {
         width * self.size.y / self.size.x
     }
 
-    /// South-west corner and size of what is seen (m).
+    /// South-west corner and size of the visible ground (m).
     pub fn ground(&self) -> (Point, Vector) {
         (self.low, self.size)
     }

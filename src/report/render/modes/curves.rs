@@ -3,7 +3,7 @@ use crate::report::render::svg::{Chart, Curve, Figure, SERIES, short, thousands}
 
 /// Draws the expected number of kinds of collisions over the number of episodes; none without any collision.
 ///
-/// As many cells as there are colours, those with the most kinds.
+/// It draws one cell for each available colour: those with the most kinds.
 pub fn accumulation_figure(cells: &[CellModes<'_>]) -> Option<Figure> {
     let mut shown: Vec<&CellModes<'_>> = cells.iter().filter(|cell| !cell.counts.is_empty()).collect();
     let all = shown.len();

@@ -6,7 +6,7 @@ use crate::geometry::Vector;
 use crate::report::failure_modes::{CellModes, Mode};
 use crate::report::render::svg::{Digits, Figure, Panel, line, px};
 
-/// Most modes that are drawn, the commonest.
+/// Most modes in the picture; the most frequent are drawn.
 const MOST: usize = 12;
 /// Panels in a row.
 const COLUMNS: usize = 4;
@@ -17,10 +17,10 @@ const WORDS: f64 = 34.0;
 const BEHIND: f64 = 7.0;
 /// Least and most ground shown ahead of it and to each side (m).
 const AHEAD: (f64, f64) = (7.0, 40.0);
-/// Share of the stations that is within the picture.
+/// Share of the stations that are within the picture.
 const SEEN: f64 = 0.97;
 
-/// Draws the commonest modes of a cell side by side: the ways of pedestrians in the frame of the car, which looks up the page.
+/// Draws the most frequent modes of a cell side by side: the paths of pedestrians in the frame of the car, which faces up the page.
 pub fn mode_panels(cell: &CellModes<'_>) -> Figure {
     let modes = &cell.modes[..cell.modes.len().min(MOST)];
     let scale = scale(modes);
@@ -51,7 +51,7 @@ pub fn mode_panels(cell: &CellModes<'_>) -> Figure {
     }
 }
 
-/// As many pixels a metre as let nearly all of the ways be seen; a few run out of the picture.
+/// The scale (px/m) at which nearly all paths are visible; a few leave the picture.
 fn scale(modes: &[Mode]) -> f64 {
     let stations = || modes.iter().flat_map(|mode| mode.medoid.iter().chain(&mode.others)).flat_map(|way| way.stations);
     let reach = |of: fn(Station) -> f64| {
@@ -73,7 +73,7 @@ fn panel(index: usize, mode: &Mode, car: Vector, scale: f64) -> Panel {
     };
     let speeds = if kind.moving { format!("{median:.1} m/s ({slow:.1} to {fast:.1}), ") } else { String::new() };
     let words = [format!("{kind}{cluster}"), format!("{speeds}{}", mode.example_name())];
-    // Long names shrink rather than run into the next panel.
+    // Long names shrink, so that they do not overlap the next panel.
     let size = |text: &str| Digits((PICTURE.0 / (text.chars().count() as f64 * 0.52)).min(11.0), 1);
     let middle = (PICTURE.0 / 2.0, PICTURE.1 - BEHIND * scale);
     let place = |station: &Station| (middle.0 - station.left * scale, middle.1 - station.ahead * scale);

@@ -6,7 +6,7 @@ pub fn percent(share: f64) -> String {
     format!("{:.0} %", 100.0 * share)
 }
 
-/// A name for the files of each cell, no longer than it takes to tell them apart.
+/// A file name for each cell, as short as is unique.
 pub fn file_names(cells: &[CellModes<'_>]) -> Vec<String> {
     let short = |CellModes { key, .. }: &CellModes<'_>| {
         format!("{}-{}-{}-{}", key.controller, key.reward, key.town, key.policy)

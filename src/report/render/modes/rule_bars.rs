@@ -13,7 +13,7 @@ const FULL: f64 = 560.0;
 const RULE: f64 = 40.0;
 const HEADING: f64 = 24.0;
 
-/// Draws what explains the failures of a cell: for each rule the rate among the episodes that it was not learnt from.
+/// Draws the explanation of a cell's failures: for each rule the rate among the held-out episodes.
 pub fn rule_bars(cell: &CellModes<'_>) -> Figure {
     Figure {
         title: cell.key.to_string(),

@@ -7,7 +7,7 @@ use crate::statistics::wilson;
 /// Modes of a cell that the summary names.
 const NAMED: usize = 3;
 
-/// The section on the kinds of failure and on what explains them; none without any collision.
+/// The section on the kinds of failure and their explanation; none without any collision.
 pub fn modes_section(cells: &[CellModes<'_>], names: &[String]) -> Option<Section> {
     if cells.iter().all(|cell| cell.modes.is_empty()) {
         return None;

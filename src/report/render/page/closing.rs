@@ -8,7 +8,7 @@ use crate::report::Manifest;
 use crate::report::render::summary::LEFT_OUT;
 use crate::report::render::table::{Column, Table, Value};
 
-/// The driving policies, the names of the scenario, and what the simulator leaves out.
+/// The driving policies, the names of the scenario, and the limits of the simulator.
 pub fn meaning(campaign: &Campaign) -> Markup {
     let documented = |name: &str| campaign.words.iter().find(|word| word.form == "policy" && word.name == name);
     let known = |name: &str| campaign.drivers.iter().any(|driver| driver.name == name);
@@ -45,7 +45,7 @@ pub fn meaning(campaign: &Campaign) -> Markup {
     }
 }
 
-/// The files of the report, and how it is made again.
+/// The files of the report, and the command that makes it again.
 pub fn data(manifest: &Manifest, files: &[String]) -> Markup {
     let there = WHAT.iter().filter(|(name, _)| files.iter().any(|file| file == name));
     let known = |file: &str| WHAT.iter().any(|(name, _)| *name == file);
@@ -102,7 +102,7 @@ fn quoted(word: &str) -> String {
     if !word.is_empty() && word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', "'\\''")) }
 }
 
-/// The files of a report that a reader may want.
+/// The files of a report that may interest a reader.
 const WHAT: [(&str, &str); 12] = [
     ("summary.md", "the tables of this page as text"),
     ("cells.csv", "one row for each cell"),

@@ -6,12 +6,12 @@ use crate::compile::Campaign;
 use crate::report::render::table::Section;
 use crate::report::{Cell, Manifest, PublishedComparison};
 
-/// All that a page shows.
+/// The data of a page.
 #[derive(Debug, Clone)]
 pub struct Contents<'a> {
-    /// What was planned.
+    /// The plan.
     pub campaign: &'a Campaign,
-    /// How it was run.
+    /// The manifest of the run.
     pub manifest: &'a Manifest,
     /// The cells.
     pub cells: &'a [Cell],
@@ -19,13 +19,13 @@ pub struct Contents<'a> {
     pub runs: &'a DataFrame,
     /// What was gathered of the episodes.
     pub tally: &'a Tally,
-    /// The trainings.
+    /// The counts of the episodes.
     pub trainings: &'a [TrainingResult],
     /// The kinds of collisions.
     pub modes: &'a [ModeCard],
     /// Tables that the summary has, too, each a section.
     pub sections: &'a [Section],
-    /// The published figures, as a table.
+    /// Tables that are also in the summary, each as a section.
     pub published_section: Option<Section>,
     /// The published figures, for the diamonds in the results.
     pub published: &'a [PublishedComparison<'a>],

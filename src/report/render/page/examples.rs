@@ -12,8 +12,8 @@ use crate::seed::Seed;
 /// Most kinds with a player.
 const PLAYERS: usize = 12;
 
-/// Puts the cards in the order of the page and repeats the examples of as many as it plays: trained pedestrians first,
-/// and of these the commonest kind of each cell, then the next of each.
+/// Puts the cards in the order of the page and repeats the examples of those with a player. Trained pedestrians come first: of these the
+/// most frequent kind of each cell, then the next of each.
 pub fn repeat_examples(cards: &mut [ModeCard], campaign: &Campaign, trainings: &[TrainingResult], seed: &Seed) {
     cards.sort_by_key(|card| std::cmp::Reverse(card.failures));
     let mut seen: BTreeMap<(String, String), usize> = BTreeMap::new();
@@ -35,7 +35,7 @@ pub fn repeat_examples(cards: &mut [ModeCard], campaign: &Campaign, trainings: &
     }
 }
 
-/// Repeats an episode for the player; none when its pedestrian was never trained.
+/// Repeats an episode for the player; none when its pedestrian was not trained.
 fn repeat(
     campaign: &Campaign,
     trainings: &[TrainingResult],

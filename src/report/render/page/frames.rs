@@ -6,14 +6,14 @@ use crate::report::render::town::Surface;
 
 /// Width and height of a frame.
 const SIZE: (f64, f64) = (176.0, 150.0);
-/// How many frames an episode has.
+/// Number of frames of an episode.
 const FRAMES: usize = 5;
 /// Least ground that a frame shows (m).
 const LEAST: f64 = 22.0;
 
-/// An episode as a strip of still pictures from above, the last at the touch: for print, and for readers without scripts.
+/// An episode as a strip of still pictures from above, the last at the touch. It is for print, and for readers without scripts.
 ///
-/// `id` names the ground, once in a page.
+/// `id` names the ground, and is unique in a page.
 pub fn frames(replay: &Replay, id: &str) -> Markup {
     let first = first_tick(replay);
     let span = replay.end() - first;
@@ -40,7 +40,7 @@ pub fn frames(replay: &Replay, id: &str) -> Markup {
                     svg.panel viewBox={ "0 0 " (SIZE.0) " " (SIZE.1) } aria-hidden="true" {
                         rect.ground width=(SIZE.0) height=(SIZE.1) {}
                         g transform=(ground_place) {
-                            // The ground is drawn once and shown again.
+                            // The ground is drawn once and reused.
                             @if place == 0 { (ground(replay, id)) } @else { use href={ "#" (id) } {} }
                             (actors(replay, first, tick))
                         }
@@ -56,7 +56,7 @@ pub fn frames(replay: &Replay, id: &str) -> Markup {
     }
 }
 
-/// Where the strip starts: two seconds before the danger, or ten before the end.
+/// The first frame of the strip: 2 s before the danger, or 10 s before the end.
 fn first_tick(replay: &Replay) -> usize {
     let ticks = |seconds: f64| (seconds / replay.dt) as usize;
     let before = replay.danger.map_or(replay.end().saturating_sub(ticks(10.0)), |tick| tick.saturating_sub(ticks(1.0)));

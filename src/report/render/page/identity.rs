@@ -7,14 +7,14 @@ use crate::record::{CellKey, metric};
 use crate::report::Cell;
 use crate::statistics::Weighted;
 
-/// A cell with what it is called on the page.
+/// A cell with its name on the page.
 #[derive(Debug, Clone)]
 pub struct Named<'a> {
     /// The cell.
     pub cell: &'a Cell,
-    /// The controller, with what tells it from the others.
+    /// The controller, with what distinguishes it from the others.
     pub who: String,
-    /// Where and against whom.
+    /// The place and the driver.
     pub place: String,
     /// Number of the colour of the controller: the same in all figures.
     pub colour: usize,
@@ -22,7 +22,7 @@ pub struct Named<'a> {
 
 /// Names the cells of a page and gives controllers their colours.
 ///
-/// An untrained controller does the same for every reward, so only its first row is kept: the others differ in the reward only.
+/// An untrained controller behaves the same for every reward. So only its first row is shown; the others differ only in the reward.
 pub fn named(cells: &[Cell]) -> Vec<Named<'_>> {
     let trainings = cells.iter().filter(|cell| cell.key.is_trained());
     let several = trainings.clone().any(|cell| trainings.clone().any(|other| training(other) != training(cell)));
@@ -71,10 +71,10 @@ pub fn places<'a, 'b>(cells: &'b [Named<'a>]) -> Vec<(&'b str, Vec<&'b Named<'a>
     all
 }
 
-/// The rates that a row of results shows: each is of all episodes.
+/// The rates in a row of results; each is a share of all episodes.
 pub const RATES: [metric::Rate; 3] = [metric::COLLISION_RATE, metric::MOVING_RATE, metric::PREVENTABLE_RATE];
 
-/// What the runs of a cell say, for each of [`RATES`].
+/// The rates of the runs of a cell, for each of [`RATES`].
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct RunRates {
     /// Episodes of all runs.

@@ -5,7 +5,7 @@ use crate::rl::UpdateLog;
 /// The points of a training's curve.
 type Points = Vec<(f64, f64)>;
 
-/// Most points of a curve, about.
+/// Approximate largest number of points of a curve.
 const POINTS: usize = 160;
 
 /// The learning curves: mean reward and mean length of episodes over the decisions of a training.
@@ -76,7 +76,7 @@ fn figure(
     })
 }
 
-/// The mean over curves where all have a value, and one standard deviation about it.
+/// The mean over curves where all have a value, and one standard deviation around it.
 fn mean(curves: &[Points]) -> Curve {
     let mut mean = Curve::default();
     for (x, _) in &curves[0] {

@@ -14,7 +14,7 @@ use super::verdicts::verdicts;
 use crate::report::render::summary::{INCOMPLETE, SMOKE};
 use crate::report::render::svg::{FIGURE_CSS, Figure, properties};
 
-/// A page with the figures on it, for those who want them as files.
+/// A page with its figures, for callers that also want them as files.
 #[derive(Debug, Clone)]
 pub struct Page {
     /// The page.
@@ -134,7 +134,7 @@ fn head(contents: &Contents<'_>) -> Markup {
     }
 }
 
-/// A few numbers that say what there is.
+/// A few key numbers.
 fn key_numbers(contents: &Contents<'_>, cells: &[Named<'_>]) -> Markup {
     let mut tiles: Vec<(String, String)> = Vec::new();
     let episodes: u64 = contents.cells.iter().map(|cell| u64::from(cell.episodes)).sum();

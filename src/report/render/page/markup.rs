@@ -1,13 +1,13 @@
 use maud::{Markup, html};
 use serde::Serialize;
 
-/// JSON for the inside of `<script type="application/json">`: no text of it ends the element or starts a comment.
+/// JSON for the content of `<script type="application/json">`: no text in it ends the element or starts a comment.
 pub fn json(value: &impl Serialize) -> String {
     let text = serde_json::to_string(value).expect("structs of strings and numbers have a form in JSON");
     text.replace('<', "\\u003c").replace('>', "\\u003e").replace('&', "\\u0026")
 }
 
-/// A paragraph or a list of Markdown as the program writes it, with code, stress and emphasis.
+/// A paragraph or a list in the program's Markdown, with code, stress and emphasis.
 pub fn paragraph(text: &str) -> Markup {
     html! {
         @if text.starts_with("- ") {
@@ -18,7 +18,7 @@ pub fn paragraph(text: &str) -> Markup {
     }
 }
 
-/// A text with the marks of Markdown within a line: `` `code` ``, `**stress**`, `*emphasis*`. What is not closed stays as it is.
+/// A text with inline Markdown: `` `code` ``, `**stress**`, `*emphasis*`. Marks that are not closed stay as they are.
 pub fn prose(text: &str) -> Markup {
     let marked = [("`", 0), ("**", 1), ("*", 2)].into_iter().filter_map(|(mark, kind)| {
         let from = text.find(mark)?;
@@ -41,13 +41,13 @@ pub fn prose(text: &str) -> Markup {
     }
 }
 
-/// A name that can be a part of an `id` or a file's name: letters and digits stay, all else is a dash and a number.
+/// A name that can be a part of an `id` or a file name: letters and digits stay; every other character becomes a dash and a number.
 pub fn slug(text: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     text.chars().map(|c| if plain(c) { c.to_string() } else { format!("-{:x}", u32::from(c)) }).collect()
 }
 
-/// A share as a percentage: whole, but for small ones.
+/// A share as a percentage: a whole number, except for small shares.
 pub fn percent(share: f64) -> String {
     let hundred = share * 100.0;
     if hundred > 0.0 && hundred < 9.95 { format!("{hundred:.1}\u{a0}%") } else { format!("{hundred:.0}\u{a0}%") }

@@ -1,8 +1,8 @@
-//! The page of a report: one file of HTML that needs no other, no network and no server.
+//! The page of a report: one self-contained HTML file, without network or server.
 //!
-//! [`page`] is a function of what [`Contents`] holds: small tables, a [`Tally`] that is gathered run by run, and the examples
-//! of failures as [`Replay`]s. Every figure is made once: the page colours it as the reader's system is set, its file in
-//! fixed colours. Names of a scenario may hold anything; maud escapes them in HTML and SVG, [`json`](markup::json) in JSON.
+//! [`page`] is a function of [`Contents`]: small tables, a [`Tally`] that is gathered run by run, and the examples of failures as
+//! [`Replay`]s. Every figure is made once. The page colours it by the reader's system setting; its file has fixed colours. Names of a
+//! scenario may contain any character; maud escapes them in HTML and SVG, [`json`](markup::json) in JSON.
 
 mod markup;
 mod identity;

@@ -8,33 +8,33 @@ use crate::report::render::table::{Column, Table, Value};
 /// A kind of collision, with an example that can be played.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ModeCard {
-    /// Where and against whom.
+    /// The place and the driver.
     pub place: String,
     /// The controller.
     pub who: String,
-    /// What kind it is, as a title.
+    /// The kind, as a title.
     pub title: String,
     /// More about it, in a sentence or two.
     pub about: String,
-    /// Whether the controller was trained: these come first.
+    /// Whether the controller was trained; trained ones come first.
     pub trained: bool,
     /// Name of the verdict.
     pub verdict: &'static str,
-    /// How many collisions are of this kind.
+    /// The number of collisions of this kind.
     pub failures: usize,
     /// Share of the collisions of the cell.
     pub share: f64,
-    /// How fast the car usually was (m/s).
+    /// Usual speed of the car (m/s).
     pub impact_speed: f64,
-    /// After how long it usually happens (s).
+    /// Usual time of the collision (s).
     pub length: f64,
     /// Name of the example, `RUN:EPISODE`.
     pub example: String,
-    /// The example; none where it was not repeated.
+    /// The example; none when it was not repeated.
     pub replay: Option<Replay>,
 }
 
-/// Cards that are seen at once; the others are folded away.
+/// Number of cards that are visible at once; the others are folded.
 const SHOWN: usize = 6;
 
 /// The kinds of collisions: a card with a player for those that were repeated, a table of all.
@@ -100,7 +100,7 @@ fn card(number: usize, card: &ModeCard, replay: &Replay) -> Markup {
     }
 }
 
-/// Which reference drivers would have avoided it, in a line.
+/// The reference drivers that would have avoided it, in a line.
 fn reference_drivers(replay: &Replay) -> Markup {
     html! {
         @if !replay.drivers.is_empty() {

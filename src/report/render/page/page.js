@@ -1,5 +1,5 @@
 "use strict";
-// The reader's choice of light or dark, kept for this page alone: a file has no place to remember it.
+// The reader's choice of light or dark. It lasts while this page is open, since a file has no place to store it.
 (() => {
   const root = document.documentElement, button = document.getElementById("theme");
   root.classList.add("js");

@@ -1,10 +1,10 @@
-// Plays an episode from above. Places are centimetres, angles milliradians; y points north, so the canvas is turned over.
+// Plays an episode from above. Positions are in centimetres, angles in milliradians. y points north, so the canvas is flipped.
 class Player {
   constructor(host, data) {
     this.host = host;
     this.data = data;
     this.end = data.ego.length - 1;
-    // What comes long before the danger is dull: it begins two seconds earlier, and the scrub bar reaches all.
+    // Playback starts 2 s before the danger; the scrub bar reaches the whole episode.
     const dull = Math.round(2 / data.dt);
     this.tick = data.danger === null ? 0 : Math.max(0, data.danger - dull);
     this.rate = 1;
@@ -115,7 +115,7 @@ class Player {
     this.draw(exact);
   }
 
-  // A state between two ticks; an angle takes the short way round.
+  // A state between two ticks; an angle is interpolated the short way round.
   between(states, exact) {
     const from = Math.max(0, Math.min(this.end, Math.floor(exact))), share = Math.max(0, Math.min(this.end, exact)) - from;
     const a = states[from], b = states[Math.min(this.end, from + 1)];
@@ -127,7 +127,7 @@ class Player {
 
   seen(tick) { return this.data.sight.filter((change) => change <= tick).length % 2 === 1; }
 
-  // Sets a canvas to the pixels of the screen and hands out its context in those of the page.
+  // Sets a canvas to the pixels of the screen and returns its context in those of the page.
   paper(canvas) {
     const box = canvas.getBoundingClientRect(), ratio = devicePixelRatio || 1;
     const width = Math.round(box.width * ratio), height = Math.round(box.height * ratio);
@@ -225,7 +225,7 @@ class Player {
   }
 
   drawPerson(c, person, scale) {
-    // A disc of a quarter of a metre would hardly be seen, so a ring is about it that is.
+    // A disc of 0.25 m would hardly be visible, so a visible pedestrian has a ring.
     const size = Math.max(this.data.radius / 100, 5 / scale);
     c.save();
     c.translate(person.x, person.y);

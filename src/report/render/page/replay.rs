@@ -5,21 +5,21 @@ use crate::env::{Ending, Frame, Outcome, Scenario, Trace};
 use crate::geometry::{Point, Pose};
 use crate::judge::{Label, Reference, Verdict};
 
-/// Scenery is shown as far from the way of car and pedestrian (m).
+/// Scenery is shown up to this distance from the paths of car and pedestrian (m).
 const AROUND: f64 = 40.0;
 
-/// An episode as the player shows it: whole numbers about a place of its own, so that hundreds of ticks stay small.
+/// An episode in the format of the player: integers relative to an origin, so that hundreds of ticks stay small.
 ///
-/// Places are centimetres east and north of `origin`, angles milliradians, speeds cm/s, pedals hundredths.
+/// Positions are in centimetres east and north of `origin`, angles in milliradians, speeds in cm/s, pedals in hundredths.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Replay {
-    /// Where the numbers count from (m).
+    /// The origin of the coordinates (m).
     pub origin: [f64; 2],
     /// Length of a tick (s).
     pub dt: f64,
-    /// Half length and half width of the car.
+    /// Half length and half width of the car (cm).
     pub car: [i64; 2],
-    /// Radius of the pedestrian.
+    /// Radius of the pedestrian (cm).
     pub radius: i64,
     /// Polygons of the scenery, from the ground up: number of the [`Surface`], then x and y of each corner, in decimetres.
     pub scenery: Vec<Vec<i64>>,
@@ -27,7 +27,7 @@ pub struct Replay {
     pub ego: Vec<[i64; 4]>,
     /// The pedestrian at each tick: x, y, yaw, speed.
     pub person: Vec<[i64; 4]>,
-    /// What the driver was doing: from which tick on, and its name.
+    /// The driver's actions: first tick, and name.
     pub modes: Vec<(usize, &'static str)>,
     /// Brake of each tick.
     pub brake: Vec<i64>,
@@ -35,18 +35,18 @@ pub struct Replay {
     pub throttle: Vec<i64>,
     /// Ticks at which the pedestrian comes into sight or is lost from it; before the first it is hidden.
     pub sight: Vec<usize>,
-    /// Tick at which the danger began; none without a collision.
+    /// Tick at which the danger started; none without a collision.
     pub danger: Option<usize>,
     /// Name of the verdict.
     pub verdict: Option<&'static str>,
-    /// What the reference drivers make of it: name, and the speed at which they hit (m/s), none when they avoid it.
+    /// The results of the reference drivers: name, and impact speed (m/s), none when they avoid it.
     pub drivers: Vec<(&'static str, Option<f64>)>,
     /// Whether it ends in a touch.
     pub touch: bool,
 }
 
 impl Replay {
-    /// Takes from an episode what the player shows.
+    /// Converts an episode to the player's format.
     pub fn new(
         scenario: &Scenario,
         scenery: &Scenery,
@@ -87,7 +87,7 @@ impl Replay {
             }
         }
         let touch = matches!(outcome.ending, Ending::Collision { .. });
-        // The touch is within the last tick, the danger began so long before it.
+        // The touch is within the last tick. The danger started this time before it.
         let ticks = |verdict: &Verdict| (verdict.warning / scenario.episode.tick).ceil() as usize;
         Self {
             origin: [origin.x, origin.y],
@@ -116,13 +116,13 @@ impl Replay {
         self.ego.len().saturating_sub(1)
     }
 
-    /// What the driver was doing at a tick.
+    /// The driver's action at a tick.
     pub fn mode(&self, tick: usize) -> &'static str {
         self.modes.iter().rev().find(|(from, _)| *from <= tick).map_or("", |(_, name)| name)
     }
 }
 
-/// What a verdict says, for people.
+/// A verdict in words, for people.
 pub fn verdict_text(label: Label) -> &'static str {
     match label {
         Label::Preventable => "preventable",
@@ -134,7 +134,7 @@ pub fn verdict_text(label: Label) -> &'static str {
     }
 }
 
-/// The same by its name in tables.
+/// The same, by the verdict's name in tables.
 pub fn verdict_named(name: &str) -> &'static str {
     Label::ALL.into_iter().find(|label| label.name() == name).map_or("", verdict_text)
 }

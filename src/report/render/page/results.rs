@@ -16,7 +16,7 @@ const SIZE: (f64, f64) = (136.0, 26.0);
 /// Its margin at both ends.
 const END: f64 = 6.0;
 
-/// The cells as a figure in the form of a table: for each the rates with their intervals, and every run.
+/// The cells as a figure in the form of a table: for each cell the rates with their intervals, and every run.
 pub fn results(contents: &Contents<'_>, cells: &[Named<'_>], rates: &BTreeMap<CellKey, RunRates>) -> Markup {
     let empty = RunRates::default();
     html! {

@@ -6,7 +6,7 @@ use crate::report::render::svg::{Chart, Curve, Figure, short};
 /// Times of near misses are shown up to this (s).
 const HORIZON: f64 = 5.0;
 
-/// How many episodes end in an impact at a speed or above; none when no moving car was hit.
+/// The share of episodes that end in an impact at a speed or above; none when no moving car was hit.
 pub fn severity(tally: &Tally, cells: &[Named<'_>]) -> Option<Figure> {
     let figure = Distribution {
         name: "figure-impact-speed",
@@ -19,7 +19,7 @@ pub fn severity(tally: &Tally, cells: &[Named<'_>]) -> Option<Figure> {
     figure.draw(tally, cells)
 }
 
-/// How near episodes without a collision came to one; none where the table of episodes does not say.
+/// How near episodes without a collision came to one; none when the table of episodes has no such columns.
 pub fn near_misses(tally: &Tally, cells: &[Named<'_>]) -> Vec<Figure> {
     let time = Distribution {
         name: "figure-near-ttc",
@@ -40,12 +40,12 @@ pub fn near_misses(tally: &Tally, cells: &[Named<'_>]) -> Vec<Figure> {
     [time, lag].iter().filter_map(|figure| figure.draw(tally, cells)).collect()
 }
 
-/// A figure of how a quantity is spread, one curve for each cell.
+/// A figure of the distribution of a quantity, one curve for each cell.
 struct Distribution {
     name: &'static str,
     title: &'static str,
     x_label: &'static str,
-    /// A value of the quantity, and the predicate of the episodes that reach it.
+    /// A value of the quantity, and the words for the episodes that reach it.
     example: (f64, &'static str),
     /// Values above are not shown.
     horizon: f64,
@@ -88,7 +88,7 @@ impl Distribution {
                 shares.push(format!("{} {}", named.who, percent(there.map_or(0.0, |point| point.1))));
                 drawn.push(Curve { colour: named.colour, thin: false, points, band: Vec::new() });
             }
-            // The first of the table is on top.
+            // The first cell of the table is on top.
             drawn.reverse();
             chart.panel(
                 place.to_string(),

@@ -13,11 +13,11 @@ use crate::report::render::town::{Scenery, Surface};
 
 /// Width of a panel.
 const WIDTH: f64 = 286.0;
-/// Most panels; the rest is in the towns' own pictures.
+/// Most panels; the pictures of the towns show the rest.
 const PANELS: usize = 12;
 /// Ground shown around the outermost start (m).
 const MARGIN: f64 = 8.0;
-/// Most squares across a town.
+/// Most squares along an edge of a town.
 const ACROSS: f64 = 56.0;
 /// Least number of episodes of a bin that is drawn at its full size.
 const FULL: u32 = 5;
@@ -30,7 +30,7 @@ struct Group<'a> {
     around: Bins,
 }
 
-/// Where trained pedestrians started and how often they hit a moving car from there: over the towns, and about the car.
+/// The starts of trained pedestrians, and how often they hit a moving car from there: over the towns, and around the car.
 pub fn spawns(tally: &Tally, cells: &[Named<'_>], towns: &[NamedTown]) -> Vec<Figure> {
     let mut groups: Vec<Group<'_>> = Vec::new();
     for named in cells.iter().filter(|named| named.cell.key.controller == "trained") {
@@ -79,7 +79,7 @@ pub fn spawns(tally: &Tally, cells: &[Named<'_>], towns: &[NamedTown]) -> Vec<Fi
     vec![around, over]
 }
 
-/// The part of the legend that a rate belongs to: only what never hit is the first.
+/// The class in the legend of a rate: the first class has only bins without a hit.
 fn level(bin: Bin) -> usize {
     if bin.moving == 0 {
         0
@@ -88,7 +88,7 @@ fn level(bin: Bin) -> usize {
     }
 }
 
-/// Squares of an edge: the fewer episodes, the smaller; those with the highest rates on top.
+/// Squares with an edge. Bins with fewer episodes are smaller; those with the highest rates are on top.
 fn squares(bins: &Bins, edge: f64, place: impl Fn(f64, f64) -> (f64, f64)) -> Markup {
     let mut by_level: BTreeMap<usize, String> = BTreeMap::new();
     for ((column, row), bin) in bins {
@@ -101,14 +101,14 @@ fn squares(bins: &Bins, edge: f64, place: impl Fn(f64, f64) -> (f64, f64)) -> Ma
     html! { @for (level, path) in &by_level { path class={ "h" (level) } d=(path) {} } }
 }
 
-/// What a map shows, for readers who do not see it.
+/// The text of a map, for readers who do not see it.
 fn says(bins: &Bins) -> String {
     let mut all = Bin::default();
     bins.values().for_each(|bin| all.merge(*bin));
     format!("{} episodes from {} places; {} hit a moving car.", all.episodes, bins.len(), all.moving)
 }
 
-/// What all surroundings show of the ground ahead of the car, behind it and on either side (m).
+/// The ground that all surroundings show ahead of the car, behind it and on either side (m).
 #[derive(Debug, Clone, Copy)]
 struct Reach {
     front: f64,
@@ -129,7 +129,7 @@ impl Reach {
     }
 }
 
-/// The surroundings of the car, which drives upwards.
+/// The surroundings of the car, which faces up.
 fn around(title: &str, bins: &Bins, reach: Reach) -> Panel {
     let scale = WIDTH / (2.0 * reach.side);
     let height = (reach.front + reach.back) * scale;
@@ -150,7 +150,7 @@ fn around(title: &str, bins: &Bins, reach: Reach) -> Panel {
     Panel { title: title.into(), says: says(bins), size: (WIDTH, height), body }
 }
 
-/// The same bins, with larger squares: `times` on an edge become one.
+/// The same bins with larger squares: `times` squares along an edge become one.
 fn coarser(bins: &Bins, times: i32) -> Bins {
     let mut all = Bins::new();
     bins.iter()
@@ -158,7 +158,7 @@ fn coarser(bins: &Bins, times: i32) -> Bins {
     all
 }
 
-/// The towns with the starts on them. Every town is drawn once.
+/// The towns with their starts. Every town is drawn once.
 fn over_towns(groups: &[Group<'_>]) -> (Markup, Vec<Panel>) {
     let mut views: BTreeMap<&str, (Point, Point)> = BTreeMap::new();
     for group in groups {

@@ -4,19 +4,19 @@ use polars::prelude::{DataFrame, PolarsResult};
 
 use crate::record::{CellKey, EpisodeTable};
 
-/// Edge of a bin about the car (m).
+/// Edge of a bin around the car (m).
 pub const NEAR: f64 = 2.0;
 /// Edge of a bin in a town (m).
 pub const FAR: f64 = 3.0;
 /// Width of a bin of speeds (m/s), and of times (s).
 const STEP: f64 = 0.25;
 
-/// Episodes that began in one place.
+/// The episodes that started in one place.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Bin {
-    /// How many.
+    /// Their number.
     pub episodes: u32,
-    /// How many of them hit a moving car.
+    /// The number of them that hit a moving car.
     pub moving: u32,
 }
 
@@ -26,7 +26,7 @@ impl Bin {
         self.moving += u32::from(moving);
     }
 
-    /// Adds what another bin holds.
+    /// Adds the counts of another bin.
     pub fn merge(&mut self, other: Self) {
         self.episodes += other.episodes;
         self.moving += other.moving;
@@ -36,7 +36,7 @@ impl Bin {
 /// Bins by their column and row.
 pub type Bins = BTreeMap<(i32, i32), Bin>;
 
-/// How many values lie in each bin of a quarter, from 0 on.
+/// The number of values in each bin; a bin is a quarter wide, the first starts at 0.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Histogram {
     /// The counts.
@@ -52,7 +52,7 @@ impl Histogram {
         self.counts[slot] += 1;
     }
 
-    /// For the lower end of every bin, and the end of the last: how many values are at least that, as shares of `whole`.
+    /// The share of values of at least x, relative to `whole`, for x at the lower end of every bin and at the end of the last.
     pub fn at_least(&self, whole: u32) -> Vec<(f64, f64)> {
         let mut left: u32 = self.counts.iter().sum();
         let mut curve = vec![(0.0, share(left, whole))];
@@ -63,7 +63,7 @@ impl Histogram {
         curve
     }
 
-    /// The same for how many are below.
+    /// The same for values below x.
     pub fn below(&self, whole: u32) -> Vec<(f64, f64)> {
         let all: u32 = self.counts.iter().sum();
         self.at_least(whole).into_iter().map(|(value, rest)| (value, share(all, whole) - rest)).collect()
@@ -74,26 +74,26 @@ fn share(part: u32, whole: u32) -> f64 {
     f64::from(part) / f64::from(whole.max(1))
 }
 
-/// What the page needs of the episodes of a cell, in memory that does not grow with their number.
+/// The data of the page on the episodes of a cell, in memory that does not grow with their number.
 #[derive(Debug, Clone, Default)]
 pub struct CellTally {
-    /// Which cell.
+    /// The key of the cell.
     pub key: CellKey,
-    /// Episodes in which the driver drove to the end.
+    /// Episodes that the driver drove to their end.
     pub episodes: u32,
-    /// Where the pedestrian began in the town.
+    /// The pedestrian's starts in the town.
     pub town: Bins,
-    /// Where it began as the car sees it: ahead and to the left.
+    /// The pedestrian's starts relative to the car: ahead and to the left.
     pub around: Bins,
-    /// Collisions with a moving car by the car's speed (m/s).
+    /// Collisions with a moving car, by the car's speed (m/s).
     pub speeds: Histogram,
-    /// Episodes without a collision by their least time to collision (s), where the table has it.
+    /// Episodes without a collision by their least time to collision (s), if the table has it.
     pub times: Histogram,
-    /// Episodes without a collision by their post-encroachment time (s), where the table has it.
+    /// Episodes without a collision by their post-encroachment time (s), if the table has it.
     pub lags: Histogram,
 }
 
-/// Gathers what the page shows of episodes, run by run.
+/// Gathers the page's data on episodes, run by run.
 #[derive(Debug, Clone, Default)]
 pub struct Tally {
     /// The cells, in order of appearance.
@@ -101,7 +101,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Adds the episodes of one run: rows of the table `episodes` that differ in nothing that tells runs apart.
+    /// Adds the episodes of one run: rows of the table `episodes` with the same key.
     ///
     /// # Errors
     /// Those of polars; none for a table made by `episodes`.

@@ -6,7 +6,7 @@ use super::replay::verdict_text;
 use crate::judge::Label;
 use crate::report::render::svg::{Figure, Panel, px};
 
-/// Width of a panel; where bars start and end in it.
+/// Width of a panel, and the start and the end of its bars.
 const WIDTH: f64 = 286.0;
 const BAR: (f64, f64) = (98.0, 236.0);
 /// Height of a row.
@@ -30,7 +30,7 @@ pub fn verdicts(cells: &[Named<'_>]) -> Option<Figure> {
     })
 }
 
-/// A piece of a bar.
+/// A segment of a bar.
 struct Piece {
     class: usize,
     left: f64,

@@ -53,7 +53,7 @@ pub fn write_page(
     folder.file("report.html", page.html.as_bytes())
 }
 
-/// The card of a mode; none for cells that have no row on the page.
+/// The card of a mode; none for cells without a row on the page.
 fn card(key: &CellKey, mode: &Mode, names: &[Named<'_>]) -> Option<ModeCard> {
     let named = names.iter().find(|named| named.cell.key == *key)?;
     let example = mode.example_name();

@@ -1,7 +1,7 @@
 use crate::report::render::table::{Column, Section, Table, Value};
 use crate::report::{Comparison, Evidence, Test};
 
-/// Controllers that met the same starts; none without any pair.
+/// Comparisons of controllers with the same starts; none without any pair.
 pub fn comparisons(evidence: &Evidence) -> Option<Section> {
     if evidence.comparisons.is_empty() {
         return None;
@@ -18,7 +18,7 @@ pub fn comparisons(evidence: &Evidence) -> Option<Section> {
             Value::Difference(Some(found.difference), found.student.or(Some(found.bootstrap))),
             Value::Text(probability(found)),
         ];
-        // The rates of a pair follow each other.
+        // The rates of a pair are consecutive.
         match rows.last_mut().filter(|row| row.starts_with(&names) && row.len() < columns) {
             Some(row) => row.extend(difference),
             None => rows.push(names.into_iter().chain(difference).collect()),

@@ -2,10 +2,10 @@ use super::names::{head, names};
 use crate::report::render::table::{Column, Section, Table, Value};
 use crate::report::{Cell, CellEvidence, Figure};
 
-/// Of 100 campaigns with two, three and four trainings, those whose bootstrap interval holds the true mean.
+/// Of 100 campaigns with two, three and four trainings: those whose bootstrap interval contains the true mean.
 const HELD: [u32; 3] = [50, 75, 80];
 
-/// The collision rate of each training; none where no controller was trained and each has one run.
+/// The collision rate of each training; none when no controller was trained and each has one run.
 pub fn further_trainings(cells: &[Cell], evidence: &[(&Cell, &CellEvidence)]) -> Option<Section> {
     if cells.iter().all(|cell| !cell.key.is_trained() && cell.runs == 1) {
         return None;

@@ -34,7 +34,7 @@ pub fn searches_for_terminal(cells: &[SearchCell]) -> String {
     search_section(cells).tables.iter().map(Table::to_terminal).collect()
 }
 
-/// What the numbers of cells allow to conclude, one section each.
+/// The conclusions from the cells, one section each.
 pub fn conclusions(cells: &[Cell], evidence: &Evidence) -> Vec<Section> {
     let both: Vec<_> = cells.iter().zip(&evidence.cells).collect();
     let all = [

@@ -8,7 +8,7 @@ pub fn head() -> Vec<Column> {
     ["controller", "reward", "trained in, against", "town", "policy"].map(Column::text).into()
 }
 
-/// The values that name a cell among others.
+/// The values that name a cell.
 pub fn names(cell: &Cell, cells: &[Cell]) -> Vec<Value> {
     vec![
         Value::from(&cell.key.controller),
@@ -28,7 +28,7 @@ pub fn training(cell: &Cell) -> String {
     }
 }
 
-/// The town of a cell, with what else differs between the cells: vehicle, adversary, `evaluate` block.
+/// The town of a cell, with all else that differs between the cells: vehicle, adversary, `evaluate` block.
 pub fn place(cell: &Cell, cells: &[Cell]) -> String {
     let mut text = cell.key.town.clone();
     if cells.iter().any(|other| other.key.vehicle != cell.key.vehicle) {

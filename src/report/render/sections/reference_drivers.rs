@@ -4,7 +4,7 @@ use crate::report::render::table::{Column, Section, Table, Value};
 use crate::report::{Cell, CellEvidence};
 use crate::statistics::{Weighted, wilson};
 
-/// Collision rates with reference drivers at the brake; none without any collision.
+/// Collision rates if reference drivers controlled the brake; none without any collision.
 pub fn reference_drivers(cells: &[Cell], evidence: &[(&Cell, &CellEvidence)]) -> Option<Section> {
     if evidence.iter().all(|(_, found)| found.collisions.count() == 0) {
         return None;

@@ -12,7 +12,7 @@ pub fn results(cells: &[Cell]) -> Table {
     if has_errors {
         columns.push(Column::number("errors"));
     }
-    // Means with a spread are on the left, so that the means are below each other.
+    // Means with a spread are left-aligned, so that the means are below each other.
     columns.extend([
         Column::text("collision rate"),
         Column::text("95 % of episodes").detail(),
@@ -53,7 +53,7 @@ pub fn results(cells: &[Cell]) -> Table {
     }
 }
 
-/// In how many episodes a driver failed as a program, in Markdown; empty without any.
+/// The number of episodes in which a driver failed as a program, in Markdown; empty without any.
 pub fn errors(cells: &[Cell]) -> String {
     let failed: u32 = cells.iter().map(|cell| cell.errors).sum();
     if failed == 0 {

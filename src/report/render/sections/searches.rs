@@ -1,10 +1,10 @@
 use crate::report::render::table::{Column, Section, Table, Value};
 use crate::report::{Average, MedianTime, SearchCell};
 
-/// The falsifiers, compared.
+/// The comparison of falsifiers.
 pub fn search_section(cells: &[SearchCell]) -> Section {
     let mut head: Vec<Column> = ["falsifier", "town", "policy"].map(Column::text).into();
-    // Estimates are on the left, so that their numbers are below each other.
+    // Estimates are left-aligned, so that their numbers are below each other.
     head.extend([
         Column::number("runs × ticks"),
         Column::number("found in"),

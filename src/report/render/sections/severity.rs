@@ -2,7 +2,7 @@ use super::names::{head, names};
 use crate::report::render::table::{Column, Section, Table, Value};
 use crate::report::{Cell, CellEvidence, Quantiles};
 
-/// Speeds of impacts, and near misses.
+/// Impact speeds and near misses.
 pub fn severity(cells: &[Cell], evidence: &[(&Cell, &CellEvidence)]) -> Option<Section> {
     let mut columns = head();
     for quantity in

@@ -4,7 +4,7 @@ use crate::report::Spread;
 use crate::report::render::table::{Column, Section, Table, Value};
 use crate::rl::UpdateLog;
 
-/// How each training ended; none without any.
+/// The end of each training; none without any.
 pub fn trainings_section(trainings: &[TrainingResult]) -> Option<Section> {
     if trainings.is_empty() {
         return None;
@@ -47,7 +47,7 @@ pub fn trainings_section(trainings: &[TrainingResult]) -> Option<Section> {
     })
 }
 
-/// Trainings that differ in their runs only, in the order of the first.
+/// Trainings that differ only in their runs, in the order of the first.
 fn groups(trainings: &[TrainingResult]) -> Vec<(&TrainingKey, Vec<&TrainingResult>)> {
     let mut groups: Vec<(&TrainingKey, Vec<&TrainingResult>)> = Vec::new();
     for training in trainings {

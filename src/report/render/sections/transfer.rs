@@ -1,7 +1,7 @@
 use crate::report::render::table::{Column, Section, Table, Value};
 use crate::report::{Change, Evidence, Transfer};
 
-/// The loss in another town or against another driver; none where no controller was evaluated elsewhere.
+/// The loss in another town or against another driver; none when no controller was evaluated elsewhere.
 pub fn transfer(evidence: &Evidence) -> Option<Section> {
     if evidence.transfers.is_empty() {
         return None;
@@ -13,7 +13,7 @@ pub fn transfer(evidence: &Evidence) -> Option<Section> {
     for found in &evidence.transfers {
         let names = names(found);
         let gap = Value::Difference(Some(found.gap), found.student.or(Some(found.bootstrap)));
-        // The rates of a change follow each other.
+        // The rates of a change are consecutive.
         match rows.last_mut().filter(|row| row.starts_with(&names) && row.len() < columns) {
             Some(row) => row.push(gap),
             None => rows.push(names.into_iter().chain([gap]).collect()),

@@ -7,36 +7,36 @@ use super::{Digits, Panel, line, px};
 pub struct Curve {
     /// Number of its colour.
     pub colour: usize,
-    /// Whether it is one of many that a thicker curve sums up.
+    /// Whether it is one of several that a thicker curve summarises.
     pub thin: bool,
     /// Its points.
     pub points: Vec<(f64, f64)>,
-    /// Low and high ends of a band about it, at the points' abscissas; empty without one.
+    /// Low and high ends of a band around it, at the points' abscissas; empty without one.
     pub band: Vec<(f64, f64)>,
 }
 
-/// A chart: what its axes span, and how their numbers are written.
+/// A chart: the ranges of its axes, and the format of their numbers.
 #[derive(Debug, Clone)]
 pub struct Chart {
     /// Width and height.
     pub size: (f64, f64),
-    /// From where to where, along.
+    /// The range of the horizontal axis.
     pub x: (f64, f64),
-    /// From where to where, up.
+    /// The range of the vertical axis.
     pub y: (f64, f64),
-    /// What is along.
+    /// The name of the horizontal axis.
     pub x_label: String,
-    /// Writes a number of the axis that goes up.
+    /// Formats a number of the vertical axis.
     pub y_text: fn(f64) -> String,
-    /// Writes a number of the axis that goes along.
+    /// Formats a number of the horizontal axis.
     pub x_text: fn(f64) -> String,
 }
 
-/// What the axes take: left, right, top, bottom.
+/// The space for the axes: left, right, top, bottom.
 const ROOM: (f64, f64, f64, f64) = (40.0, 14.0, 6.0, 34.0);
 
 impl Chart {
-    /// Width and height of a chart that is one of several.
+    /// Width and height of one of several charts.
     pub const SMALL: (f64, f64) = (286.0, 176.0);
 
     fn place(&self, (x, y): (f64, f64)) -> (f64, f64) {
@@ -73,7 +73,7 @@ impl Chart {
         Panel { title, says, size: self.size, body }
     }
 
-    /// A path through points, which the chart cuts off above and below.
+    /// A path through points, which the chart clips above and below.
     fn path(&self, points: impl Iterator<Item = (f64, f64)>) -> String {
         line(points.map(|(x, y)| self.place((x, y.clamp(self.y.0, self.y.1)))), 1)
     }
@@ -93,7 +93,7 @@ pub fn ticks((low, high): (f64, f64), about: u32) -> Vec<f64> {
     (first..=last).map(|number| number as f64 * step).collect()
 }
 
-/// A number as short as it is round.
+/// A round number without unnecessary digits.
 pub fn short(number: f64) -> String {
     Digits(number, 2).to_string().replace('-', "−")
 }

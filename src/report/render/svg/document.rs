@@ -2,14 +2,14 @@ use maud::{Markup, Render, html};
 
 use super::{Digits, palette};
 
-/// A picture that is a file of its own.
+/// A picture in its own file.
 #[derive(Debug, Clone)]
 pub struct Document<'a> {
-    /// What it shows.
+    /// Its title.
     pub title: &'a str,
-    /// Left, top, width and height of what is drawn, in the picture's own units.
+    /// Left, top, width and height of the drawing, in the picture's own units.
     pub view: [f64; 4],
-    /// Width at which it is shown (px).
+    /// Displayed width (px).
     pub width: f64,
     /// Rules in addition to those of figures. Colours are names of the palette.
     pub style: &'a str,
@@ -28,7 +28,7 @@ impl Document<'_> {
                 (body)
             }
         };
-        // XML cannot hold control characters, not even by their numbers.
+        // XML does not allow control characters, not even by their numbers.
         let mut text = page.render().into_string().replace(|c: char| c.is_control() && c != '\n', "\u{fffd}");
         text.push('\n');
         text

@@ -5,13 +5,13 @@ use super::{Digits, Document, px};
 /// A picture of panels side by side.
 #[derive(Debug, Clone, Default)]
 pub struct Figure {
-    /// Its name, which is the file's without extension.
+    /// Its name: the file name without extension.
     pub name: String,
-    /// What it shows, in one line.
+    /// Its content, in one line.
     pub title: String,
     /// More lines on how to read it.
     pub notes: Vec<String>,
-    /// Class of a swatch and what it means.
+    /// Classes of swatches and their meanings.
     pub legend: Vec<(String, String)>,
     /// Shapes that several panels use.
     pub defs: Option<Markup>,
@@ -26,9 +26,9 @@ pub struct Figure {
 pub struct Panel {
     /// Its heading.
     pub title: String,
-    /// What it shows, for readers who do not see it.
+    /// Its content, for readers who do not see it.
     pub says: String,
-    /// Width and height of its own units.
+    /// Width and height in its own units.
     pub size: (f64, f64),
     /// Its shapes, in SVG.
     pub body: Markup,
@@ -40,7 +40,7 @@ const TITLE: f64 = 20.0;
 const GAP: f64 = 18.0;
 /// Height of a line of words in a file.
 const LINE: f64 = 17.0;
-/// About what a letter takes of a line.
+/// Approximate width of a letter.
 const LETTER: f64 = 6.2;
 
 impl Panel {
@@ -79,7 +79,7 @@ impl Figure {
         }
     }
 
-    /// The figure as a file of its own.
+    /// The figure in its own file.
     pub fn to_svg(&self) -> String {
         let columns = self.panels.len().clamp(1, if self.columns == 0 { 3 } else { self.columns });
         let wide = self.panels.iter().fold(0.0, |most: f64, panel| most.max(panel.size.0));

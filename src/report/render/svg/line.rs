@@ -2,7 +2,7 @@ use std::fmt::Write;
 
 use super::Digits;
 
-/// The `d` of a path through points, each number with these digits after the point.
+/// The `d` of a path through points; each number has this number of digits after the point.
 pub fn line(points: impl IntoIterator<Item = (f64, f64)>, digits: usize) -> String {
     let mut path = String::new();
     for (place, (x, y)) in points.into_iter().enumerate() {

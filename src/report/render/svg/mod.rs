@@ -1,6 +1,6 @@
 //! Drawing: numbers, lines, charts, figures, colours. Every picture of a report is made of these.
 //!
-//! Pictures are written with maud, which escapes names. A [`Figure`] is made once: the page colours it as the reader's system is set, its
+//! Pictures are written with maud, which escapes names. A [`Figure`] is made once. The page colours it by the reader's system setting; its
 //! file has fixed colours.
 
 mod number;

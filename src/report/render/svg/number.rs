@@ -2,7 +2,7 @@ use std::fmt;
 
 use maud::Render;
 
-/// A number of a picture with as many digits as can be seen; zeros at the end are left out.
+/// A number of a picture with as many digits as are visible; zeros at the end are omitted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Digits(pub f64, pub usize);
 

@@ -3,13 +3,13 @@ use std::fmt::Write;
 /// The rules by which figures are coloured, in names of [`PALETTE`].
 pub const FIGURE_CSS: &str = include_str!("figure.css");
 
-/// How many colours tell series apart: `c0` and on.
+/// The number of colours for series: `c0` and following.
 pub const SERIES: usize = 7;
 
-/// Every colour of page and figures: name, in the light, in the dark.
+/// Every colour of page and figures: name, light, dark.
 ///
-/// The series `c…` stay apart for colour-blind readers; `v…` are the verdicts, from what the driver has to answer for to what
-/// it cannot; `h…` grow with a rate, in luminance too.
+/// The series `c…` are distinct for colour-blind readers. `v…` are the verdicts, from those that the driver is responsible for to those
+/// that it is not. `h…` follow a rate, in luminance too.
 ///
 /// # Source
 /// Okabe and Ito, *Color universal design*, 2008, lightened for dark ground.
@@ -52,7 +52,7 @@ const PALETTE: [(&str, &str, &str); 36] = [
     ("edge", "#ffffff", "#14171a"),
 ];
 
-/// The colours as custom properties of a page: as the reader's system is set, or as `data-theme` of the root says.
+/// The colours as custom properties of a page: by the reader's system setting, or by `data-theme` of the root.
 pub fn properties() -> String {
     let list = |dark: bool| {
         let pick = |light, night| if dark { night } else { light };

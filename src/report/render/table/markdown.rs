@@ -44,7 +44,7 @@ fn value(value: &Value) -> String {
     }
 }
 
-/// A bar would end the column.
+/// A vertical bar would end the column.
 fn escaped(text: &str) -> String {
     text.replace('|', "\\|")
 }

@@ -7,7 +7,7 @@ mod html;
 
 pub use value::Value;
 
-/// On which side of its column a value is.
+/// The alignment of a column's values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Align {
     /// Words.
@@ -21,9 +21,9 @@ pub enum Align {
 pub struct Column {
     /// Its name, with the unit if there is one.
     pub name: String,
-    /// Where its values are.
+    /// Their alignment.
     pub align: Align,
-    /// Whether a terminal has room for it.
+    /// Whether a terminal shows it.
     pub is_brief: bool,
 }
 
@@ -47,17 +47,17 @@ impl Column {
 /// A table for people.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
-    /// Its heading; empty where the text around it says what it is.
+    /// Its heading; empty when the surrounding text names it.
     pub title: String,
     /// Its columns.
     pub head: Vec<Column>,
     /// Its rows, each with a value for every column.
     pub rows: Vec<Vec<Value>>,
-    /// What to know to read it, in Markdown, a paragraph each.
+    /// Notes on how to read it, in Markdown, a paragraph each.
     pub notes: Vec<String>,
 }
 
-/// A part of a report: a heading, tables, and how to read them. The summary has all sections, the page has those that it does not draw.
+/// A part of a report: a heading, tables, and how to read them. The summary has all sections; the page has those that it does not draw.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Section {
     /// Its `id` on the page.

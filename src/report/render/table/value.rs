@@ -2,7 +2,7 @@ use std::fmt;
 
 use crate::report::Spread;
 
-/// A value of a table. `Display` gives its text; Markdown and HTML add what they have for code, links and lines.
+/// A value of a table. `Display` gives its text; Markdown and HTML add markup for code, links and lines.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
     /// Words.
@@ -11,21 +11,21 @@ pub enum Value {
     Code(String),
     /// Words with a link: text, and the file in the folder of the report.
     Link(String, String),
-    /// How many.
+    /// A count.
     Count(u64),
-    /// How many of how many.
+    /// A count of a total.
     Of(u64, u64),
-    /// Runs, and how much each of them has.
+    /// Number of runs, and the amount of each of them.
     Times(u64, u64),
-    /// A number, and its digits after the point.
+    /// A number, and its number of digits after the point.
     Number(Option<f64>, usize),
     /// A mean with its standard deviation.
     Spread(Spread),
     /// An interval.
     Interval(Option<(f64, f64)>),
-    /// A number with its interval, and their digits after the point.
+    /// A number with its interval, and their number of digits after the point.
     Estimate(Option<f64>, Option<(f64, f64)>, usize),
-    /// The same of a difference, with its sign.
+    /// The same for a difference, with its sign.
     Difference(Option<f64>, Option<(f64, f64)>),
     /// A share of a whole.
     Percent(f64),
@@ -55,7 +55,7 @@ impl fmt::Display for Value {
             Self::Spread(Spread { mean: Some(mean), sd: Some(sd) }) => write!(f, "{} ± {}", short(*mean), short(*sd)),
             Self::Interval(Some((low, high))) => write!(f, "{low:.2}..{high:.2}"),
             Self::Estimate(Some(number), None, digits) => write!(f, "{number:.digits$}"),
-            // Runs that are all alike, as those of controllers that draw nothing, show no spread.
+            // Runs that are all equal, as those of deterministic controllers, show no spread.
             Self::Estimate(Some(number), Some((low, high)), digits) if low == high => {
                 write!(f, "{number:.digits$} (all alike)")
             }

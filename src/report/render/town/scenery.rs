@@ -6,7 +6,7 @@ const STEP: f64 = 1.0;
 /// Largest distance between an outline and the lane's edge (m).
 const TOLERANCE: f64 = 0.04;
 
-/// What of a town can be seen from above.
+/// The parts of a town that are visible from above.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Surface {
     /// A sidewalk, a shoulder: a lane that is not for driving.
@@ -15,7 +15,7 @@ pub enum Surface {
     Lane,
     /// A crosswalk.
     Zebra,
-    /// What blocks pedestrians and sight.
+    /// Obstacles, which block pedestrians and sight.
     House,
 }
 
@@ -37,12 +37,12 @@ impl Surface {
 /// A town from above: polygons, from the ground up.
 #[derive(Debug, Clone, Default)]
 pub struct Scenery {
-    /// What each is, and its corners (m).
+    /// The kind of each, and its corners (m).
     pub polygons: Vec<(Surface, Vec<Point>)>,
 }
 
 impl Scenery {
-    /// Outlines everything in a town.
+    /// Outlines all surfaces of a town.
     pub fn new(town: &Town) -> Self {
         let mut polygons = Vec::new();
         for surface in [Surface::Walk, Surface::Lane] {
@@ -55,7 +55,7 @@ impl Scenery {
         Self { polygons }
     }
 
-    /// What overlaps an upright box between two corners.
+    /// The polygons that overlap an axis-parallel box between two corners.
     pub fn within(&self, low: Point, high: Point) -> Self {
         let overlaps = |corners: &[Point]| {
             let least = corners.iter().fold(Point::new(f64::MAX, f64::MAX), |a, b| a.inf(b));
@@ -87,7 +87,7 @@ fn outline(polygons: &mut Vec<(Surface, Vec<Point>)>, road: &Road, surface: Surf
     }
 }
 
-/// The points of a line without which it would leave its way.
+/// The points of a line that are needed to keep its shape.
 ///
 /// # Source
 /// Douglas and Peucker, *Cartographica* 10, 1973.

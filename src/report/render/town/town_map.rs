@@ -1,4 +1,4 @@
-//! A town from above, with where episodes started and how they ended.
+//! A town from above, with the starts of episodes and their ends.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ use crate::road::Town;
 
 /// Ground shown around the town (m).
 const MARGIN: f64 = 12.0;
-/// Most starts that are drawn of a policy and a block.
+/// Most starts in the picture for a policy and a block.
 const MOST_STARTS: u32 = 1000;
 /// Height of the strip for the legend (m).
 const LEGEND: f64 = 14.0;
@@ -20,8 +20,8 @@ const LEGEND: f64 = 14.0;
 const STYLE: &str = ".panel text{font-size:4.5px;fill:var(--ink)}.start{stroke-width:.6}.ego,.pedestrian{fill:none;stroke-width:.7;\
 stroke-linecap:round}.ego{stroke:var(--car)}.pedestrian{stroke:var(--person)}.paper{fill:var(--ground)}";
 
-/// Draws a town, and a dot for every place where pedestrians started: the redder, the more of them hit a moving car; the
-/// bluer its ring, the more of them hit a standing one.
+/// Draws a town, and a dot for every place where pedestrians started. The dot is redder the more of them hit a moving car; its ring is
+/// bluer the more of them hit a standing car.
 pub fn town_map(town: &Town, starts: &Starts) -> String {
     let legend = [
         (75.0, 0.0, 0.0, "start: no car hit"),
@@ -40,7 +40,7 @@ pub fn town_map(town: &Town, starts: &Starts) -> String {
     })
 }
 
-/// Draws a town with starts of episodes: the egos in blue, the pedestrians in red, both with where they look.
+/// Draws a town with starts of episodes: the egos in blue, the pedestrians in red, both with their headings.
 pub fn spawn_map(town: &Town, spawns: &[Spawn]) -> String {
     drawn(town, |x, y| {
         html! {
@@ -54,7 +54,7 @@ pub fn spawn_map(town: &Town, spawns: &[Spawn]) -> String {
     })
 }
 
-/// Draws a town with something on it, which also gets the place of the legend.
+/// Draws a town with further shapes, which also get the place of the legend.
 fn drawn(town: &Town, content: impl Fn(f64, f64) -> Markup) -> String {
     let (low, high) = town.bounds();
     let (width, height) = (high.x - low.x + 2.0 * MARGIN, high.y - low.y + 2.0 * MARGIN + LEGEND);
@@ -69,7 +69,7 @@ fn drawn(town: &Town, content: impl Fn(f64, f64) -> Markup) -> String {
     Document { title: &town.name, view: [left, top, width, height], width: 1000.0, style: STYLE }.with(&body)
 }
 
-/// A stroke from a pose to where it looks, with a round foot.
+/// A stroke from a pose along its heading, with a round foot.
 fn arrow(pose: &Pose, class: &str, length: f64) -> Markup {
     let tip = pose.to_world(Vector::new(length, 0.0));
     let (x, y) = (px(pose.x), px(-pose.y));
@@ -102,7 +102,7 @@ pub struct Starts {
 }
 
 impl Starts {
-    /// Adds an episode by its policy, block and number. Only the first ones are drawn: more dots would hide the town.
+    /// Adds an episode by its policy, block and number. Only the first ones are drawn, since more dots would hide the town.
     pub fn add(&mut self, (policy, block, episode): (&str, u32, u32), outcome: &Outcome) {
         if episode >= MOST_STARTS {
             return;
@@ -121,7 +121,7 @@ impl Starts {
     }
 }
 
-/// How the episodes that started at a place ended.
+/// The ends of the episodes that started at a place.
 #[derive(Debug, Clone)]
 struct Start {
     place: Pose,
