@@ -1,7 +1,7 @@
-//! Gives the program a digest of its code.
+//! Computes a digest of the program's code.
 //!
-//! `FALSIFY_CODE` is a digest of all sources that make numbers: results are stored, and those of another version must not be taken for ours.
-//! Sources that only show results have no part in it, nor has wording: comments, sentences and tests.
+//! `FALSIFY_CODE` is a digest of all sources that affect numbers. Results are stored; those of another version must not be mistaken for
+//! results of this one. Sources that only show results are not part of it. Neither is wording: comments, sentences and tests.
 
 use std::path::{Path, PathBuf};
 
@@ -35,7 +35,7 @@ fn code() -> String {
     digest(&sources(Path::new(".")))
 }
 
-/// The sources below a folder that make numbers, by their paths from there, in order.
+/// The sources below a folder that affect numbers, by their paths from there, in order.
 pub fn sources(root: &Path) -> Vec<(String, String)> {
     let (mut open, mut found) = (vec![PathBuf::from("src"), PathBuf::from("Cargo.lock")], Vec::new());
     while let Some(place) = open.pop() {
@@ -66,7 +66,7 @@ pub fn digest(sources: &[(String, String)]) -> String {
     digest.finalize().to_hex()[..16].to_string()
 }
 
-/// Rust without comments, sentences, blanks that part no words, and the module of tests that ends a file.
+/// Rust without comments, sentences, unnecessary blanks, and the module of tests that ends a file.
 pub fn without_wording(text: &str) -> String {
     let text = text.split("\n#[cfg(test)]\nmod tests {").next().unwrap_or_default();
     let mut out = String::with_capacity(text.len());
@@ -137,7 +137,7 @@ fn token(text: &str, before: Option<char>) -> usize {
     }
     let hashes = text.strip_prefix('r').map(|rest| &rest[..rest.len() - rest.trim_start_matches('#').len()]);
     match hashes {
-        // Not the end of a word; `br` and `cr` begin raw literals as well.
+        // Not the end of a word; `br` and `cr` start raw literals as well.
         Some(hashes)
             if text[1 + hashes.len()..].starts_with('"')
                 && !before.is_some_and(|c| c.is_alphanumeric() && !matches!(c, 'b' | 'c') || c == '_') =>

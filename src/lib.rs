@@ -50,7 +50,7 @@
 //! A caller adds its own driving policy to the language with [`Catalog::with_policy`](language::Catalog::with_policy).
 #![doc = include_str!("ARCHITECTURE.md")]
 
-// What pest writes for the grammar names it.
+// The code that pest generates for the grammar names this crate.
 extern crate alloc;
 
 pub mod internal;
@@ -93,7 +93,7 @@ pub mod driving {
     pub use crate::sim::Control;
 }
 
-/// What a run, a report and a repeated episode hold.
+/// The data of a run, a report and a repeated episode.
 pub mod results {
     #[doc(inline)]
     pub use crate::campaign::{Observer as CampaignObserver, Shard, Task};

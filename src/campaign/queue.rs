@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use super::Task;
 
-/// How long a worker without work waits before it looks whether it can help another.
+/// Time that a worker without work waits before it looks for a worker to help.
 const PATIENCE: Duration = Duration::from_millis(2);
 /// Number of these waits after which the queue again offers tasks that another process had.
 const ROUNDS: u32 = 20;
@@ -45,7 +45,7 @@ impl Queue {
         self.tasks.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Gives the next task.
+    /// Returns the next task.
     pub fn next(&self) -> Next {
         let mut tasks = self.tasks();
         if tasks.ended || tasks.left == 0 {

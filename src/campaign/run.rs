@@ -96,7 +96,7 @@ pub(super) fn training_of(campaign: &Campaign, task: Task) -> Option<usize> {
     }
 }
 
-/// What the workers share.
+/// The shared state of the workers.
 struct Work<'a> {
     campaign: &'a Campaign,
     seed: &'a Seed,

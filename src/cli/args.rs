@@ -43,7 +43,7 @@ Exit codes:
 #[derive(Debug, Parser)]
 #[command(version, after_help = EXAMPLES, max_term_width = 100)]
 pub struct Arguments {
-    /// What to do.
+    /// The command.
     #[command(subcommand)]
     pub command: Command,
     /// When to colour the output.
@@ -51,7 +51,7 @@ pub struct Arguments {
     pub color: Colouring,
 }
 
-/// What the program can do.
+/// The commands of the program.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Run the campaigns of scenario files: train pedestrians, evaluate them, search for failures, and write reports.
@@ -118,7 +118,7 @@ const COMPLETIONS_EXAMPLES: &str = "\
 Examples:
   falsify completions bash > ~/.local/share/bash-completion/completions/falsify";
 
-/// What can be done with a driver.
+/// The commands on drivers.
 #[derive(Debug, Subcommand)]
 pub enum AvCommand {
     /// See whether a program speaks the protocol of scenarios/external/README.md and drives the same way twice.

@@ -24,13 +24,13 @@ Exit codes: 0 no errors   2 missing file   3 errors";
 /// Options of `falsify check`.
 #[derive(Debug, Args)]
 pub struct CheckOptions {
-    /// How diagnostics are shown.
+    /// Format of the diagnostics.
     #[arg(long, value_enum, default_value_t = Format::Human, value_name = "FORMAT")]
     pub format: Format,
     /// Scenario files.
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
-    /// What replaces parts of the files.
+    /// Replacements of parts of the files.
     #[command(flatten)]
     pub given: GivenOptions,
     /// Also draw this number of starts of every spawn in every town, and show how many satisfy each constraint. This includes spawns that
@@ -45,7 +45,7 @@ pub struct CheckOptions {
     pub seed: u64,
 }
 
-/// How diagnostics are shown.
+/// Format of the diagnostics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Format {
     /// Drawn under the line, on the error stream.

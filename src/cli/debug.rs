@@ -27,12 +27,12 @@ pub struct DebugOptions {
     /// A scenario file.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// What replaces parts of the file; maps matter to the plan alone.
+    /// Replacements of parts of the file; maps affect only the plan.
     #[command(flatten)]
     pub given: GivenOptions,
 }
 
-/// What can be shown of a file.
+/// The trees of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Tree {
     /// The syntax tree.

@@ -28,7 +28,7 @@ pub struct RunOptions {
     /// Scenario files; their campaigns are run in order.
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
-    /// What replaces parts of the files.
+    /// Replacements of parts of the files.
     #[command(flatten)]
     pub given: GivenOptions,
     /// Folder for the reports, one folder in it for each campaign.
@@ -49,7 +49,7 @@ pub struct RunOptions {
     /// Form of the output; `json` is one event a line (reports/README.md).
     #[arg(long, value_enum, default_value_t = Output::Human, env = "FALSIFY_FORMAT", value_name = "FORMAT")]
     pub format: Output,
-    /// How progress is shown on the error stream.
+    /// Form of the progress on the error stream.
     #[arg(long, value_enum, default_value_t = Showing::Auto, env = "FALSIFY_PROGRESS", value_name = "HOW")]
     pub progress: Showing,
     /// List what would be run and why, and what is stored already; then stop.

@@ -23,7 +23,7 @@ pub struct Cast {
 /// A role with its own start.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Placed<R> {
-    /// What the actor is.
+    /// The actor.
     pub role: R,
     /// Its start in every episode.
     pub start: ActorStart,
@@ -47,13 +47,13 @@ pub struct PedestrianRole {
     pub observation: ObservationSpec,
     /// The meaning of the controller's action.
     pub action: ActionSpec,
-    /// What chooses its commands.
+    /// The source of its commands.
     pub controller: Controller,
     /// The direction that it faces at the start, when the spawn rule places it and states no heading.
     pub first_heading: FirstHeading,
 }
 
-/// What chooses the commands of a pedestrian.
+/// The source of a pedestrian's commands.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Controller {
     /// The user of the environment: a walk policy, a search or a learner.

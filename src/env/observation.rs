@@ -12,7 +12,7 @@ pub enum ObservedSpeed {
     Relative,
 }
 
-/// What a pedestrian sees of the ego: the paper's state, in the frame of the pedestrian's heading.
+/// A pedestrian's observation of the ego: the paper's state, in the frame of the pedestrian's heading.
 ///
 /// | paper | field | unit |
 /// |---|---|---|
@@ -33,7 +33,7 @@ pub struct Observation {
 }
 
 impl Observation {
-    /// What a pedestrian at this pose and with this speed (m/s) observes of an ego.
+    /// The observation of an ego by a pedestrian at this pose and with this speed (m/s).
     pub fn new(pedestrian: &Pose, walking: f64, ego: &Pose, ego_speed: f64, observed: ObservedSpeed) -> Self {
         let offset: Vector = ego.position() - pedestrian.position();
         let speed = match observed {

@@ -43,7 +43,7 @@ pub struct Outcome {
     pub duration: f64,
     /// Least distance from the pedestrian's disc to the ego's box (m); 0 at a collision.
     pub least_gap: f64,
-    /// What the ego's driver was doing at the pedestrians' last decision.
+    /// The driver's action at the pedestrians' last decision.
     pub last_mode: DrivingMode,
     /// A digest of every state of the episode: equal digests mean equal episodes.
     pub digest: u64,

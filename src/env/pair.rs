@@ -9,14 +9,14 @@ use crate::sim::{
 /// From the bumper back to the driver's eye (m).
 const EYE: f64 = 1.9;
 
-/// A vehicle and a pedestrian at a tick, and what the driver did in the tick before.
+/// A vehicle and a pedestrian at a tick, and the driver's action in the tick that ended there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frame {
     /// The car.
     pub ego: VehicleState,
     /// The pedestrian.
     pub pedestrian: PedestrianState,
-    /// What the driver was doing in the tick that led here; nothing yet at the start.
+    /// The driver's action in the tick that ended here; nothing yet at the start.
     pub mode: DrivingMode,
     /// Its pedals and its wheel in that tick.
     pub control: Control,
@@ -69,7 +69,7 @@ impl<'a> Pair<'a> {
         self.scenario.episode.tick
     }
 
-    /// How the two touched in the last tick; none when they did not touch.
+    /// The touch of the two in the last tick; none when they did not touch.
     pub fn contact(&self) -> Option<&'a Contact> {
         self.contact
     }

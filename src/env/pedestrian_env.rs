@@ -30,7 +30,7 @@ pub struct PedestrianEnv {
     episode: Episode,
     /// The start of each vehicle and each pedestrian of the running episode.
     starts: (Vec<ActorStart>, Vec<ActorStart>),
-    /// What each vehicle's driver did in the last tick.
+    /// The action of each vehicle's driver in the last tick.
     controls: Vec<Control>,
     /// The command that each pedestrian carries out.
     walks: Walks,
@@ -231,7 +231,7 @@ impl PedestrianEnv {
         begun.iter().fold(self.episode.digest, |digest, value| mix(digest, value.to_bits()))
     }
 
-    /// What a pedestrian observes of the ego.
+    /// A pedestrian's observation of the ego.
     pub fn observe(&self, pedestrian: usize) -> Observation {
         let (state, ego) = (&self.world.pedestrians[pedestrian].state, &self.world.ego().state);
         let observed = self.scenario.cast.pedestrian(pedestrian).observation.speed;
@@ -248,7 +248,7 @@ impl PedestrianEnv {
         self.episode.contact.as_ref()
     }
 
-    /// What the driver of a vehicle did in the last tick.
+    /// The action of a vehicle's driver in the last tick.
     #[inline]
     pub fn driven(&self, vehicle: usize) -> Driven {
         Driven { mode: self.policies[vehicle].mode(), control: self.controls[vehicle] }

@@ -13,9 +13,9 @@ pub struct Situation {
     pub bearing: f64,
     /// Distance between the centres (m).
     pub distance: f64,
-    /// How far the pedestrian is ahead of the ego's centre, negative behind it (m).
+    /// Distance of the pedestrian ahead of the ego's centre, negative behind it (m).
     pub ahead: f64,
-    /// How far the pedestrian is to the left of the ego's axis (m).
+    /// Distance of the pedestrian to the left of the ego's axis (m).
     pub aside: f64,
     /// Speed of the ego (m/s).
     pub ego_speed: f64,

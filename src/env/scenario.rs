@@ -5,7 +5,7 @@ use crate::geometry::Obstacles;
 use crate::road::Town;
 use crate::signature::Formula;
 
-/// How long an episode lasts and what ends it.
+/// The duration of an episode, and the conditions that end it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EpisodeRule {
     /// Length of a tick (s).

@@ -3,10 +3,10 @@ use crate::av::DrivingMode;
 use crate::rl::Step;
 use crate::sim::{Contact, Control, PedestrianState, VehicleState, WalkCommand, World};
 
-/// What a driver did in a tick.
+/// The action of a driver in a tick.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Driven {
-    /// What the driver was doing.
+    /// Its driving mode.
     pub mode: DrivingMode,
     /// Its pedals and its wheel.
     pub control: Control,
@@ -15,9 +15,9 @@ pub struct Driven {
 /// A vehicle after a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VehicleFrame {
-    /// Where it is.
+    /// Its state.
     pub state: VehicleState,
-    /// What its driver did in the tick before; nothing yet at the start.
+    /// The action of its driver in the tick that ended here; nothing yet at the start.
     pub driven: Driven,
 }
 

@@ -4,7 +4,7 @@ use crate::rl::{ActorCritic, FrameStack, Scratch};
 use crate::seed::Stream;
 use crate::sim::WalkCommand;
 
-/// How a trained policy chooses an action.
+/// The choice of an action by a trained policy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ActionMode {
     /// Deterministic: it takes the mean of its distribution.

@@ -1,11 +1,11 @@
 use crate::geometry::{Point, Pose, Vector, wrap_angle};
 
-/// A place beside a path.
+/// A position relative to a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
-    /// How far along the path (m).
+    /// Distance along the path (m).
     pub along: f64,
-    /// How far to the left of it (m).
+    /// Distance to the left of the path (m).
     pub aside: f64,
     /// The direction of the path there, of length 1.
     pub direction: Vector,
@@ -40,11 +40,11 @@ impl DrivenPath {
                 }
             }
         }
-        assert!(!vertices.is_empty(), "a path has a beginning");
+        assert!(!vertices.is_empty(), "a path has a start");
         Self { vertices }
     }
 
-    /// Where the path ends and the straight line starts (m).
+    /// The length at which the path ends and the straight line starts (m).
     pub fn length(&self) -> f64 {
         self.end().0
     }
@@ -106,7 +106,7 @@ impl DrivenPath {
     }
 
     fn end(&self) -> (f64, Pose) {
-        *self.vertices.last().expect("checked: a path has a beginning")
+        *self.vertices.last().expect("checked: a path has a start")
     }
 }
 

@@ -23,7 +23,7 @@ pub const TRAIN_POLICY: Column<String> =
     Column::new("train_policy", "", "driving policy of the training; empty for untrained pedestrians");
 /// Number of the run.
 pub const RUN: Column<u32> = Column::new("run", "", "number of the run, that is of the training, from 0");
-/// What controls the pedestrian.
+/// The controller of the pedestrian.
 pub const CONTROLLER: Column<String> = Column::new(
     "controller",
     "",
@@ -52,7 +52,7 @@ pub const WEIGHT: Column<f64> = Column::new(
     "how much the episode counts in rates and intervals; 1 unless its start was drawn otherwise than the scenario says",
 );
 
-/// How the episode ended.
+/// The end of the episode.
 pub const OUTCOME: Column<String> = Column::new(
     "outcome",
     "",
@@ -70,7 +70,7 @@ pub const MOVING: Column<bool> =
     Column::new("moving", "", "whether they touched while the car was faster than `moving_above`");
 /// Speed of the car at the touch.
 pub const IMPACT_SPEED: Column<f64> = Column::new("impact_speed_mps", "m/s", "speed of the car at the touch");
-/// Where the pedestrian was at the touch.
+/// Bearing of the pedestrian at the touch.
 pub const IMPACT_BEARING: Column<f64> = Column::new(
     "impact_bearing_deg",
     "deg",
@@ -99,7 +99,7 @@ pub const PET: Column<f64> = Column::new(
     "post-encroachment time, to a tick: the least time between one leaving a place and the other reaching it, over all places that \
      disc and box both sweep; missing without such a place and at a collision",
 );
-/// What the driver did.
+/// The driver's action.
 pub const DRIVING_MODE: Column<String> =
     Column::new("driving_mode", "", "what the driver did at the pedestrian's last decision");
 /// Side of the impact.
@@ -163,7 +163,7 @@ pub const IN_SIGHT: Column<f64> = Column::new(
 );
 /// Whether a reference driver avoids a collision.
 pub const AVOIDS: Family<bool> =
-    Family::new("_avoids", "", "whether that reference driver touches nobody while it moves");
+    Family::new("_avoids", "", "whether that reference driver touches no pedestrian while it moves");
 /// The margin of its avoidance.
 pub const MARGIN: Family<f64> = Family::new(
     "_margin_m",

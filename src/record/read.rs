@@ -215,7 +215,7 @@ impl<'a> EpisodeTable<'a> {
         self.pet.get(row)
     }
 
-    /// What the driver did at the last decision.
+    /// The driver's action at the last decision.
     pub fn driving_mode(&self, row: usize) -> Option<DrivingMode> {
         self.driving_mode.get(row).and_then(DrivingMode::named)
     }

@@ -45,7 +45,7 @@ impl Chunk {
     }
 }
 
-/// Where the episodes of a campaign are stored.
+/// The store of a campaign's episodes.
 pub trait Chunks {
     /// A chunk of an evaluation, both by their numbers in the plan; none if it is not there.
     fn chunk(&self, evaluation: usize, chunk: u32) -> Option<Chunk>;

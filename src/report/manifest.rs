@@ -27,7 +27,7 @@ pub struct Manifest {
     pub evaluation_ticks: u64,
     /// Episodes in which the driver failed as a program.
     pub errors: u64,
-    /// Simulator ticks of the searches, without those of pedestrians tried afterwards.
+    /// Simulator ticks of the searches, without those of evaluations after them.
     pub search_ticks: u64,
     /// Wall time of the whole campaign (s).
     pub wall_time_s: f64,

@@ -70,7 +70,7 @@ impl Export for Animation {
     }
 }
 
-/// How the episode ended, in a line.
+/// The end of the episode, in a line.
 fn headline(episode: &Repeated) -> String {
     let what = match (episode.outcome.impact_speed(), &episode.verdict) {
         (Some(speed), Some(verdict)) => {

@@ -13,7 +13,7 @@ use crate::store::{Ids, Store, Taken, task_name};
 pub struct MergeOptions {
     /// The options of the run. Those on how it was run (`fresh`, `limits`, `command`) have no effect here.
     pub run: RunOptions,
-    /// Folders with the tasks of shards, beside the store of the reports.
+    /// Folders with the tasks of shards, in addition to the store of the reports.
     pub from: Vec<PathBuf>,
     /// Whether reports are written even when tasks are missing.
     pub partial: bool,

@@ -18,7 +18,7 @@ pub struct RunOptions {
     pub seed: u64,
     /// The number of threads; results do not depend on it. 0: one for each core.
     pub threads: u16,
-    /// What each table of a report is written as.
+    /// The file formats of the tables of a report.
     pub formats: Formats,
     /// Whether to run only a quick check of the whole pipeline. Reports are then named `NAME-smoke`.
     pub smoke: bool,

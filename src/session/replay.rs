@@ -10,7 +10,7 @@ pub struct ReplayOptions {
     pub name: EpisodeName,
     /// A report, or a folder of reports.
     pub report: PathBuf,
-    /// How it is repeated.
+    /// Options of the repetition.
     pub repeat: RepeatOptions,
 }
 

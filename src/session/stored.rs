@@ -9,7 +9,7 @@ use crate::report::{FileRecord, Manifest, ReadError, StoredReport};
 use crate::rl::ActorCritic;
 use crate::seed::Seed;
 
-/// How a report is repeated.
+/// Options for repeating a report.
 #[derive(Debug, Clone, Default)]
 pub struct RepeatOptions {
     /// Folder to which the paths of the scenario files are relative, when it is not the folder of the run.

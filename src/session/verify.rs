@@ -22,7 +22,7 @@ pub struct VerifyOptions {
     pub trainings: bool,
     /// The seed of the sample.
     pub seed: u64,
-    /// How they are repeated.
+    /// Options of the repetitions.
     pub repeat: RepeatOptions,
 }
 
@@ -42,7 +42,7 @@ pub struct VerifyReport {
 /// Trainings that were repeated.
 #[derive(Debug)]
 pub struct Retrained {
-    /// How many.
+    /// Their number.
     pub repeated: usize,
     /// Those whose networks differ.
     pub different: Vec<TrainingKey>,

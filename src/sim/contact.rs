@@ -10,9 +10,9 @@ pub struct Contact {
     pub fraction: f64,
     /// Bearing of the second's centre from the middle of the first's box (rad), positive to the left.
     pub bearing: f64,
-    /// How far the second's centre is ahead of the middle of the first's box (m).
+    /// Distance of the second's centre ahead of the middle of the first's box (m).
     pub ahead: f64,
-    /// How far the second's centre is to the left of the first's axis (m).
+    /// Distance of the second's centre to the left of the first's axis (m).
     pub aside: f64,
     /// Speed of the first at that time (m/s).
     pub impact_speed: f64,

@@ -31,7 +31,7 @@ impl Bars {
         let screen = MultiProgress::with_draw_target(ProgressDrawTarget::stderr_with_hz(5));
         let whole = screen.add(ProgressBar::new(board.jobs.len() as u64));
         whole.set_style(style(
-            "{prefix:.bold} {bar:24.green/black.bright} {pos}/{len} tasks, {elapsed_precise} gone{msg}",
+            "{prefix:.bold} {bar:24.green/black.bright} {pos}/{len} tasks, {elapsed_precise} elapsed{msg}",
         ));
         whole.set_prefix(board.campaign.name.clone());
         whole.enable_steady_tick(Duration::from_millis(500));

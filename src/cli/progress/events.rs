@@ -66,7 +66,7 @@ pub enum Event<'a> {
         campaign: &'a str,
         /// Its folder.
         folder: &'a Path,
-        /// Whether it holds everything that was planned.
+        /// Whether it is complete.
         complete: bool,
     },
     /// The program ends.

@@ -1,6 +1,6 @@
 use clap::ValueEnum;
 
-/// How progress is shown.
+/// Form of the progress.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Showing {
     /// Bars on a terminal, lines elsewhere.

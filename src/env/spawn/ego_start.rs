@@ -31,13 +31,13 @@ pub enum RoadShape {
     /// All.
     #[default]
     Any,
-    /// Where the lane is straight for the next 10 m.
+    /// Stretches where the lane is straight for the next 10 m.
     Straight,
-    /// Where the lane bends.
+    /// Stretches where the lane bends.
     Bend,
 }
 
-/// How far ahead the shape of the road is considered (m).
+/// The distance ahead over which the shape of the road is measured (m).
 pub const LOOK_AHEAD: f64 = 10.0;
 /// A lane is straight if it turns by less than this over that length (rad).
 const STRAIGHT: f64 = 0.05;

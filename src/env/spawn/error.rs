@@ -39,7 +39,7 @@ pub enum SpawnError {
     Crowded(Rarity),
 }
 
-/// How rare starts are that satisfy all constraints, and the constraint that most starts fail.
+/// The rate of starts that satisfy all constraints, and the constraint that most starts fail.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Rarity {
     /// Starts that satisfied all.
@@ -70,7 +70,7 @@ impl fmt::Display for Rarity {
         if *barren {
             return write!(
                 f,
-                "{accepted} of them took {tried} tries, since around most poses of the ego nobody can be placed; the constraint that fails most is `{worst}`"
+                "{accepted} of them took {tried} tries, since around most poses of the ego no pedestrian can be placed; the constraint that fails most is `{worst}`"
             );
         }
         write!(

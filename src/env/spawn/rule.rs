@@ -174,7 +174,7 @@ impl SpawnRule {
         self.sample_counting(town, obstacles, first, stream).0
     }
 
-    /// Draws a start as [`SpawnRule::sample`], and counts the places that were tried.
+    /// Draws a start as [`SpawnRule::sample`], and counts the tries.
     fn sample_counting(
         &self,
         town: &Town,

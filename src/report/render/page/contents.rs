@@ -17,7 +17,7 @@ pub struct Contents<'a> {
     pub cells: &'a [Cell],
     /// The table of runs.
     pub runs: &'a DataFrame,
-    /// What was gathered of the episodes.
+    /// The counts of the episodes.
     pub tally: &'a Tally,
     /// The counts of the episodes.
     pub trainings: &'a [TrainingResult],
