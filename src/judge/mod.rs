@@ -2,17 +2,17 @@
 //!
 //! It works on the [`Pair`](crate::env::Pair) of the ego and the pedestrian that it struck.
 //!
-//! 1. The traced episode is rewound to the start of the danger ([`Encounter`]): the first instant of the unbroken approach before
-//!    the touch at which the pedestrian can be seen and is in, or moves towards, the path that the car is going to sweep. A
-//!    pedestrian that turned away for longer than a second ended an earlier approach. From then on the reference drivers know
-//!    where it is.
-//! 2. From there the car follows the path that it drove, and straight on beyond its end, but another driver decides about the
-//!    brake ([`Trial`]). Until that driver interferes the car has the greatest speed that the recorded car has had since then: it
-//!    may accelerate as the recorded car did, but it does not inherit its braking. After it has interfered it never accelerates.
+//! 1. The traced episode is rewound to the start of the danger ([`Encounter`]). This is the first instant of the unbroken approach
+//!    before the touch at which two things are true: the pedestrian can be seen, and it is in, or moves towards, the path that the
+//!    car is going to sweep. A pedestrian that turned away for longer than a second ended an earlier approach. From then on the
+//!    reference drivers know where it is.
+//! 2. From there the car follows the path that it drove, and straight on beyond its end. Another driver controls the brake
+//!    ([`Trial`]). Until that driver interferes, the car has the greatest speed that the recorded car has had since then. So it may
+//!    accelerate as the recorded car did, but it does not inherit its braking. After it has interfered it never accelerates.
 //! 3. The pedestrian is *frozen*: it is where it was at each time, and continues with its last command after the recorded touch,
-//!    for five seconds at most. It does not react to the other driver; how a pedestrian would react is not measured.
-//! 4. A driver *avoids* the failure when the car does not touch the pedestrian while it moves. A pedestrian that then walks into
-//!    the standing car, or comes from behind, is not counted.
+//!    for 5 s at most. It does not react to the other driver; how a pedestrian would react is not measured.
+//! 4. A driver *avoids* the failure when the car does not touch the pedestrian while the car moves. A pedestrian that then walks
+//!    into the standing car, or comes from behind, is not counted.
 //!
 //! [`NearMiss`] measures how near any episode came to a touch.
 //!

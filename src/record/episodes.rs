@@ -174,7 +174,7 @@ fn hit(row: &EpisodeRow) -> Option<Hit> {
     }
 }
 
-/// An episode in error: its driver did not reach the end.
+/// The near-miss figures of an episode; none for one in error, whose driver did not reach the end.
 fn near_miss(row: &EpisodeRow) -> NearMiss {
     if row.outcome.fault().is_some() { NearMiss::default() } else { row.near_miss }
 }

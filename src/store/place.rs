@@ -12,13 +12,13 @@ const FOLDERS: [&str; 3] = ["tasks", "claims", "campaigns"];
 /// An explanation for people who find the folder.
 const README: &str = "README.txt";
 const ABOUT: &str = "\
-Finished and half-finished work of falsify, which reports are made from.
-Nothing else is lost with it than the time to do it again.
-`head -2` of a file in `tasks` says what it is.
+Finished and unfinished work of falsify, from which reports are made.
+If it is removed, only the time to repeat it is lost.
+`head -2` of a file in `tasks` shows what it is.
 ";
 const ABOUT_DRAFTS: &str = "\
-Reports of falsify in the making. Finished and half-finished work lies in another folder: --cache, FALSIFY_CACHE
-or `cache` in falsify.toml named it.
+Reports that falsify is writing. Finished and unfinished work is in another folder, which was named by --cache,
+FALSIFY_CACHE or `cache` in falsify.toml.
 ";
 
 /// Where the tasks of a folder for reports are stored, and where its reports are written.

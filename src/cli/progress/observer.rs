@@ -17,7 +17,7 @@ use crate::session::Stop;
 
 /// Least time between two updates of the display (ms).
 const GLANCE: u64 = 200;
-/// An event for programs is sent at every such update.
+/// Number of updates of the display per event for programs.
 const TOLD: u64 = 5;
 
 /// Observes a campaign and shows its progress.

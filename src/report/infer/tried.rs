@@ -149,7 +149,7 @@ impl Tried {
         self.size.min(other.size) as f64 / kept.max(1) as f64
     }
 
-    /// The number of pairs of equal starts, among the kept ones, in which only this run had the event of the figure, and in which only the
+    /// The number of pairs of equal, kept starts in which only this run had the event of the figure; and the number in which only the
     /// other run had it.
     pub fn discordant(&self, other: &Self, figure: Figure) -> (u64, u64) {
         let flag = part(figure);

@@ -15,7 +15,7 @@ pub struct Suite {
 
 /// Writes campaigns as JUnit XML: a test suite for each campaign, a test case for each cell and for each training that failed.
 ///
-/// A cell fails when a gate is broken, is skipped when a gate finds no value, and is in error when a driver failed as a program. Its
+/// A cell fails when a gate is broken, and is skipped when a gate finds no value. It is in error when a driver failed as a program. Its
 /// figures are properties of the suite, `CELL / FIGURE`.
 ///
 /// # Source
