@@ -81,7 +81,7 @@ pub enum TaskError {
     #[error("its training failed: {0}")]
     Untrained(Box<TaskError>),
     /// The driver failed in this number of episodes in a row, so no more were run.
-    #[error("not tried, since the driver had failed in ten episodes in a row")]
+    #[error("not run, since the driver had failed in ten episodes in a row")]
     Hopeless,
     /// It reached its time limit.
     #[error("not finished within the {seconds} s that a task may take")]

@@ -73,10 +73,10 @@ fn tell(campaign: &CampaignProgress) {
         ));
     }
     for task in campaign.under_way.iter().take(SHOWN) {
-        console::say(&format!("  in hand: {}{}", task.what, saved(task)));
+        console::say(&format!("  under way: {}{}", task.what, saved(task)));
     }
     if campaign.in_hand.len() > SHOWN {
-        console::say(&format!("  … and {} more in hand", campaign.in_hand.len() - SHOWN));
+        console::say(&format!("  … and {} more under way", campaign.in_hand.len() - SHOWN));
     }
     if let Some(error) = &campaign.last_error {
         console::say(&format!("  last error: {error}"));
@@ -86,7 +86,7 @@ fn tell(campaign: &CampaignProgress) {
     }
     match (campaign.left_s, campaign.left_thread_s) {
         (Some(left), _) => {
-            console::say(&format!("  about {} left with {} tasks in hand", clock(left), campaign.in_hand.len()));
+            console::say(&format!("  about {} left with {} tasks under way", clock(left), campaign.in_hand.len()));
         }
         (None, Some(left)) => console::say(&format!("  about {} left for one thread", clock(left))),
         (None, None) if campaign.measured_s > 0.0 => {

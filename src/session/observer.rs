@@ -67,7 +67,7 @@ pub enum Notice {
     /// Episodes of a campaign are in error. No rate counts them.
     #[error(
         "{errors} of {episodes} episodes are in error{} and count for nothing; the first is {first}",
-        if *untried > 0 { format!(", {untried} of them not tried") } else { String::new() }
+        if *untried > 0 { format!(", {untried} of them not run") } else { String::new() }
     )]
     EpisodesInError {
         /// The name of the report.
