@@ -96,7 +96,7 @@ fn a_list_names_every_training_and_evaluation_and_writes_nothing() {
     std::fs::write(folder.path().join("tiny.scn"), campaign()).unwrap();
     let output = falsify(&["run", "--list", "tiny.scn"], folder.path());
     let text = String::from_utf8(output.stdout).unwrap();
-    assert_eq!((text.matches("  train ").count(), text.matches("  try ").count()), (2, 4), "{text}");
+    assert_eq!((text.matches("  train ").count(), text.matches("  evaluate ").count()), (2, 4), "{text}");
     assert!(!folder.path().join("reports").exists());
 }
 
