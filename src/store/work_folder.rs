@@ -50,6 +50,31 @@ pub(super) fn processes(root: &Path) -> usize {
     folders.filter(at_work).count()
 }
 
+/// Whether no process has this folder. A folder without its lock file is dead too: its process was killed between making one and the other.
 fn is_dead(folder: &Path) -> bool {
-    File::open(folder.join(LOCK)).is_ok_and(|lock| lock.try_lock().is_ok())
+    match File::open(folder.join(LOCK)) {
+        Ok(lock) => lock.try_lock().is_ok(),
+        Err(error) => error.kind() == io::ErrorKind::NotFound,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folders_of_dead_processes_are_removed_with_and_without_a_lock_file() {
+        let root = tempfile::tempdir().unwrap();
+        let alive = WorkFolder::begin(root.path()).unwrap();
+        let folder = |name: &str| root.path().join(format!("{PREFIX}{name}"));
+        for name in ["killed", "killed-early"] {
+            fs::create_dir(folder(name)).unwrap();
+        }
+        fs::write(folder("killed").join(LOCK), "").unwrap();
+        assert_eq!(processes(root.path()), 1);
+        let second = WorkFolder::begin(root.path()).unwrap();
+        assert!(!folder("killed").exists() && !folder("killed-early").exists());
+        assert!(alive.path().unwrap().join(LOCK).exists() && second.path().unwrap().join(LOCK).exists());
+        assert_eq!(processes(root.path()), 2);
+    }
 }
