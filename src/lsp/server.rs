@@ -69,7 +69,7 @@ pub fn serve(mut input: impl BufRead, output: impl Write, shelf: PathBuf) -> Res
             }
             Ok(Some(Message::Notification(note))) => server.notification(note)?,
             Ok(Some(Message::Response(_))) => {}
-            Err(WireError::Body(reason)) => server.answer_to_nobody(&reason)?,
+            Err(WireError::Body(reason)) => server.answer_without_id(&reason)?,
             Err(error) => return Err(error),
         }
     }
@@ -97,7 +97,7 @@ impl<W: Write> Server<W> {
     }
 
     /// The protocol's answer to bytes that are not a message: an error without a number.
-    fn answer_to_nobody(&mut self, reason: &str) -> Result<(), WireError> {
+    fn answer_without_id(&mut self, reason: &str) -> Result<(), WireError> {
         let error = serde_json::json!({ "code": ErrorCode::ParseError as i32, "message": reason });
         let body = serde_json::json!({ "jsonrpc": "2.0", "id": null, "error": error }).to_string();
         write!(self.output, "Content-Length: {}\r\n\r\n{body}", body.len())?;

@@ -35,7 +35,7 @@ impl External {
         let time = || Type::Quantity { dimension: Dimension::TIME, min: 0.001, max: 3600.0 };
         Signature::new(
             "external",
-            "A program of your own that is told what it sees and answers with controls over its standard input and output \
+            "A program of your own that receives what it sees and answers with controls over its standard input and output \
              (`scenarios/external/README.md`). It is started only where `--allow-external` is given.",
             vec![
                 Param::required(
@@ -55,13 +55,13 @@ impl External {
                     "actors",
                     count(64),
                     "8",
-                    "Most road users that it is told of, the nearest ones in sight.",
+                    "Largest number of road users in a message: the nearest ones in sight.",
                 ),
                 Param::with_default(
                     "route_points",
                     count(40),
                     "20",
-                    "Points of the way ahead that it is told of, 2 m apart.",
+                    "Number of points of the route ahead in a message, 2 m apart.",
                 ),
             ],
         )

@@ -31,7 +31,7 @@ impl Onnx {
     pub fn signature() -> Signature {
         Signature::new(
             "onnx",
-            "A learnt driver: a network in an ONNX file that is told what it sees and gives pedals or acceleration and steer \
+            "A learnt driver: a network in an ONNX file that receives what it sees and gives pedals or acceleration and steer \
              (`scenarios/external/README.md`).",
             vec![
                 Param::required("model", Type::Path, "The file."),

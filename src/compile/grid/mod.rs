@@ -47,7 +47,7 @@ impl Lowering<'_> {
         }
         self.forbid_repeated_trainings(block, &campaign);
         if !campaign.published.is_empty() && block.nested("train").next().is_none() {
-            self.said.push(diagnostics::beside_nobody(block.place("beside")));
+            self.said.push(diagnostics::nothing_to_compare(block.place("beside")));
         }
         if ["train", "evaluate", "search"].iter().all(|word| block.nested(word).next().is_none()) {
             let message =

@@ -18,13 +18,13 @@ pub fn contradiction(span: Span, message: String) -> Diagnostic {
 }
 
 /// Trained pedestrians are to be evaluated where none are trained.
-pub fn nobody_trained(span: Span) -> Diagnostic {
+pub fn no_training(span: Span) -> Diagnostic {
     contradiction(span, "this campaign has no `train` block, so it has no trained pedestrians to evaluate".into())
         .help("use `random`, `homing` or `intercept` instead: `pedestrians: [random]`")
 }
 
 /// Published figures belong to rewards, and the campaign trains no pedestrian for a reward.
-pub fn beside_nobody(span: Span) -> Diagnostic {
+pub fn nothing_to_compare(span: Span) -> Diagnostic {
     Diagnostic::warning("unused", span, "these figures are compared with nothing")
         .here("they belong to rewards, and this campaign trains no pedestrian for a reward")
 }
