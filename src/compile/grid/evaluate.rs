@@ -35,7 +35,7 @@ impl Lowering<'_> {
         let words = block.arguments.list("pedestrians");
         let untrained = campaign_block.nested("train").next().is_none();
         if untrained && words.iter().any(|word| matches!(word, Value::Choice("trained" | "sampled"))) {
-            return self.said.push(diagnostics::no_training(block.place("pedestrians")));
+            return self.said.push(diagnostics::trained_without_training(block.place("pedestrians")));
         }
         let controllers =
             if untrained { untrained_controllers(words) } else { controllers(words, &campaign.trainings) };

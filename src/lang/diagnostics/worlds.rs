@@ -18,7 +18,7 @@ pub fn contradiction(span: Span, message: String) -> Diagnostic {
 }
 
 /// Trained pedestrians are to be evaluated where none are trained.
-pub fn no_training(span: Span) -> Diagnostic {
+pub fn trained_without_training(span: Span) -> Diagnostic {
     contradiction(span, "this campaign has no `train` block, so it has no trained pedestrians to evaluate".into())
         .help("use `random`, `homing` or `intercept` instead: `pedestrians: [random]`")
 }
