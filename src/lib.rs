@@ -21,7 +21,7 @@
 //! }
 //! "#;
 //!
-//! Scenarios come from the disk unless the caller supplies them.
+//! // Scenarios come from the disk unless the caller supplies them.
 //! let session = Session::default().with_reader(|path: &Path| match path.to_str() {
 //!     Some("crossing.scn") => Ok(SCENARIO.to_string()),
 //!     _ => Err(io::Error::from(io::ErrorKind::NotFound)),

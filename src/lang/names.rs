@@ -151,7 +151,7 @@ impl<'a> Names<'a> {
     fn declare_param(&mut self, name: &'a str, id: ParamId, span: Span, said: &mut Vec<Diagnostic>) {
         match self.params.insert(name, (id, span)) {
             Some((other, first)) if other != id => {
-                said.push(diagnostics::duplicate_declaration(span, "param", name, first))
+                said.push(diagnostics::duplicate_declaration(span, "param", name, first));
             }
             _ => {}
         }

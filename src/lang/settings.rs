@@ -256,7 +256,7 @@ fn axes_of<'a>(
         match entry {
             Entry::Property(property) => match seen.get(property.key.text.as_str()) {
                 Some(first) => {
-                    diagnostics.push(diagnostics::duplicate_key(property.key.span, &property.key.text, *first))
+                    diagnostics.push(diagnostics::duplicate_key(property.key.span, &property.key.text, *first));
                 }
                 None if members(property).is_empty() => diagnostics.push(diagnostics::empty_list(property.value.span)),
                 None if let ExpressionKind::Range(low, high) = &property.value.kind => {
@@ -281,7 +281,7 @@ fn axes_of<'a>(
                 }
             },
             Entry::Bare(value) => {
-                diagnostics.push(diagnostics::bare_argument(value.span, sources.text(value.span), &[]))
+                diagnostics.push(diagnostics::bare_argument(value.span, sources.text(value.span), &[]));
             }
             Entry::Unread(_) => {}
             Entry::Clause(clause) => diagnostics.push(diagnostics::unexpected_clause(clause.event.span, MATRIX)),

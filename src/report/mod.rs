@@ -1,7 +1,7 @@
 //! Rows in, files out: tables, metrics, figures, summary, page, manifest.
 //!
-//! Four jobs, a folder each: [`aggregate`] makes runs and cells of episodes, [`infer`] their evidence for further trainings, [`render`]
-//! text and pictures, and [`read`] reads a report back. `failure_modes` finds kinds of collisions. The rest writes files.
+//! Four jobs, a folder each: `aggregate` makes runs and cells of episodes, `infer` their evidence for further trainings, `render`
+//! text and pictures, and `read` reads a report back. `failure_modes` finds kinds of collisions. The rest writes files.
 
 mod aggregate;
 mod infer;
