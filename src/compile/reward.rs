@@ -1,4 +1,4 @@
-use crate::env::RewardRule;
+use crate::env::{HitClass, RewardRule};
 use crate::lang::hir::Block;
 use crate::signature::{Form, Param, Signature, Type};
 
@@ -23,15 +23,14 @@ fn potential() -> Param {
     )
 }
 
-/// The rule. A clause for `hit` without a word applies to every zone that has no clause of its own.
+/// The rule.
 pub fn lower(block: &Block) -> RewardRule {
     let find = |event: &str, word: Option<&str>| {
         let found = block.clauses.iter().find(|clause| clause.event == event && clause.word == word);
         found.map(|clause| clause.formula.clone())
     };
     RewardRule {
-        hit_front: find("hit", Some("front")).or_else(|| find("hit", None)),
-        hit_other: find("hit", Some("other")).or_else(|| find("hit", None)),
+        hit: HitClass::ALL.map(|class| find("hit", class.word())),
         step: find("step", None),
         lost: find("lost", None),
         timeout: find("timeout", None),

@@ -1,9 +1,11 @@
 use std::sync::Arc;
 
+use super::motion::Motion;
+use super::reward::{Hit, is_about_motion};
 use super::running::RunningEpisode;
 use super::{
-    Controller, Driven, Ending, Observation, ObservationSpec, Outcome, RewardRule, Scenario, Situation, Spawn,
-    SpawnRule, StateHashes,
+    Controller, Driven, Ending, Judgement, Observation, ObservationSpec, Outcome, RewardRule, Scenario, Situation,
+    Spawn, SpawnRule, StateHashes, Trace,
 };
 use crate::av::{DrivingMode, DrivingPolicy, Fault, PerfectSensors};
 use crate::geometry::{Point, Pose, wrap_angle};
@@ -44,6 +46,10 @@ pub struct PedestrianEnv {
     width: f64,
     /// The spawn rule with that part of the distances, if that is not all.
     near: Option<SpawnRule>,
+    /// The running episode so far, if the reward depends on the judgement of a hit.
+    trace: Option<Trace>,
+    /// The motion of each pedestrian with the ego; empty if nothing depends on it.
+    motions: Vec<Motion>,
 }
 
 /// Number of episodes in a row that a driver may fail; then it is not asked again.
@@ -127,7 +133,11 @@ impl PedestrianEnv {
         let nowhere = Spawn { ego: Pose::default(), ego_speed: 0.0, pedestrian: Pose::default() };
         let rule = &scenario.episode;
         let decisions = rule.ticks.div_ceil(rule.hold).min(MOST_ROOM) as usize * pedestrians;
+        let measured = scenario.reward.needs_motion() || rule.end_when.as_ref().is_some_and(is_about_motion);
+        let motions = (0..pedestrians).filter(|_| measured).map(|number| Motion::new(&world, number)).collect();
         Self {
+            trace: scenario.oracle.is_some().then(|| Trace::new(&scenario)),
+            motions,
             bounds: cast.action_bounds(),
             scenario,
             world,
@@ -185,6 +195,12 @@ impl PedestrianEnv {
         self.episode = Episode::new(spawn, self.width);
         for pedestrian in 0..self.world.pedestrians.len() {
             self.episode.least_gap = self.episode.least_gap.min(self.world.gap(0, pedestrian));
+        }
+        for (pedestrian, motion) in self.motions.iter_mut().enumerate() {
+            *motion = Motion::new(&self.world, pedestrian);
+        }
+        if let Some(trace) = &mut self.trace {
+            trace.begin(&self.world);
         }
         self.next_episode = number + 1;
         self.decisions.clear();
@@ -281,6 +297,10 @@ impl PedestrianEnv {
             *turn = wrap_angle(command.heading - last.heading);
             *last = command;
         }
+        self.motions.iter_mut().for_each(Motion::begin_decision);
+        if let Some(trace) = &mut self.trace {
+            trace.decide(last);
+        }
         self.episode.held = 0;
         self.decisions.extend_from_slice(last);
     }
@@ -310,7 +330,12 @@ impl PedestrianEnv {
         self.episode.held += 1;
         let contact = self.world.tick(&self.controls, &self.walks.commands);
         self.episode.contact = contact;
+        self.motions.iter_mut().for_each(|motion| motion.tick(&self.world));
         self.record();
+        if let Some(mut trace) = self.trace.take() {
+            trace.watch(&self.world, contact.as_ref(), |vehicle| self.driven(vehicle));
+            self.trace = Some(trace);
+        }
         let over = contact.is_some() || self.world.ticks >= limit || self.episode.held >= hold;
         over.then(|| self.settle(contact))
     }
@@ -360,19 +385,22 @@ impl PedestrianEnv {
         self.episode.state_hashes.mark(self.episode.digest);
         let (rule, reward) = (&self.scenario.episode, &self.scenario.reward);
         let hit = contact.filter(|contact| contact.pedestrian_at_ego().is_some());
-        let situation = self.situation(contact.as_ref());
+        let judgement = hit.and_then(|_| self.judgement()).unwrap_or_default();
+        let situation = Situation {
+            preventability: judgement.preventability,
+            avoidable_speed: judgement.avoidable_speed,
+            margin: judgement.margin,
+            warning: judgement.warning,
+            seen: judgement.seen,
+            ..self.situation(contact.as_ref())
+        };
         let lost = || rule.end_when.as_ref().is_some_and(|condition| situation.satisfies(condition));
         let worth = |formula| RewardRule::worth(formula, &situation);
         let (earned, ending) = match (hit, contact) {
             (Some(hit), _) => {
-                let front = hit.is_front(rule.front_half_angle);
-                let earned = worth(if front { reward.hit_front.as_ref() } else { reward.hit_other.as_ref() });
-                let ending = Ending::Collision {
-                    front,
-                    moving: hit.impact_speed > rule.moving_above,
-                    impact_speed: hit.impact_speed,
-                    bearing: hit.bearing,
-                };
+                let (front, moving) = (hit.is_front(rule.front_half_angle), hit.impact_speed > rule.moving_above);
+                let earned = worth(reward.for_hit(&Hit { front, moving, judgement }));
+                let ending = Ending::Collision { front, moving, impact_speed: hit.impact_speed, bearing: hit.bearing };
                 (earned, Some(ending))
             }
             (None, Some(_)) => (worth(reward.step.as_ref()), Some(Ending::OtherContact)),
@@ -389,6 +417,12 @@ impl PedestrianEnv {
         }
         let truncated = ending == Some(Ending::Timeout);
         Step { reward: earned, terminated: ending.is_some() && !truncated, truncated }
+    }
+
+    /// The judgement of the hit that has just happened, if the reward depends on it.
+    fn judgement(&self) -> Option<Judgement> {
+        let (oracle, trace) = (self.scenario.oracle.as_ref()?, self.trace.as_ref()?);
+        Some(oracle.judge(&trace.main_pair(&self.scenario)))
     }
 
     /// Records the outcome of the episode.
@@ -414,6 +448,7 @@ impl PedestrianEnv {
         let (ego, pedestrian) = (&self.world.ego().state, &self.world.pedestrians[struck].state);
         let local = ego.pose.to_local(pedestrian.pose.position());
         let (ahead, aside) = hit.map_or((local.x, local.y), |hit| (hit.ahead, hit.aside));
+        let motion = self.motions.get(struck);
         Situation {
             v_c: hit.map_or(0.0, |hit| hit.impact_speed),
             bearing: hit.map_or_else(|| libm::atan2(aside, ahead), |hit| hit.bearing),
@@ -430,6 +465,11 @@ impl PedestrianEnv {
             turn: self.walks.turns[struck],
             pace: self.walks.commands[struck].speed,
             miss_distance: if hit.is_some() { 0.0 } else { self.episode.least_gap },
+            min_ttc: motion.map_or(0.0, |motion| motion.min_ttc),
+            ego_deceleration: motion.map_or(0.0, |motion| motion.ego_deceleration),
+            walking_acceleration: motion.map_or(0.0, |motion| motion.walking_acceleration),
+            walking_turn: motion.map_or(0.0, |motion| motion.walking_turn),
+            ..Situation::default()
         }
     }
 

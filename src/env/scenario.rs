@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use super::{Cast, RewardRule, SpawnRule};
+use super::{Cast, RewardRule, SpawnRule, TestOracle};
 use crate::geometry::Obstacles;
 use crate::road::Town;
 use crate::signature::Formula;
@@ -37,6 +37,8 @@ pub struct Scenario {
     pub spawn: SpawnRule,
     /// The reward of the pedestrians.
     pub reward: RewardRule,
+    /// Judges hits, for rewards that depend on the judgement; without it every hit counts as not preventable.
+    pub oracle: Option<Arc<dyn TestOracle>>,
     /// The rule that ends episodes.
     pub episode: EpisodeRule,
 }

@@ -26,12 +26,14 @@ mod reference;
 mod trial;
 mod verdict;
 mod near_miss;
+mod oracle;
 #[cfg(test)]
 mod tests;
 
 pub use driven_path::{DrivenPath, Place};
 pub use encounter::{Encounter, Step};
 pub use near_miss::NearMiss;
+pub use oracle::ReferenceOracle;
 pub use reference::Reference;
 pub use sight::Sight;
 pub use trial::Trial;

@@ -112,6 +112,19 @@ impl Formula {
     }
 }
 
+impl Formula {
+    /// Whether it contains a variable that satisfies a condition.
+    pub fn mentions(&self, wanted: &impl Fn(VariableId) -> bool) -> bool {
+        match self {
+            Formula::Constant(_) => false,
+            Formula::Variable(id) => wanted(*id),
+            Formula::Negate(inner) | Formula::Not(inner) => inner.mentions(wanted),
+            Formula::Binary(_, left, right) => left.mentions(wanted) || right.mentions(wanted),
+            Formula::Call(_, arguments) => arguments.iter().any(|argument| argument.mentions(wanted)),
+        }
+    }
+}
+
 /// Bounds of a value: its least and its greatest possible value.
 pub type Bounds = (f64, f64);
 

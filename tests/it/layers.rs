@@ -32,6 +32,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "av",
             "rl",
             "env",
+            "judge",
             "falsifier",
         ],
     ),

@@ -7,8 +7,10 @@ use crate::compile::lowering::{BuiltTown, Lowering};
 use crate::compile::plan::NamedTown;
 use crate::compile::policy;
 use crate::env::{
-    Cast, EpisodeRule, FirstHeading, PedestrianRole, PolicyMaker, RewardRule, Scenario, SpawnRule, VehicleRole,
+    Cast, EpisodeRule, FirstHeading, PedestrianRole, PolicyMaker, RewardRule, Scenario, SpawnRule, TestOracle,
+    VehicleRole,
 };
+use crate::judge::ReferenceOracle;
 use crate::lang::diagnostics;
 use crate::lang::hir::Block;
 use crate::seed::Seed;
@@ -53,6 +55,7 @@ impl Place<'_> {
             cast: Cast::pair(VehicleRole { blueprint: car.clone(), policy: self.policy.value.clone() }, walker.clone()),
             spawn: self.spawn.value.clone(),
             reward: reward.clone(),
+            oracle: reward.needs_judgement().then(|| Arc::new(ReferenceOracle) as Arc<dyn TestOracle>),
             episode: rule.clone(),
         })
     }
