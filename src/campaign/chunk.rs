@@ -5,7 +5,7 @@ use super::watch::{flow, watch_numbered};
 use super::{Observer, Progress, ResultStore, Task, TaskError};
 use crate::compile::Campaign;
 use crate::env::{Outcome, Trace};
-use crate::judge::{NearMiss, judge};
+use crate::judge::{NearMiss, PedestrianMotion, judge};
 use crate::record::{EpisodeRow, RunKey};
 use crate::rl::ActorCritic;
 use crate::seed::Seed;
@@ -62,6 +62,7 @@ pub(super) fn try_chunk(
             outcome: *outcome,
             verdict,
             near_miss,
+            motion: PedestrianMotion::new(&pair),
             weight: 1.0,
         });
     };

@@ -1,8 +1,11 @@
+use crate::diagnostic::Diagnostic;
 use crate::env::{
     ActionSpec, Controller, FirstHeading, ObservationSpec, ObservedSpeed, PedestrianRole, ReferenceFrame, Scaling,
 };
+use crate::lang::diagnostics;
+use crate::lang::hir::Block;
 use crate::signature::{Arguments, Form, Param, Signature, Type};
-use crate::sim::PedestrianBody;
+use crate::sim::{Gait, PedestrianBody};
 use crate::units::Dimension;
 
 const FRAMES: &[&str] = &["heading", "initial", "line_of_sight", "world"];
@@ -23,13 +26,28 @@ pub fn form() -> Form {
             "ramp",
             Type::non_negative(Dimension::TIME),
             "2 s",
-            "Time from rest to any speed; `0 s` for at once. CARLA's walkers take 2 s (the formula A, its 20.48 m/s^2 D).",
+            "Time from rest to any speed; `0 s` for at once. CARLA's walkers take 2 s (the formula A). Not with `acceleration`.",
         ),
         Param::with_default(
             "turning",
             Type::positive(Dimension::FREQUENCY),
             "8 Hz",
-            "Rate at which its velocity turns; 20 Hz or more for at once. CARLA's 8 Hz is Unreal's default (D).",
+            "Rate at which its velocity turns; 20 Hz or more for at once. CARLA's 8 Hz is Unreal's default (D). Not with `acceleration`.",
+        ),
+        Param::optional(
+            "acceleration",
+            Type::positive(Dimension::ACCELERATION),
+            "Greatest acceleration in any direction, so that turns need time. It replaces CARLA's gait (`ramp`, `turning`) by a body with inertia.",
+        ),
+        Param::optional(
+            "stopping",
+            Type::positive(Dimension::ACCELERATION),
+            "Greatest deceleration. Without it that of `acceleration`; without `acceleration` 20.48 m/s^2 (Unreal's default, D), at once with a `ramp` of 0 s.",
+        ),
+        Param::optional(
+            "turn_rate",
+            Type::positive(Dimension::TURN_RATE),
+            "Greatest rate at which its direction of motion turns; a body at rest starts in any direction. Only with `acceleration`, which alone limits turns without it.",
         ),
         Param::with_default(
             "speed",
@@ -78,17 +96,49 @@ pub fn form() -> Form {
     }
 }
 
+/// Reports keys that exclude each other.
+pub fn check(block: &Block, said: &mut Vec<Diagnostic>) {
+    let given = |key: &str| block.places.iter().find(|(name, _)| *name == key).map(|(_, span)| *span);
+    match given("acceleration") {
+        Some(acceleration) => {
+            for (key, what) in [("ramp", "the time to any speed"), ("turning", "a rate of turning without inertia")] {
+                if let Some(span) = given(key) {
+                    let message = format!("`{key}` is {what}, and `acceleration` bounds both: remove one of the two");
+                    let label = "this makes it a body with inertia";
+                    said.push(diagnostics::contradiction(span, message).label(acceleration, label));
+                }
+            }
+        }
+        None => said.extend(given("turn_rate").map(|span| {
+            let message = "`turn_rate` needs `acceleration`: only a body with inertia has one".to_string();
+            diagnostics::contradiction(span, message)
+                .help("add `acceleration: 1.65 m/s^2`, or write `turning` for CARLA's gait")
+        })),
+    }
+}
+
 /// The pedestrian.
 pub fn lower(arguments: &Arguments) -> PedestrianRole {
     let size = match arguments.choice("body") {
         "child" => PedestrianBody::child(),
         _ => PedestrianBody::adult(),
     };
-    let ramp = arguments.number("ramp");
-    // A pedestrian that starts at once stops at once.
-    let stopping = if ramp == 0.0 { f64::INFINITY } else { size.stopping };
+    let given = |key: &str| arguments.has(key).then(|| arguments.number(key));
+    let (stopping, ramp) = (given("stopping"), arguments.number("ramp"));
+    let gait = match given("acceleration") {
+        Some(acceleration) => Gait::Inertial {
+            acceleration,
+            stopping: stopping.unwrap_or(acceleration),
+            turn_rate: given("turn_rate").unwrap_or(f64::INFINITY),
+        },
+        None => {
+            // A pedestrian that starts at once stops at once.
+            let usual = if ramp == 0.0 { f64::INFINITY } else { Gait::CARLA_STOPPING };
+            Gait::Carla { ramp, turning: arguments.number("turning"), stopping: stopping.unwrap_or(usual) }
+        }
+    };
     PedestrianRole {
-        body: PedestrianBody { ramp, turning: arguments.number("turning"), stopping, ..size },
+        body: PedestrianBody { gait, ..size },
         observation: ObservationSpec {
             frame: frame(arguments.choice("observation_frame")),
             scaling: scaling(arguments.choice("observation_scaling")),

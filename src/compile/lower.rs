@@ -10,7 +10,7 @@ use super::plan::{Campaign, Documented, NamedTown, Plan};
 use super::reached::reached;
 use super::variants::{Variant, understand};
 use super::whole_plan::{forbid_equal_names, warn_of_unused};
-use super::{Catalog, policy, spawn, town};
+use super::{Catalog, adversary, policy, spawn, town};
 use crate::diagnostic::{Diagnostic, Severity, Sources};
 use crate::env::{PolicyMaker, SpawnRule};
 use crate::geometry::Obstacles;
@@ -136,6 +136,9 @@ impl Lowering<'_> {
             for declaration in program.of_form("spawn") {
                 let _ = self.spawn_rule(declaration.id);
             }
+            for declaration in program.of_form("adversary") {
+                adversary::check(&declaration.block, self.said);
+            }
         }
         for declaration in program.of_form("campaign") {
             let chosen =
@@ -159,6 +162,7 @@ impl Lowering<'_> {
         of_form("town").for_each(|town| drop(self.town(town.id)));
         of_form("policy").for_each(|policy| drop(self.policy(policy.id)));
         of_form("spawn").for_each(|spawn| drop(self.spawn_rule(spawn.id)));
+        of_form("adversary").for_each(|adversary| adversary::check(&adversary.block, self.said));
         for campaign in of_form("campaign").filter(|campaign| !left_out.contains(&campaign.id)) {
             self.campaign(campaign);
         }

@@ -69,6 +69,11 @@ impl<'a> Pair<'a> {
         self.scenario.episode.tick
     }
 
+    /// The states of the pedestrian: at the start, and after each tick.
+    pub fn pedestrian_states(&self) -> &'a [PedestrianState] {
+        self.walking
+    }
+
     /// The touch of the two in the last tick; none when they did not touch.
     pub fn contact(&self) -> Option<&'a Contact> {
         self.contact

@@ -14,7 +14,7 @@
 //! 4. A driver *avoids* the failure when the car does not touch the pedestrian while the car moves. A pedestrian that then walks
 //!    into the standing car, or comes from behind, is not counted.
 //!
-//! [`NearMiss`] measures how near any episode came to a touch.
+//! [`NearMiss`] measures how near any episode came to a touch, and [`PedestrianMotion`] whether the pedestrian moved as people do.
 //!
 //! The labels are explained at [`Label`], the drivers at [`Reference`]. Reference drivers brake with their own parameters, not with those
 //! of the car's brake.
@@ -24,6 +24,7 @@ mod sight;
 mod encounter;
 mod reference;
 mod trial;
+mod foreseeable;
 mod verdict;
 mod near_miss;
 mod oracle;
@@ -32,6 +33,7 @@ mod tests;
 
 pub use driven_path::{DrivenPath, Place};
 pub use encounter::{Encounter, Step};
+pub use foreseeable::PedestrianMotion;
 pub use near_miss::NearMiss;
 pub use oracle::ReferenceOracle;
 pub use reference::Reference;

@@ -1,5 +1,5 @@
 use super::trial::STANDING;
-use super::{Encounter, Reference, Sight, Trial};
+use super::{Encounter, PedestrianMotion, Reference, Sight, Trial};
 use crate::env::Pair;
 use crate::sim::Contact;
 
@@ -65,8 +65,7 @@ pub struct Verdict {
     pub label: Label,
     /// Time from the start of the danger to the touch (s).
     pub warning: f64,
-    /// Whether the pedestrian never walked faster than 8 km/h nor sped up by more than 1.65 m/s², as in Euro NCAP's tests.
-    /// Turning and stopping are not limited.
+    /// Whether the pedestrian moved as people do up to the touch: [`PedestrianMotion::is_foreseeable`].
     pub foreseeable: bool,
     /// Whether the pedestrian could be seen before the touch.
     pub sight: Sight,
@@ -80,6 +79,11 @@ impl Verdict {
     /// The result of a driver.
     pub fn trial(&self, reference: Reference) -> &Trial {
         &self.trials[reference as usize]
+    }
+
+    /// Whether a careful human would have avoided it and the pedestrian moved as people do: the failure counts against the driver.
+    pub fn is_attributable(&self) -> bool {
+        self.label == Label::Preventable && self.foreseeable
     }
 
     /// The reduction of the impact speed by a driver (m/s): all of it when it avoids the failure.
@@ -103,7 +107,7 @@ pub fn judge(pair: &Pair<'_>) -> Option<Verdict> {
     Some(Verdict {
         label,
         warning: encounter.warning,
-        foreseeable: is_foreseeable(pair),
+        foreseeable: PedestrianMotion::new(pair).is_foreseeable(),
         sight: Sight::new(pair),
         impact_speed: contact.impact_speed,
         trials,
@@ -135,15 +139,6 @@ fn has_passed(contact: &Contact, pair: &Pair<'_>, encounter: &Encounter) -> bool
     let sideways = last.pedestrian.velocity.dot(&last.ego.pose.left());
     let inward = if contact.aside > 0.0 { -sideways } else { sideways };
     contact.ahead < half.x && contact.aside.abs() > half.y && inward > STANDING
-}
-
-/// Euro NCAP's running adult: its speed (m/s) and its acceleration (m/s²).
-const RUNNING: (f64, f64) = (8.0 / 3.6, 1.65);
-
-fn is_foreseeable(pair: &Pair<'_>) -> bool {
-    let speeds = || pair.frames().map(|frame| frame.pedestrian.speed());
-    let slow = speeds().all(|speed| speed <= RUNNING.0 + 1e-9);
-    slow && speeds().zip(speeds().skip(1)).all(|(before, after)| after - before <= RUNNING.1 * pair.dt() + 1e-9)
 }
 
 #[cfg(test)]

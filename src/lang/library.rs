@@ -15,6 +15,7 @@ const FILES: &[(&str, &str)] = &[
     ("drivers.scn", include_str!("../../scenarios/lib/drivers.scn")),
     ("paper.scn", include_str!("../../scenarios/lib/paper.scn")),
     ("paper_tables.scn", include_str!("../../scenarios/lib/paper_tables.scn")),
+    ("pedestrians.scn", include_str!("../../scenarios/lib/pedestrians.scn")),
     ("rewards.scn", include_str!("../../scenarios/lib/rewards.scn")),
     ("sensors.scn", include_str!("../../scenarios/lib/sensors.scn")),
     ("towns.scn", include_str!("../../scenarios/lib/towns.scn")),

@@ -143,8 +143,29 @@ pub const VERDICT: Column<String> = Column::new(
 pub const FORESEEABLE: Column<bool> = Column::new(
     "foreseeable",
     "",
-    "whether the pedestrian never walked faster than 8 km/h nor accelerated by more than 1.65 m/s² (Euro NCAP's running adult); turning \
-     and stopping are not limited. A pedestrian that obeys at once is foreseeable only if it stands",
+    "whether the pedestrian moved as people do up to the touch: never faster than 8 km/h, never accelerated by more than 2.12 m/s² within a \
+     tick, and its velocity changed by at most 1.65 m/s within any second (Euro NCAP's running adult, and recorded walking). Turning and \
+     stopping are acceleration. A pedestrian that obeys at once is foreseeable only if it stands",
+);
+/// Whether the failure counts against the driver.
+pub const ATTRIBUTABLE: Column<bool> = Column::new(
+    "attributable",
+    "",
+    "whether the collision is preventable and the pedestrian foreseeable: it counts against the driver under test",
+);
+/// Greatest speed of the pedestrian.
+pub const PEAK_SPEED: Column<f64> = Column::new("peak_speed_mps", "m/s", "greatest speed of the pedestrian");
+/// Greatest acceleration of the pedestrian.
+pub const PEAK_ACCELERATION: Column<f64> = Column::new(
+    "peak_acceleration_mps2",
+    "m/s²",
+    "greatest change of the pedestrian's velocity within a tick, divided by its length; turns count",
+);
+/// Greatest change of the pedestrian's velocity in a second.
+pub const VELOCITY_CHANGE: Column<f64> = Column::new(
+    "velocity_change_1s_mps",
+    "m/s",
+    "greatest difference of two velocities of the pedestrian that are at most a second apart; turns count",
 );
 /// Time of danger.
 pub const WARNING: Column<f64> = Column::new("warning_s", "s", "time from the start of the danger to the touch");

@@ -1,15 +1,16 @@
 use polars::prelude::{Column as Values, DataFrame};
 
 use super::columns::{
-    ADVERSARY, AVOIDS, BLOCK, COLLISION, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
-    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FORESEEABLE, FRONT, HIDDEN_SHARE, IMPACT_BEARING, IMPACT_SPEED, IN_SIGHT,
-    LEAST_GAP, MARGIN, MIN_TTC, MOVING, OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, REWARD, RUN,
-    RUN_ID, SPEED_REDUCTION, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT, WARNING,
+    ADVERSARY, ATTRIBUTABLE, AVOIDS, BLOCK, COLLISION, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y,
+    EGO_YAW, EPISODE, EPISODE_LENGTH, EPISODE_REWARD, ERROR, FORESEEABLE, FRONT, HIDDEN_SHARE, IMPACT_BEARING,
+    IMPACT_SPEED, IN_SIGHT, LEAST_GAP, MARGIN, MIN_TTC, MOVING, OUTCOME, PEAK_ACCELERATION, PEAK_SPEED, PEDESTRIAN_X,
+    PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, REWARD, RUN, RUN_ID, SPEED_REDUCTION, STATE_HASHES, TICKS, TOWN,
+    TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VELOCITY_CHANGE, VERDICT, WARNING,
 };
 use super::metric::{self, Metric};
 use super::{CellKey, ColumnReference, Entry, EpisodeRow, RunKey, Table};
 use crate::env::Ending;
-use crate::judge::{Label, NearMiss, Reference, Trial, Verdict};
+use crate::judge::{Label, NearMiss, PedestrianMotion, Reference, Trial, Verdict};
 
 /// The stem of the files of the table of episodes.
 pub const EPISODES: &str = "episodes";
@@ -115,6 +116,9 @@ pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
         .column(LEAST_GAP.of(|row: &EpisodeRow| row.outcome.least_gap).aggregated([metric::LEAST_GAP.at(11)]))
         .column(MIN_TTC.of(|row| near_miss(row).min_ttc))
         .column(PET.of(|row| near_miss(row).pet))
+        .column(PEAK_SPEED.of(|row| motion(row).map(|motion| motion.peak_speed)))
+        .column(PEAK_ACCELERATION.of(|row| motion(row).map(|motion| motion.peak_acceleration)))
+        .column(VELOCITY_CHANGE.of(|row| motion(row).map(|motion| motion.velocity_change)))
         .column(DRIVING_MODE.of(|row: &EpisodeRow| row.outcome.last_mode.name()))
         .column(EGO_X.of(|row: &EpisodeRow| row.outcome.spawn.ego.x))
         .column(EGO_Y.of(|row: &EpisodeRow| row.outcome.spawn.ego.y))
@@ -140,7 +144,12 @@ fn verdicts() -> Vec<Entry<'static, EpisodeRow>> {
         VERDICT.of(move |row| verdict(row).map(|verdict| verdict.label.name())).aggregated(labels.chain(rates)),
         FORESEEABLE
             .of(move |row| verdict(row).map(|verdict| verdict.foreseeable))
-            .aggregated([metric::FORESEEABLE_COLLISIONS.at(12)]),
+            .aggregated([metric::FORESEEABLE_COLLISIONS.at(12), metric::FORESEEABLE_RATE.at(21)]),
+        ATTRIBUTABLE.of(move |row| verdict(row).map(|verdict| verdict.is_attributable())).aggregated([
+            metric::ATTRIBUTABLE_COLLISIONS.at(22),
+            metric::ATTRIBUTABLE_RATE.at(23),
+            metric::ATTRIBUTABLE_SHARE.at(24),
+        ]),
         WARNING.of(move |row| verdict(row).map(|verdict| verdict.warning)),
         HIDDEN_SHARE.of(move |row| verdict(row).map(|verdict| verdict.sight.hidden)),
         IN_SIGHT.of(move |row| verdict(row).map(|verdict| verdict.sight.seen)),
@@ -177,6 +186,11 @@ fn hit(row: &EpisodeRow) -> Option<Hit> {
 /// The near-miss figures of an episode; none for one in error, whose driver did not reach the end.
 fn near_miss(row: &EpisodeRow) -> NearMiss {
     if row.outcome.fault().is_some() { NearMiss::default() } else { row.near_miss }
+}
+
+/// What the pedestrian did with its body; none for an episode in error.
+fn motion(row: &EpisodeRow) -> Option<PedestrianMotion> {
+    row.outcome.fault().is_none().then_some(row.motion)
 }
 
 /// The value of `outcome` for an episode in error.

@@ -190,6 +190,13 @@ pub const FORESEEABLE_COLLISIONS: Count = Count::new(
     "number of collisions with a foreseeable pedestrian",
 );
 
+/// Number of attributable collisions.
+pub const ATTRIBUTABLE_COLLISIONS: Count = Count::new(
+    "attributable_collisions",
+    Which::True(columns::ATTRIBUTABLE.name),
+    "number of preventable collisions with a foreseeable pedestrian",
+);
+
 /// Number of collisions with a verdict.
 pub const fn labelled(label: Label) -> Count {
     let doc = "number of collisions with that verdict";
@@ -222,6 +229,27 @@ pub const PREVENTABLE_SHARE: Rate = Rate::new(
     labelled(Label::Preventable),
     COLLISIONS,
     "preventable collisions of all *collisions*; missing without any collision",
+);
+/// Collisions with a foreseeable pedestrian of all episodes.
+pub const FORESEEABLE_RATE: Rate = Rate::new(
+    "foreseeable_rate",
+    FORESEEABLE_COLLISIONS,
+    EPISODES,
+    "collisions with a foreseeable pedestrian of all *episodes*",
+);
+/// Attributable collisions of all episodes.
+pub const ATTRIBUTABLE_RATE: Rate = Rate::new(
+    "attributable_rate",
+    ATTRIBUTABLE_COLLISIONS,
+    EPISODES,
+    "preventable collisions with a foreseeable pedestrian of all *episodes*",
+);
+/// Attributable collisions of all collisions.
+pub const ATTRIBUTABLE_SHARE: Rate = Rate::new(
+    "attributable_share",
+    ATTRIBUTABLE_COLLISIONS,
+    COLLISIONS,
+    "preventable collisions with a foreseeable pedestrian of all *collisions*; missing without any collision",
 );
 /// Mean reward.
 pub const EPISODE_REWARD: Mean = Mean::new(&columns::EPISODE_REWARD, "mean reward of an episode");

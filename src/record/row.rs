@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use super::RunKey;
 use crate::env::Outcome;
-use crate::judge::{NearMiss, Verdict};
+use crate::judge::{NearMiss, PedestrianMotion, Verdict};
 
 /// One episode of an evaluation.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,6 +17,8 @@ pub struct EpisodeRow {
     pub verdict: Option<Verdict>,
     /// How near it came to a touch.
     pub near_miss: NearMiss,
+    /// What the pedestrian did with its body.
+    pub motion: PedestrianMotion,
     /// Its weight: the probability of its start in the scenario, divided by the probability with which it was drawn. It is 1 today, since
     /// starts are drawn from the distribution of the scenario. Tables have no column of it yet.
     pub weight: f64,

@@ -47,6 +47,7 @@ fn row(episode: u32, ending: Ending) -> EpisodeRow {
             trials: [trial; 6],
         }),
         near_miss: NearMiss { min_ttc: Some(0.75), pet: None },
+        motion: Default::default(),
         weight: 1.0,
     }
 }

@@ -7,7 +7,7 @@ use crate::campaign::{SearchResult, watch};
 use crate::compile::{Evaluation, Search};
 use crate::env::{Outcome, Scenario, Trace};
 use crate::falsifier::{Failure, SearchOutcome, follow};
-use crate::judge::{NearMiss, Verdict, judge};
+use crate::judge::{NearMiss, PedestrianMotion, Verdict, judge};
 use crate::record::{self, EpisodeRow, RunKey};
 use crate::report::{self, Difference};
 
@@ -66,6 +66,7 @@ impl Source {
             outcome,
             verdict,
             near_miss,
+            motion: PedestrianMotion::new(&pair),
             weight: 1.0,
         }]);
         let scenario = &evaluation.scenario;

@@ -15,7 +15,7 @@ mod world;
 pub use actor::{ActorId, Pedestrian, Vehicle};
 pub use blueprint::{ThrottleLine, VehicleBlueprint};
 pub use contact::Contact;
-pub use pedestrian::{PedestrianBody, PedestrianState, WalkCommand};
+pub use pedestrian::{Gait, PedestrianBody, PedestrianState, WalkCommand};
 pub use start::{ActorStart, Start};
 pub use traffic_light::{LightClock, LightColour, LightCycle};
 pub use vehicle::{Control, VehicleState};

@@ -1,5 +1,8 @@
 use crate::geometry::{Obstacles, Point, Pose, Vector};
 
+/// A pedestrian that is slower (m/s) has no direction of motion.
+const AT_REST: f64 = 1e-9;
+
 /// Size and gait of a pedestrian.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PedestrianBody {
@@ -7,12 +10,42 @@ pub struct PedestrianBody {
     pub radius: f64,
     /// Half of its height (m).
     pub half_height: f64,
-    /// Time from rest to any commanded speed (s); 0 for immediately.
-    pub ramp: f64,
-    /// Rate at which the velocity turns to a new direction (1/s); infinite for immediately.
-    pub turning: f64,
-    /// Deceleration when the command is slower (m/s²); infinite for immediately.
-    pub stopping: f64,
+    /// How its velocity follows its commands.
+    pub gait: Gait,
+}
+
+/// How the velocity of a pedestrian follows its commands.
+///
+/// A body that slides along a wall loses the blocked component of its velocity in any gait. That loss is a push of the wall, so no bound of
+/// the gait limits it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Gait {
+    /// That of CARLA's walkers. The acceleration grows with the commanded speed, and turning is not limited by it.
+    Carla {
+        /// Time from rest to any commanded speed (s); 0 for immediately.
+        ramp: f64,
+        /// Rate at which the velocity turns to a new direction (1/s); infinite for immediately.
+        turning: f64,
+        /// Deceleration when the command is slower (m/s²); infinite for immediately.
+        stopping: f64,
+    },
+    /// That of a body with inertia. In each tick the velocity goes straight towards the commanded velocity, as far as the bounds allow.
+    ///
+    /// The change of velocity of a tick, split into the part `p` along the present velocity and the part `q` across it, satisfies
+    /// `(p / b)² + (q / acceleration)² ≤ dt²`, where b is `acceleration` for p ≥ 0 and `stopping` for p < 0. So the whole acceleration
+    /// vector is at most the greater of the two, whatever the commands. The direction of the velocity turns by at most `turn_rate · dt`. A
+    /// command beyond that angle is replaced by the nearest velocity within it. A reversed command therefore stops the body first. A body
+    /// at rest starts in any direction. A commanded speed is never exceeded by a body that starts slower.
+    ///
+    /// A bound on jerk would need the last acceleration as a part of the pedestrian's state, and recorded walking gives no figure for it.
+    Inertial {
+        /// Greatest acceleration forwards and sideways (m/s²).
+        acceleration: f64,
+        /// Greatest acceleration against the present velocity (m/s²).
+        stopping: f64,
+        /// Greatest rate at which the direction of the velocity turns (rad/s).
+        turn_rate: f64,
+    },
 }
 
 impl PedestrianBody {
@@ -22,7 +55,8 @@ impl PedestrianBody {
     /// Dumps of the capsule. Gait: Unreal's character movement, whose acceleration CARLA scales with the commanded speed
     /// (`Walker/WalkerController.cpp`, pull request #9826), with the engine's defaults 20.48 m/s² and friction 8.
     pub fn adult() -> Self {
-        Self { radius: 0.187_679, half_height: 0.93, ramp: 2.0, turning: 8.0, stopping: 20.48 }
+        let gait = Gait::Carla { ramp: 2.0, turning: 8.0, stopping: Gait::CARLA_STOPPING };
+        Self { radius: 0.187_679, half_height: 0.93, gait }
     }
 
     /// CARLA's child walkers.
@@ -32,7 +66,7 @@ impl PedestrianBody {
 
     /// Reaches every commanded velocity immediately.
     pub fn nimble(self) -> Self {
-        Self { ramp: 0.0, turning: f64::INFINITY, stopping: f64::INFINITY, ..self }
+        Self { gait: Gait::Carla { ramp: 0.0, turning: f64::INFINITY, stopping: f64::INFINITY }, ..self }
     }
 }
 
@@ -68,7 +102,7 @@ impl PedestrianState {
     /// Simulates one tick; the pedestrian slides along obstacles.
     pub fn step(&self, command: WalkCommand, body: &PedestrianBody, obstacles: &Obstacles, dt: f64) -> Self {
         let wanted = Vector::new(libm::cos(command.heading), libm::sin(command.heading));
-        let velocity = body.velocity(self.velocity, wanted, command.speed, dt);
+        let velocity = body.gait.velocity(self.velocity, wanted, command.speed, dt);
         // Steps are shorter than the body, so that no pedestrian walks through a thin wall.
         let steps = (velocity.norm() * dt / body.radius).ceil().max(1.0);
         let (from, part) = (self.pose.position(), velocity * (dt / steps));
@@ -80,34 +114,75 @@ impl PedestrianState {
     }
 }
 
-impl PedestrianBody {
+impl Gait {
+    /// Deceleration of CARLA's walkers (m/s²), Unreal's default.
+    pub const CARLA_STOPPING: f64 = 20.48;
+
+    /// The velocity after a tick, from the velocity before it and the commanded direction and speed.
+    #[inline]
     fn velocity(&self, before: Vector, wanted: Vector, speed: f64, dt: f64) -> Vector {
-        if speed <= 0.0 {
-            let present = before.norm();
-            let left = (present - self.stopping * dt).max(0.0);
-            return if left > 0.0 { before * (left / present) } else { Vector::zeros() };
+        match *self {
+            Self::Carla { ramp, turning, stopping } => {
+                carla_velocity(before, wanted, speed, dt, (ramp, turning, stopping))
+            }
+            Self::Inertial { acceleration, stopping, turn_rate } => {
+                let target = wanted * speed.max(0.0);
+                let present = before.try_normalize(AT_REST);
+                let target = present.map_or(target, |present| within_turn(present, target, turn_rate * dt));
+                let (change, ahead) = (target - before, present.unwrap_or(wanted));
+                let (along, across) = (change.dot(&ahead), ahead.perp(&change));
+                let bound = if along < 0.0 { stopping } else { acceleration };
+                let effort = Vector::new(along / bound, across / acceleration).norm() / dt;
+                if effort > 1.0 { before + change / effort } else { target }
+            }
         }
-        let present = before.norm();
-        let turned = before + (wanted * present - before) * (self.turning * dt).min(1.0);
-        let pushed = match turned.norm() {
-            _ if self.ramp > 0.0 => turned + wanted * (speed * dt / self.ramp),
-            slow if slow > 1e-9 => turned * (speed / slow),
-            _ => wanted * speed,
-        };
-        let reached = pushed.norm();
-        if reached <= speed {
-            return pushed;
-        }
-        // Faster than the command: it slows down, limited by its deceleration.
-        let allowed = speed.max(present - self.stopping * dt);
-        if reached > allowed { pushed * (allowed / reached) } else { pushed }
     }
+}
+
+/// The velocity nearest to `target` whose direction differs from the unit vector `present` by at most `turn` (rad).
+fn within_turn(present: Vector, target: Vector, turn: f64) -> Vector {
+    let angle = libm::atan2(present.perp(&target), present.dot(&target));
+    if angle.abs() <= turn {
+        return target;
+    }
+    let (sin, cos) = libm::sincos(turn.copysign(angle));
+    let edge = Vector::new(cos * present.x - sin * present.y, sin * present.x + cos * present.y);
+    edge * target.dot(&edge).max(0.0)
+}
+
+fn carla_velocity(
+    before: Vector,
+    wanted: Vector,
+    speed: f64,
+    dt: f64,
+    (ramp, turning, stopping): (f64, f64, f64),
+) -> Vector {
+    if speed <= 0.0 {
+        let present = before.norm();
+        let left = (present - stopping * dt).max(0.0);
+        return if left > 0.0 { before * (left / present) } else { Vector::zeros() };
+    }
+    let present = before.norm();
+    let turned = before + (wanted * present - before) * (turning * dt).min(1.0);
+    let pushed = match turned.norm() {
+        _ if ramp > 0.0 => turned + wanted * (speed * dt / ramp),
+        slow if slow > 1e-9 => turned * (speed / slow),
+        _ => wanted * speed,
+    };
+    let reached = pushed.norm();
+    if reached <= speed {
+        return pushed;
+    }
+    // Faster than the command: it slows down, limited by its deceleration.
+    let allowed = speed.max(present - stopping * dt);
+    if reached > allowed { pushed * (allowed / reached) } else { pushed }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::OrientedBox;
+    use crate::geometry::{OrientedBox, wrap_angle};
+    use proptest::prelude::*;
 
     fn walk(state: PedestrianState, command: WalkCommand, body: PedestrianBody, ticks: u32) -> PedestrianState {
         let free = Obstacles::new(&[]);
@@ -133,6 +208,86 @@ mod tests {
         let back = walk(east, WalkCommand { heading: std::f64::consts::PI, speed: 1.0 }, body, 20);
         assert!((back.pose.x - 2.5).abs() < 1e-9);
         assert_eq!(walk(back, WalkCommand { heading: 0.0, speed: 0.0 }, body, 1).speed(), 0.0);
+    }
+
+    /// An adult with inertia.
+    fn inertial(acceleration: f64, stopping: f64, turn_rate: f64) -> PedestrianBody {
+        PedestrianBody { gait: Gait::Inertial { acceleration, stopping, turn_rate }, ..PedestrianBody::adult() }
+    }
+
+    #[test]
+    fn a_body_with_inertia_reaches_its_command_and_stays_there() {
+        let body = inertial(1.65, 3.0, 1.4);
+        let (east, north) = (WalkCommand { heading: 0.0, speed: 2.0 }, WalkCommand { heading: 1.5, speed: 2.0 });
+        let state = walk(PedestrianState::default(), east, body, 20);
+        assert!((state.speed() - 1.65).abs() < 1e-9, "after a second");
+        let state = walk(state, east, body, 5);
+        assert_eq!(state.velocity, Vector::new(2.0, 0.0));
+        let turned = walk(state, north, body, 60);
+        assert!((turned.velocity - Vector::new(2.0 * libm::cos(1.5), 2.0 * libm::sin(1.5))).norm() < 1e-9);
+        let stopped = walk(turned, WalkCommand { heading: 0.0, speed: 0.0 }, body, 13);
+        assert!((stopped.speed() - 0.05).abs() < 1e-9, "3 m/s² for 0.65 s: {}", stopped.speed());
+        assert_eq!(walk(stopped, WalkCommand { heading: 0.0, speed: 0.0 }, body, 1).speed(), 0.0);
+    }
+
+    #[test]
+    fn a_reversed_command_stops_the_body_and_then_sends_it_back_on_the_same_line() {
+        let body = inertial(1.65, 1.65, 1.4);
+        let state = walk(PedestrianState::default(), WalkCommand { heading: 0.0, speed: 1.65 }, body, 20);
+        let back = WalkCommand { heading: std::f64::consts::PI, speed: 1.65 };
+        let halfway = walk(state, back, body, 20);
+        assert!(halfway.speed() < 1e-9, "{:?}", halfway.velocity);
+        let back = walk(halfway, back, body, 20);
+        assert!((back.velocity - Vector::new(-1.65, 0.0)).norm() < 1e-9, "{:?}", back.velocity);
+    }
+
+    proptest! {
+        #[test]
+        fn no_command_sequence_exceeds_a_bound_in_any_tick(
+            commands in prop::collection::vec((-3.2..3.2_f64, -0.5..4.0_f64, 1_u32..12), 1..40),
+            bounds in (0.2..6.0_f64, 0.2..9.0_f64, 0.1..40.0_f64),
+            dt in prop::sample::select(vec![0.01, 0.05, 0.1, 0.5]),
+            reverses in any::<bool>(),
+        ) {
+            let (acceleration, stopping, turn_rate) = bounds;
+            let (body, free) = (inertial(acceleration, stopping, turn_rate), Obstacles::new(&[]));
+            let fastest = commands.iter().map(|(_, speed, _)| *speed).fold(0.0, f64::max);
+            let mut state = PedestrianState::default();
+            for (number, (heading, speed, ticks)) in commands.into_iter().enumerate() {
+                let turned = if reverses && number % 2 == 1 { std::f64::consts::PI } else { 0.0 };
+                for _ in 0..ticks {
+                    let next = state.step(WalkCommand { heading: heading + turned, speed }, &body, &free, dt);
+                    let change = next.velocity - state.velocity;
+                    prop_assert!(change.norm() <= acceleration.max(stopping) * dt * (1.0 + 1e-9) + 1e-12);
+                    prop_assert!(next.speed() <= fastest * (1.0 + 1e-9));
+                    if state.speed() > 1e-6 {
+                        let ahead = state.velocity.normalize();
+                        let (along, across) = (change.dot(&ahead), ahead.perp(&change));
+                        let bound = if along < 0.0 { stopping } else { acceleration };
+                        let effort = Vector::new(along / bound, across / acceleration).norm();
+                        prop_assert!(effort <= dt * (1.0 + 1e-9) + 1e-9);
+                        if next.speed() > 1e-6 && turn_rate * dt < std::f64::consts::PI {
+                            let turn = libm::atan2(ahead.perp(&next.velocity), ahead.dot(&next.velocity));
+                            prop_assert!(turn.abs() <= turn_rate * dt + 1e-6, "{turn} from {state:?} to {next:?}");
+                        }
+                    }
+                    prop_assert!(next.velocity.x.is_finite() && wrap_angle(next.pose.yaw).is_finite());
+                    state = next;
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_wall_takes_the_blocked_part_of_any_velocity() {
+        let wall = OrientedBox::new(Pose::new(2.0, 0.0, 0.0), 0.5, 50.0);
+        let obstacles = Obstacles::new(&[wall]);
+        let mut state = PedestrianState::default();
+        for _ in 0..100 {
+            state = state.step(WalkCommand { heading: 0.6, speed: 2.0 }, &inertial(1.65, 1.65, 1.4), &obstacles, 0.05);
+            assert!(wall.distance_to(state.pose.position()) > PedestrianBody::adult().radius - 1e-3);
+        }
+        assert!(state.velocity.x.abs() < 1e-6 && state.velocity.y > 0.5, "{:?}", state.velocity);
     }
 
     #[test]

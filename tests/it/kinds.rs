@@ -51,6 +51,7 @@ fn rows(evaluation: &Evaluation, seed: &Seed) -> Vec<EpisodeRow> {
         outcome,
         verdict,
         near_miss,
+        motion: Default::default(),
         weight: 1.0,
     };
     (0..).zip(noted).map(row).collect()

@@ -39,6 +39,7 @@ mod onnx;
 mod messages;
 mod page;
 mod ped_world;
+mod pedestrians;
 mod ped_world_reference;
 mod policies_elsewhere;
 mod program;

@@ -41,8 +41,9 @@ impl Lowering<'_> {
         Axis { id, name: declaration.name.as_str().into(), value }
     }
 
-    pub(super) fn adversary(&self, id: DeclarationId) -> Axis<PedestrianRole> {
+    pub(super) fn adversary(&mut self, id: DeclarationId) -> Axis<PedestrianRole> {
         let declaration = self.program.get(id);
+        adversary::check(&declaration.block, self.said);
         Axis { id, name: declaration.name.as_str().into(), value: adversary::lower(&declaration.block.arguments) }
     }
 

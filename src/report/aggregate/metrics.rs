@@ -307,6 +307,7 @@ mod tests {
             },
             verdict,
             near_miss: crate::judge::NearMiss::default(),
+            motion: Default::default(),
             weight: 1.0,
         }
     }

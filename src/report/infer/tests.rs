@@ -49,6 +49,7 @@ fn run(controller: &str, reward: &str, run: u32, town: &str, word: &str) -> Data
             },
             verdict: None,
             near_miss: NearMiss { min_ttc: Some(episode as f64), pet: None },
+            motion: Default::default(),
             weight: 1.0,
         }
     };
