@@ -64,17 +64,20 @@ impl RssGuarded {
         let threat = Threat {
             gap: actor.place.x - ego.half.x - actor.reach.x,
             length: 2.0 * actor.reach.x,
-            aside: (actor.place.y.abs() - ego.half.y - actor.reach.y).max(0.0),
+            offset: actor.place.y.abs(),
+            reach: ego.half.y + actor.reach.y,
             along: actor.velocity.x,
             towards: -side * actor.velocity.y,
         };
         if walks {
-            return !self.rule.is_safe(&OwnMotion { speed, acceleration: 0.0, length: 2.0 * ego.half.x }, &threat);
+            return !self
+                .rule
+                .is_safe(&OwnMotion { speed, acceleration: 0.0, intended: 0.0, length: 2.0 * ego.half.x }, &threat);
         }
         let (response, acceleration, braking, margin) = SIDEWAYS;
         let aside = lateral_distance(0.0, -threat.towards, response, acceleration, braking, margin);
         let ahead = longitudinal_distance(speed, threat.along.max(0.0), &self.rule.car);
-        actor.place.x > 0.0 && threat.aside < aside && threat.gap < ahead
+        actor.place.x > 0.0 && threat.aside() < aside && threat.gap < ahead
     }
 }
 

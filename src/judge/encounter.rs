@@ -1,12 +1,15 @@
 use super::{DrivenPath, Place};
 use crate::av::reference_drivers::Threat;
 use crate::env::{Frame, Pair};
-use crate::geometry::{OrientedBox, Point, Vector};
+use crate::geometry::{Obstacles, OrientedBox, Point, Vector};
+use crate::sim::{PedestrianBody, PedestrianState, WalkCommand};
 
 /// Time without danger (s) after which a pedestrian starts a new approach.
 const FORGETTING: f64 = 1.0;
 /// Time after the recorded touch for which the pedestrian continues (s).
 const AFTERWARDS: f64 = 5.0;
+/// Time (s) over which a driver knows its own intention.
+const FORESIGHT: f64 = 2.0;
 
 /// The pedestrian at a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,81 +22,184 @@ pub struct Step {
     pub velocity: Vector,
 }
 
+/// A pedestrian that continues with its last command.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Walker<'a> {
+    state: PedestrianState,
+    command: WalkCommand,
+    body: &'a PedestrianBody,
+    obstacles: &'a Obstacles,
+}
+
 /// The last part of an episode that ended in a touch, from the start of the danger. It has the path of the car, the track of the
-/// pedestrian and the speed of the car.
+/// pedestrian and the pace of the car.
 #[derive(Debug, Clone)]
-pub struct Encounter {
+pub struct Encounter<'a> {
     /// The path of the car, from the start of the episode.
     pub path: DrivenPath,
     /// The car's position on it when the danger starts (m).
     pub start: f64,
-    /// The greatest speed of the car since the danger started, tick by tick up to the recorded touch (m/s).
+    /// The *pace*: the speed that the car has as long as no reference driver interferes, tick by tick up to the recorded touch (m/s). It is
+    /// the greatest speed of the recorded car since the danger started, and stays as it is after the touch.
     pub pace: Vec<f64>,
-    /// The pedestrian, tick by tick from the start of the danger.
+    /// The pedestrian, tick by tick from the start of the danger. What comes after the recording is computed when it is needed.
     pub steps: Vec<Step>,
     /// Time from the start of the danger to the recorded touch (s).
     pub warning: f64,
-    /// The car's speed at the recorded touch (m/s).
-    pub impact_speed: f64,
     /// Length of a tick (s).
     pub dt: f64,
     /// Half extents of the car (m).
     pub half: Vector,
     /// Radius of the pedestrian (m).
     pub radius: f64,
+    /// The pedestrian after the recording; none when there is nothing after it.
+    pub(super) walker: Option<Walker<'a>>,
+    /// The number of steps with those after the recording.
+    pub(super) step_count: usize,
+    /// The way of the car at that pace, tick by tick (m).
+    pub(super) ways: Vec<f64>,
 }
 
-impl Encounter {
+impl<'a> Encounter<'a> {
     /// Rewinds an episode to the start of its danger; none when the two did not touch.
-    pub fn new(pair: &Pair<'_>) -> Option<Self> {
+    pub fn new(pair: &Pair<'a>) -> Option<Self> {
         let contact = pair.contact()?;
-        let (blueprint, body, dt) = (pair.blueprint(), pair.body(), pair.dt());
-        let mut encounter = Self {
-            path: DrivenPath::new(pair.frames().map(|frame| frame.ego.pose)),
-            start: 0.0,
-            pace: Vec::new(),
-            steps: Vec::new(),
-            warning: 0.0,
-            impact_speed: contact.impact_speed,
-            dt,
-            half: Vector::new(blueprint.half_length, blueprint.half_width),
-            radius: body.radius,
+        let (ways, last) = (ways(pair), pair.len() - 2);
+        let path = DrivenPath::new(pair.frames().map(|frame| frame.ego.pose));
+        let begun = Approach { path: &path, pair, ways: &ways }.begins(last);
+        let mut encounter = Self::between(pair, path, ways[begun], begun..pair.len());
+        encounter.warning = (last - begun) as f64 * encounter.dt + contact.fraction * encounter.dt;
+        let walker = Walker {
+            state: pair.last()?.pedestrian,
+            command: pair.decisions().last().copied().unwrap_or_default(),
+            body: pair.body(),
+            obstacles: &pair.scenario().obstacles,
         };
-        let ways = ways(pair);
-        let begun = encounter.rewind(pair, &ways);
-        encounter.start = ways[begun];
-        encounter.warning = (pair.len() - 2 - begun) as f64 * dt + contact.fraction * dt;
-        let mut fastest = 0.0_f64;
-        encounter.pace.extend(pair.frames().skip(begun).map(|frame| {
-            fastest = fastest.max(frame.ego.speed);
-            fastest
-        }));
-        let command = pair.decisions().last().copied().unwrap_or_default();
-        let mut walker = pair.last()?.pedestrian;
-        let recorded = pair.frames().skip(begun).map(|frame| frame.pedestrian);
-        let afterwards = (0..(AFTERWARDS / dt) as u32).map(|_| {
-            walker = walker.step(command, body, &pair.scenario().obstacles, dt);
-            walker
-        });
-        let step = |walker: crate::sim::PedestrianState| Step {
-            position: walker.pose.position(),
-            place: encounter.path.place(walker.pose.position(), encounter.start),
-            velocity: walker.velocity,
-        };
-        encounter.steps = recorded.chain(afterwards).map(step).collect();
+        encounter.walker = Some(walker);
+        encounter.step_count += (AFTERWARDS / encounter.dt) as usize;
         Some(encounter)
     }
 
-    /// The tick at which the approach that ended in the touch started: at the latest the tick before the touch.
-    fn rewind(&self, pair: &Pair<'_>, ways: &[f64]) -> usize {
-        let last = pair.len() - 2;
-        let patience = (FORGETTING / self.dt).ceil() as usize;
+    /// The recorded part of an encounter, without what comes after it.
+    fn between(pair: &Pair<'a>, path: DrivenPath, start: f64, ticks: std::ops::Range<usize>) -> Self {
+        let frames = || pair.frames().skip(ticks.start).take(ticks.len());
+        let mut fastest = 0.0_f64;
+        let pace = frames().map(|frame| {
+            fastest = fastest.max(frame.ego.speed);
+            fastest
+        });
+        let (pace, blueprint): (Vec<f64>, _) = (pace.collect(), pair.blueprint());
+        let steps: Vec<Step> = frames().map(|frame| step(&path, &frame.pedestrian, start)).collect();
+        let (half, radius) = (Vector::new(blueprint.half_length, blueprint.half_width), pair.body().radius);
+        Self::of_steps(path, start, pace, steps, (half, radius), pair.dt())
+    }
+
+    /// An encounter of a car with these half extents and a pedestrian of this radius (m) in ticks of `dt` (s).
+    pub(super) fn of_steps(
+        path: DrivenPath,
+        start: f64,
+        pace: Vec<f64>,
+        steps: Vec<Step>,
+        (half, radius): (Vector, f64),
+        dt: f64,
+    ) -> Self {
+        let mut way = start;
+        let ways = pace.iter().map(|speed| {
+            let here = way;
+            way += speed * dt;
+            here
+        });
+        let ways = ways.collect();
+        let (warning, step_count) = ((steps.len() - 1) as f64 * dt, steps.len());
+        Self { path, start, pace, steps, warning, dt, half, radius, walker: None, step_count, ways }
+    }
+
+    /// Whether there is a pedestrian at this tick, for at most five seconds after the recorded touch.
+    pub(super) fn has_step(&mut self, tick: usize) -> bool {
+        let Some(walker) = &mut self.walker else { return tick < self.steps.len() };
+        while self.steps.len() <= tick.min(self.step_count - 1) {
+            walker.state = walker.state.step(walker.command, walker.body, walker.obstacles, self.dt);
+            self.steps.push(step(&self.path, &walker.state, self.start));
+        }
+        tick < self.step_count
+    }
+
+    /// The speed (m/s) at a tick of a car that does not brake.
+    pub(super) fn pace_at(&self, tick: usize) -> f64 {
+        self.pace[tick.min(self.pace.len() - 1)]
+    }
+
+    /// The acceleration (m/s²) of a car that does not brake, up to a tick.
+    pub(super) fn acceleration(&self, tick: usize) -> f64 {
+        (self.pace_at(tick) - self.pace_at(tick.saturating_sub(1))) / self.dt
+    }
+
+    /// The way (m) of a car that does not brake, `share` of a tick after this one.
+    pub(super) fn way_at(&self, tick: usize, share: f64) -> f64 {
+        let known = tick.min(self.ways.len() - 1);
+        self.ways[known] + self.pace[known] * ((tick - known) as f64 + share) * self.dt
+    }
+
+    /// The mean acceleration (m/s²) of a car that does not brake, over the next two seconds.
+    pub(super) fn intended(&self, tick: usize, share: f64) -> f64 {
+        let ticks = FORESIGHT / self.dt + share;
+        let covered = self.way_at(tick + ticks as usize, ticks.fract()) - self.way_at(tick, share);
+        // `x = v t + a t²/2`; a car that keeps its speed has none, whatever the rounding.
+        let gained = covered - self.pace_at(tick) * FORESIGHT;
+        if gained > 1e-9 { 2.0 * gained / (FORESIGHT * FORESIGHT) } else { 0.0 }
+    }
+
+    /// The pedestrian between a tick and the next one, as seen by a driver who is `way` (m) along the path; none when it is behind the car.
+    pub fn threat(&self, tick: usize, share: f64, way: f64) -> Option<Threat> {
+        let (from, to) = (&self.steps[tick], &self.steps[(tick + 1).min(self.steps.len() - 1)]);
+        threat(from, to, share, way, (self.half, self.radius))
+    }
+
+    /// The box of a car that is `way` (m) along the path.
+    pub fn outline(&self, way: f64) -> OrientedBox {
+        OrientedBox { pose: self.path.pose(way), half: self.half }
+    }
+}
+
+fn step(path: &DrivenPath, walker: &PedestrianState, start: f64) -> Step {
+    let position = walker.pose.position();
+    Step { position, place: path.place(position, start), velocity: walker.velocity }
+}
+
+fn threat(from: &Step, to: &Step, share: f64, way: f64, (half, radius): (Vector, f64)) -> Option<Threat> {
+    let mix = |a: f64, b: f64| a + (b - a) * share;
+    let (along, aside) = (mix(from.place.along, to.place.along), mix(from.place.aside, to.place.aside));
+    if along + radius < way - half.x {
+        return None;
+    }
+    let side = if aside > 0.0 { 1.0 } else { -1.0 };
+    Some(Threat {
+        gap: along - radius - way - half.x,
+        length: 2.0 * radius,
+        offset: aside.abs(),
+        reach: half.y + radius,
+        along: from.velocity.dot(&from.place.direction),
+        towards: -side * from.place.direction.perp(&from.velocity),
+    })
+}
+
+/// The approach of a pedestrian to the path of a car.
+struct Approach<'a> {
+    path: &'a DrivenPath,
+    pair: &'a Pair<'a>,
+    ways: &'a [f64],
+}
+
+impl Approach<'_> {
+    /// The tick at which the approach that was under way at tick `last` started: at the latest that tick.
+    fn begins(&self, last: usize) -> usize {
+        let patience = (FORGETTING / self.pair.dt()).ceil() as usize;
         let mut begun = last;
         for tick in (0..=last).rev() {
             if begun - tick > patience {
                 break;
             }
-            if self.is_dangerous(&pair.frame(tick), ways[tick], pair) {
+            if self.is_dangerous(&self.pair.frame(tick), self.ways[tick]) {
                 begun = tick;
             }
         }
@@ -101,34 +207,12 @@ impl Encounter {
     }
 
     /// Whether the pedestrian is not behind the car, is in its way or moves into it, and can be seen.
-    fn is_dangerous(&self, frame: &Frame, way: f64, pair: &Pair<'_>) -> bool {
-        let position = frame.pedestrian.pose.position();
-        let place = self.path.place(position, way);
-        let step = Step { position, place, velocity: frame.pedestrian.velocity };
-        let threat = self.threat(&step, &step, 0.0, way);
-        threat.is_some_and(|threat| threat.is_on_its_way()) && pair.in_sight(frame)
-    }
-
-    /// The pedestrian between two ticks, as seen by a driver who is `way` (m) along the path; none when it is behind the car.
-    pub fn threat(&self, from: &Step, to: &Step, share: f64, way: f64) -> Option<Threat> {
-        let mix = |a: f64, b: f64| a + (b - a) * share;
-        let (along, aside) = (mix(from.place.along, to.place.along), mix(from.place.aside, to.place.aside));
-        if along + self.radius < way - self.half.x {
-            return None;
-        }
-        let side = if aside > 0.0 { 1.0 } else { -1.0 };
-        Some(Threat {
-            gap: along - self.radius - way - self.half.x,
-            length: 2.0 * self.radius,
-            aside: (aside.abs() - self.half.y - self.radius).max(0.0),
-            along: from.velocity.dot(&from.place.direction),
-            towards: -side * from.place.direction.perp(&from.velocity),
-        })
-    }
-
-    /// The box of a car that is `way` (m) along the path.
-    pub fn outline(&self, way: f64) -> OrientedBox {
-        OrientedBox { pose: self.path.pose(way), half: self.half }
+    fn is_dangerous(&self, frame: &Frame, way: f64) -> bool {
+        let blueprint = self.pair.blueprint();
+        let sizes = (Vector::new(blueprint.half_length, blueprint.half_width), self.pair.body().radius);
+        let step = step(self.path, &frame.pedestrian, way);
+        let threat = threat(&step, &step, 0.0, way, sizes);
+        threat.is_some_and(|threat| threat.is_on_its_way()) && self.pair.in_sight(frame)
     }
 }
 

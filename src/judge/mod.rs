@@ -14,6 +14,8 @@
 //! 4. A driver *avoids* the failure when the car does not touch the pedestrian while the car moves. A pedestrian that then walks
 //!    into the standing car, or comes from behind, is not counted.
 //!
+//! [`judge`] runs all drivers, an [`Inquiry`] those that are asked for. Both are pure functions of a recording.
+//!
 //! [`NearMiss`] measures how near any episode came to a touch, and [`PedestrianMotion`] whether the pedestrian moved as people do.
 //!
 //! The labels are explained at [`Label`], the drivers at [`Reference`]. Reference drivers brake with their own parameters, not with those
@@ -25,18 +27,26 @@ mod encounter;
 mod reference;
 mod trial;
 mod foreseeable;
+mod contact_side;
+mod reaction;
+mod severity;
+mod inquiry;
 mod verdict;
 mod near_miss;
 mod oracle;
 #[cfg(test)]
 mod tests;
 
+pub use contact_side::ContactSide;
 pub use driven_path::{DrivenPath, Place};
 pub use encounter::{Encounter, Step};
 pub use foreseeable::PedestrianMotion;
+pub use inquiry::Inquiry;
 pub use near_miss::NearMiss;
 pub use oracle::ReferenceOracle;
+pub use reaction::share_of_drivers;
 pub use reference::Reference;
+pub use severity::{HARD, fatality_risk, severe_injury_risk};
 pub use sight::Sight;
 pub use trial::Trial;
 pub use verdict::{Label, Verdict, judge};

@@ -1,4 +1,4 @@
-use super::{Label, Reference, judge};
+use super::{Inquiry, PedestrianMotion, Reference, Sight};
 use crate::env::{Judgement, Pair, TestOracle};
 
 /// The verdict of the reference drivers as a test oracle for rewards.
@@ -7,16 +7,16 @@ pub struct ReferenceOracle;
 
 impl TestOracle for ReferenceOracle {
     fn judge(&self, pair: &Pair<'_>) -> Judgement {
-        let Some(verdict) = judge(pair) else { return Judgement::default() };
-        let preventable = verdict.label == Label::Preventable;
+        let Some(mut inquiry) = Inquiry::new(pair) else { return Judgement::default() };
+        let human = inquiry.trial(Reference::CarefulHuman);
         Judgement {
-            preventable,
-            foreseeable: verdict.foreseeable,
-            preventability: if preventable { 1.0 } else { 0.0 },
-            avoidable_speed: verdict.reduction(Reference::CarefulHuman),
-            margin: verdict.trial(Reference::CarefulHuman).least_gap,
-            warning: verdict.warning,
-            seen: verdict.sight.seen,
+            preventable: inquiry.is_preventable(),
+            foreseeable: PedestrianMotion::new(pair).is_foreseeable(),
+            preventability: inquiry.preventable_probability(),
+            avoidable_speed: inquiry.reduction(Reference::CarefulHuman),
+            margin: human.least_gap,
+            warning: inquiry.encounter().warning,
+            seen: Sight::new(pair).seen,
         }
     }
 }

@@ -3,36 +3,40 @@ use crate::av::reference_drivers::{DelayedBrake, FuzzySafety, ReferenceDriver, R
 /// The reference drivers for the verdict on every failure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Reference {
-    /// UN R157's careful human, 1.15 s after the start of the danger.
+    /// UN R157's careful human, who evaluates the risk after the gate: it brakes 1.15 s later.
     CarefulHuman,
-    /// The same, 0.75 s after the time to collision fell to 2 s.
-    CarefulHumanAtTwoSeconds,
+    /// The same, who has evaluated the risk when the gate opens: it brakes 0.75 s later.
+    AttentiveHuman,
     /// The Fuzzy Safety Model.
     FuzzySafety,
     /// RSS with the parameters of ad-rss-lib and CARLA.
     Rss,
-    /// An emergency brake of 0.85 g after 0.35 s, with a ramp of 0.6 s.
+    /// An emergency brake of 0.85 g, 0.35 s after the gate, with a ramp of 0.6 s.
     IdealBrake,
     /// 0.85 g at once.
     Bound,
 }
 
+/// How a reference driver is computed.
+pub(super) enum Model {
+    /// It brakes a fixed time after it has noticed the pedestrian.
+    Delayed(DelayedBrake),
+    /// It decides in each step.
+    Other(Box<dyn ReferenceDriver>),
+}
+
 impl Reference {
+    /// The number of reference drivers.
+    pub const COUNT: usize = 6;
     /// All of them, in the order of the tables.
-    pub const ALL: [Self; 6] = [
-        Self::CarefulHuman,
-        Self::CarefulHumanAtTwoSeconds,
-        Self::FuzzySafety,
-        Self::Rss,
-        Self::IdealBrake,
-        Self::Bound,
-    ];
+    pub const ALL: [Self; Self::COUNT] =
+        [Self::CarefulHuman, Self::AttentiveHuman, Self::FuzzySafety, Self::Rss, Self::IdealBrake, Self::Bound];
 
     /// The prefix of its columns.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::CarefulHuman => "cc",
-            Self::CarefulHumanAtTwoSeconds => "cc_2s",
+            Self::AttentiveHuman => "cc_attentive",
             Self::FuzzySafety => "fsm",
             Self::Rss => "rss",
             Self::IdealBrake => "ideal",
@@ -42,13 +46,28 @@ impl Reference {
 
     /// Makes the driver.
     pub fn driver(self) -> Box<dyn ReferenceDriver> {
+        match self.model() {
+            Model::Delayed(driver) => Box::new(driver),
+            Model::Other(driver) => driver,
+        }
+    }
+
+    /// The time that it lets pass after it has noticed the pedestrian (s); 0 for one that decides in each step.
+    pub(super) fn reaction(self) -> f64 {
+        match self.model() {
+            Model::Delayed(driver) => driver.profile.wait,
+            Model::Other(_) => 0.0,
+        }
+    }
+
+    pub(super) fn model(self) -> Model {
         match self {
-            Self::CarefulHuman => Box::new(DelayedBrake::careful_human()),
-            Self::CarefulHumanAtTwoSeconds => Box::new(DelayedBrake::careful_human_at_two_seconds()),
-            Self::FuzzySafety => Box::new(FuzzySafety::default()),
-            Self::Rss => Box::new(Rss::default()),
-            Self::IdealBrake => Box::new(DelayedBrake::ideal()),
-            Self::Bound => Box::new(DelayedBrake::bound()),
+            Self::CarefulHuman => Model::Delayed(DelayedBrake::careful_human()),
+            Self::AttentiveHuman => Model::Delayed(DelayedBrake::attentive_human()),
+            Self::FuzzySafety => Model::Other(Box::new(FuzzySafety::default())),
+            Self::Rss => Model::Other(Box::new(Rss::default())),
+            Self::IdealBrake => Model::Delayed(DelayedBrake::ideal()),
+            Self::Bound => Model::Delayed(DelayedBrake::bound()),
         }
     }
 }

@@ -1,44 +1,38 @@
-use super::trial::STANDING;
-use super::{Encounter, PedestrianMotion, Reference, Sight, Trial};
+use super::{ContactSide, Inquiry, Reference, Sight, Trial, reaction, severity};
 use crate::env::Pair;
-use crate::sim::Contact;
 
 /// The label of a failure, from the results of the reference drivers. The first that applies, in this order:
 ///
 /// | label | when |
 /// |---|---|
-/// | `standing` | the car was at most 0.1 m/s fast when it was touched |
-/// | `walked_into_side` | the front had passed: the middle of the pedestrian was behind the line of the bumper, beside the car, and it walked into the flank at more than 0.1 m/s; or it ran into the rear |
+/// | `standing` | the car was at most 0.1 m/s fast when it was touched: there is no braking to judge |
 /// | `preventable` | both careful humans avoid it |
 /// | `unpreventable` | the physical bound hits the pedestrian too |
 /// | `machine_preventable` | of all drivers only the ideal brake or the bound avoid it |
 /// | `contested` | the drivers disagree in another way |
+///
+/// Which side of the car was touched does not matter: a pedestrian who walks into the flank of a car that a careful human would have stopped
+/// is a preventable collision. [`Verdict::side`] and [`Verdict::walked_into`] state the side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Label {
-    /// The car stood.
-    Standing,
-    /// The pedestrian walked into a car whose front had passed.
-    WalkedIntoSide,
     /// A careful human avoids it, for both readings of the rule.
     Preventable,
-    /// No driver avoids it by braking.
-    Unpreventable,
-    /// Only a machine avoids it.
-    MachinePreventable,
     /// Reference drivers disagree.
     Contested,
+    /// Only a machine avoids it.
+    MachinePreventable,
+    /// No driver avoids it by braking.
+    Unpreventable,
+    /// The car stood.
+    Standing,
 }
 
 impl Label {
+    /// The number of labels.
+    pub const COUNT: usize = 5;
     /// All of them, in the order of the tables.
-    pub const ALL: [Self; 6] = [
-        Self::Preventable,
-        Self::Contested,
-        Self::MachinePreventable,
-        Self::Unpreventable,
-        Self::WalkedIntoSide,
-        Self::Standing,
-    ];
+    pub const ALL: [Self; Self::COUNT] =
+        [Self::Preventable, Self::Contested, Self::MachinePreventable, Self::Unpreventable, Self::Standing];
 
     /// The one with this name in tables.
     pub fn named(name: &str) -> Option<Self> {
@@ -48,12 +42,30 @@ impl Label {
     /// Its name in tables.
     pub const fn name(self) -> &'static str {
         match self {
-            Self::Standing => "standing",
-            Self::WalkedIntoSide => "walked_into_side",
             Self::Preventable => "preventable",
-            Self::Unpreventable => "unpreventable",
-            Self::MachinePreventable => "machine_preventable",
             Self::Contested => "contested",
+            Self::MachinePreventable => "machine_preventable",
+            Self::Unpreventable => "unpreventable",
+            Self::Standing => "standing",
+        }
+    }
+
+    /// The drivers that decide whether a collision is preventable, the one that brakes earlier first.
+    pub(super) const fn humans() -> [Reference; 2] {
+        [Reference::AttentiveHuman, Reference::CarefulHuman]
+    }
+
+    /// The label of a collision with a moving car. `avoids` is asked only for the drivers that are needed.
+    pub(super) fn of_moving(mut avoids: impl FnMut(Reference) -> bool) -> Self {
+        let humans = Self::humans().map(&mut avoids);
+        if humans == [true; 2] {
+            Self::Preventable
+        } else if !avoids(Reference::Bound) {
+            Self::Unpreventable
+        } else if humans == [false; 2] && ![Reference::FuzzySafety, Reference::Rss].into_iter().any(avoids) {
+            Self::MachinePreventable
+        } else {
+            Self::Contested
         }
     }
 }
@@ -63,16 +75,24 @@ impl Label {
 pub struct Verdict {
     /// The label.
     pub label: Label,
+    /// The side of the car that was touched.
+    pub side: ContactSide,
+    /// Whether the pedestrian walked into the flank at more than 0.1 m/s, or ran into the rear, after the front had passed it.
+    pub walked_into: bool,
     /// Time from the start of the danger to the touch (s).
     pub warning: f64,
+    /// The car's speed when the danger started (m/s).
+    pub danger_speed: f64,
     /// Whether the pedestrian moved as people do up to the touch: [`PedestrianMotion::is_foreseeable`].
     pub foreseeable: bool,
     /// Whether the pedestrian could be seen before the touch.
     pub sight: Sight,
     /// The car's speed at the recorded touch (m/s).
     pub impact_speed: f64,
+    /// The longest reaction time with which a careful driver avoids it (s): [`Inquiry::latest_reaction`].
+    pub latest_reaction: Option<f64>,
     /// The result of each driver, in the order of [`Reference::ALL`].
-    pub trials: [Trial; 6],
+    pub trials: [Trial; Reference::COUNT],
 }
 
 impl Verdict {
@@ -81,64 +101,56 @@ impl Verdict {
         &self.trials[reference as usize]
     }
 
-    /// Whether a careful human would have avoided it and the pedestrian moved as people do: the failure counts against the driver.
-    pub fn is_attributable(&self) -> bool {
-        self.label == Label::Preventable && self.foreseeable
+    /// Whether the car moved and both careful humans avoid it.
+    pub fn is_preventable(&self) -> bool {
+        self.label == Label::Preventable
     }
 
-    /// The reduction of the impact speed by a driver (m/s): all of it when it avoids the failure.
+    /// Whether a careful human would have avoided it and the pedestrian moved as people do: the failure counts against the driver.
+    pub fn is_attributable(&self) -> bool {
+        self.is_preventable() && self.foreseeable
+    }
+
+    /// Whether the car was at most 0.1 m/s fast when it was touched.
+    pub fn is_standing(&self) -> bool {
+        self.label == Label::Standing
+    }
+
+    /// Whether the car was at least 2 m/s fast.
+    pub fn is_hard(&self) -> bool {
+        self.impact_speed >= severity::HARD
+    }
+
+    /// The reduction of the impact speed by a driver (m/s): all of it when it avoids the failure, negative when it hits harder.
     pub fn reduction(&self, reference: Reference) -> f64 {
         self.impact_speed - self.trial(reference).impact_speed.unwrap_or(0.0)
     }
+
+    /// The impact speed that the careful human would have spared the pedestrian (m/s), at least 0.
+    pub fn avoidable_speed(&self) -> f64 {
+        self.reduction(Reference::CarefulHuman).max(0.0)
+    }
+
+    /// The probability that a driver who is drawn at random avoids it: the share of drivers who react in time
+    /// ([`share_of_drivers`](reaction::share_of_drivers)). All of them notice the pedestrian at the gate and brake like UN R157's human.
+    pub fn preventable_probability(&self) -> f64 {
+        self.latest_reaction.map_or(0.0, reaction::share_of_drivers)
+    }
+
+    /// The least gap of a driver's car to the pedestrian (m); 0 when it touches it.
+    pub fn margin(&self, reference: Reference) -> f64 {
+        self.trial(reference).least_gap
+    }
+
+    /// The time before the touch for which the pedestrian could be seen without a break (s), at most 3 s.
+    pub fn in_sight(&self) -> f64 {
+        self.sight.seen
+    }
 }
 
-/// Judges an episode of a vehicle and a pedestrian; none when they did not touch.
+/// Judges an episode of a vehicle and a pedestrian; none when they did not touch. It depends on the recording alone.
 pub fn judge(pair: &Pair<'_>) -> Option<Verdict> {
-    let encounter = Encounter::new(pair)?;
-    let trials = Reference::ALL.map(|reference| Trial::new(&encounter, reference.driver().as_mut()));
-    let contact = pair.contact()?;
-    let label = if contact.impact_speed <= STANDING {
-        Label::Standing
-    } else if has_passed(contact, pair, &encounter) {
-        Label::WalkedIntoSide
-    } else {
-        label(&trials)
-    };
-    Some(Verdict {
-        label,
-        warning: encounter.warning,
-        foreseeable: PedestrianMotion::new(pair).is_foreseeable(),
-        sight: Sight::new(pair),
-        impact_speed: contact.impact_speed,
-        trials,
-    })
-}
-
-/// The label of a failure at the front of a moving car.
-fn label(trials: &[Trial; 6]) -> Label {
-    let avoids = |reference: Reference| trials[reference as usize].is_avoided();
-    let others = [Reference::CarefulHuman, Reference::CarefulHumanAtTwoSeconds, Reference::FuzzySafety, Reference::Rss];
-    if avoids(Reference::CarefulHuman) && avoids(Reference::CarefulHumanAtTwoSeconds) {
-        Label::Preventable
-    } else if !avoids(Reference::Bound) {
-        Label::Unpreventable
-    } else if !others.into_iter().any(avoids) {
-        Label::MachinePreventable
-    } else {
-        Label::Contested
-    }
-}
-
-/// Whether the pedestrian walked into the flank or the rear of the car after the front had passed it.
-fn has_passed(contact: &Contact, pair: &Pair<'_>, encounter: &Encounter) -> bool {
-    let half = encounter.half;
-    if contact.ahead < -half.x {
-        return true;
-    }
-    let Some(last) = pair.last() else { return false };
-    let sideways = last.pedestrian.velocity.dot(&last.ego.pose.left());
-    let inward = if contact.aside > 0.0 { -sideways } else { sideways };
-    contact.ahead < half.x && contact.aside.abs() > half.y && inward > STANDING
+    Inquiry::new(pair).map(Inquiry::verdict)
 }
 
 #[cfg(test)]
@@ -147,23 +159,31 @@ mod tests {
 
     #[test]
     fn labels_follow_who_avoids_it() {
-        let trial = |avoids: char| {
-            let impact_speed = (avoids != 'a').then_some(1.0);
-            Trial { impact_speed, time: 1.0, least_gap: 0.0 }
-        };
-        // Careful human twice, fuzzy, RSS, ideal, bound: `a` avoids, `h` hits.
+        // Careful human, attentive human, fuzzy, RSS, ideal, bound: `a` avoids, `h` hits.
         for (who, wanted) in [
             ("aahhaa", Label::Preventable),
             ("aahhah", Label::Preventable),
             ("hhhhhh", Label::Unpreventable),
-            ("ahaaah", Label::Unpreventable),
+            ("haaaah", Label::Unpreventable),
             ("hhhhaa", Label::MachinePreventable),
             ("hhhhha", Label::MachinePreventable),
+            ("hahhaa", Label::Contested),
             ("ahhhaa", Label::Contested),
             ("hhahaa", Label::Contested),
+            ("hhhaaa", Label::Contested),
         ] {
             let letters: Vec<char> = who.chars().collect();
-            assert_eq!(label(&std::array::from_fn(|i| trial(letters[i]))), wanted, "{who}");
+            assert_eq!(Label::of_moving(|reference| letters[reference as usize] == 'a'), wanted, "{who}");
         }
+    }
+
+    #[test]
+    fn a_preventable_collision_needs_no_other_driver() {
+        let mut asked = Vec::new();
+        Label::of_moving(|reference| {
+            asked.push(reference);
+            true
+        });
+        assert_eq!(asked, Label::humans());
     }
 }

@@ -182,9 +182,60 @@ pub const IN_SIGHT: Column<f64> = Column::new(
     "s",
     "time in sight without a break before the touch, 3 s at most; before its start, a shorter episode counts as in sight",
 );
+/// The side of the car.
+pub const CONTACT_SIDE: Column<String> = Column::new(
+    "contact_side",
+    "",
+    "part of the car that touched the pedestrian, by the place of the pedestrian's middle: `front` of the line of the bumper, `side`, or \
+     `rear`. `front` (a column) is the paper's sector and reaches along the flanks",
+);
+/// Whether it walked into the car.
+pub const WALKED_INTO: Column<bool> = Column::new(
+    "walked_into_car",
+    "",
+    "whether the pedestrian walked into the flank at more than 0.1 m/s, or ran into the rear, after the front had passed it",
+);
+/// Speed at the start of the danger.
+pub const DANGER_SPEED: Column<f64> =
+    Column::new("danger_speed_mps", "m/s", "speed of the car when the danger started; up to 0.1 m/s it stood");
+/// Whether the car was fast.
+pub const HARD: Column<bool> = Column::new("hard", "", "whether the car was at least 2 m/s fast at the touch");
+/// Risk of death.
+pub const FATALITY_RISK: Column<f64> = Column::new(
+    "fatality_risk",
+    "",
+    "probability that a grown-up pedestrian dies who is struck by the front of a car at that speed: 1/(1 + exp(6.9 − 0.090 v)), v in km/h \
+     (Rosén and Sander 2009)",
+);
+/// Risk of severe injury.
+pub const SEVERE_INJURY_RISK: Column<f64> = Column::new(
+    "severe_injury_risk",
+    "",
+    "probability of an injury of AIS 4 or more or of death: 1/(1 + exp(4.68 − 0.0881 v)), v in km/h, through the figures of Tefft 2013",
+);
+/// The longest reaction time.
+pub const LATEST_REACTION: Column<f64> = Column::new(
+    "latest_reaction_s",
+    "s",
+    "longest reaction time, counted from the gate, with which a driver who brakes like `cc` avoids the collision, 5 s at most; missing when \
+     it hits even without any, and for a standing car",
+);
+/// The probability that a careful driver avoids it.
+pub const PREVENTABLE_PROBABILITY: Column<f64> = Column::new(
+    "preventable_probability",
+    "",
+    "share of drivers who react within that time (lognormal, mean 1.21 s, standard deviation 0.63 s), 0 without such a time; missing for a \
+     standing car",
+);
 /// Whether a reference driver avoids a collision.
 pub const AVOIDS: Family<bool> =
     Family::new("_avoids", "", "whether that reference driver touches no pedestrian while it moves");
+/// Whether its car ever moved.
+pub const MOVED: Family<bool> = Family::new(
+    "_moved",
+    "",
+    "whether that reference driver's car was ever faster than 0.1 m/s; one that never drives off hits nothing",
+);
 /// The margin of its avoidance.
 pub const MARGIN: Family<f64> = Family::new(
     "_margin_m",

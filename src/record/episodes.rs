@@ -1,16 +1,17 @@
 use polars::prelude::{Column as Values, DataFrame};
 
 use super::columns::{
-    ADVERSARY, ATTRIBUTABLE, AVOIDS, BLOCK, COLLISION, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y,
-    EGO_YAW, EPISODE, EPISODE_LENGTH, EPISODE_REWARD, ERROR, FORESEEABLE, FRONT, HIDDEN_SHARE, IMPACT_BEARING,
-    IMPACT_SPEED, IN_SIGHT, LEAST_GAP, MARGIN, MIN_TTC, MOVING, OUTCOME, PEAK_ACCELERATION, PEAK_SPEED, PEDESTRIAN_X,
-    PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, REWARD, RUN, RUN_ID, SPEED_REDUCTION, STATE_HASHES, TICKS, TOWN,
-    TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VELOCITY_CHANGE, VERDICT, WARNING,
+    ADVERSARY, ATTRIBUTABLE, AVOIDS, BLOCK, COLLISION, CONTACT_SIDE, CONTROLLER, DANGER_SPEED, DIGEST, DRIVING_MODE,
+    EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE, EPISODE_LENGTH, EPISODE_REWARD, ERROR, FATALITY_RISK, FORESEEABLE,
+    FRONT, HARD, HIDDEN_SHARE, IMPACT_BEARING, IMPACT_SPEED, IN_SIGHT, LATEST_REACTION, LEAST_GAP, MARGIN, MIN_TTC,
+    MOVED, MOVING, OUTCOME, PEAK_ACCELERATION, PEAK_SPEED, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY,
+    PREVENTABLE_PROBABILITY, REWARD, RUN, RUN_ID, SEVERE_INJURY_RISK, SPEED_REDUCTION, STATE_HASHES, TICKS, TOWN,
+    TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VELOCITY_CHANGE, VERDICT, WALKED_INTO, WARNING,
 };
 use super::metric::{self, Metric};
 use super::{CellKey, ColumnReference, Entry, EpisodeRow, RunKey, Table};
 use crate::env::Ending;
-use crate::judge::{Label, NearMiss, PedestrianMotion, Reference, Trial, Verdict};
+use crate::judge::{Label, NearMiss, PedestrianMotion, Reference, Trial, Verdict, fatality_risk, severe_injury_risk};
 
 /// The stem of the files of the table of episodes.
 pub const EPISODES: &str = "episodes";
@@ -139,17 +140,35 @@ pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
 fn verdicts() -> Vec<Entry<'static, EpisodeRow>> {
     let verdict = |row: &EpisodeRow| row.verdict;
     let labels = (0_u8..).zip(Label::ALL).map(|(place, label)| metric::labelled(label).at(13 + place));
-    let rates = [metric::PREVENTABLE_RATE.at(19), metric::PREVENTABLE_SHARE.at(20)];
+    let rates = [metric::PREVENTABLE_RATE.at(21), metric::PREVENTABLE_SHARE.at(22)];
+    let struck = move |row: &EpisodeRow| verdict(row).filter(|verdict| !verdict.is_standing());
     let mut entries = vec![
         VERDICT.of(move |row| verdict(row).map(|verdict| verdict.label.name())).aggregated(labels.chain(rates)),
         FORESEEABLE
             .of(move |row| verdict(row).map(|verdict| verdict.foreseeable))
-            .aggregated([metric::FORESEEABLE_COLLISIONS.at(12), metric::FORESEEABLE_RATE.at(21)]),
+            .aggregated([metric::FORESEEABLE_COLLISIONS.at(12), metric::FORESEEABLE_RATE.at(29)]),
         ATTRIBUTABLE.of(move |row| verdict(row).map(|verdict| verdict.is_attributable())).aggregated([
-            metric::ATTRIBUTABLE_COLLISIONS.at(22),
+            metric::ATTRIBUTABLE_COLLISIONS.at(18),
             metric::ATTRIBUTABLE_RATE.at(23),
-            metric::ATTRIBUTABLE_SHARE.at(24),
+            metric::ATTRIBUTABLE_SHARE.at(30),
         ]),
+        LATEST_REACTION.of(move |row| verdict(row).and_then(|verdict| verdict.latest_reaction)),
+        PREVENTABLE_PROBABILITY
+            .of(move |row| struck(row).map(|verdict| verdict.preventable_probability()))
+            .aggregated([metric::PREVENTABLE_PROBABILITY.at(25), metric::EXPECTED_PREVENTABLE.at(26)]),
+        CONTACT_SIDE.of(move |row| verdict(row).map(|verdict| verdict.side.name())),
+        WALKED_INTO
+            .of(move |row| verdict(row).map(|verdict| verdict.walked_into))
+            .aggregated([metric::WALKED_INTO_COLLISIONS.at(20)]),
+        HARD.of(move |row| verdict(row).map(|verdict| verdict.is_hard()))
+            .aggregated([metric::HARD_COLLISIONS.at(19), metric::HARD_RATE.at(24)]),
+        FATALITY_RISK
+            .of(move |row| verdict(row).map(|verdict| fatality_risk(verdict.impact_speed)))
+            .aggregated([metric::FATALITY_RISK.at(27)]),
+        SEVERE_INJURY_RISK
+            .of(move |row| verdict(row).map(|verdict| severe_injury_risk(verdict.impact_speed)))
+            .aggregated([metric::SEVERE_INJURY_RISK.at(28)]),
+        DANGER_SPEED.of(move |row| verdict(row).map(|verdict| verdict.danger_speed)),
         WARNING.of(move |row| verdict(row).map(|verdict| verdict.warning)),
         HIDDEN_SHARE.of(move |row| verdict(row).map(|verdict| verdict.sight.hidden)),
         IN_SIGHT.of(move |row| verdict(row).map(|verdict| verdict.sight.seen)),
@@ -158,6 +177,7 @@ fn verdicts() -> Vec<Entry<'static, EpisodeRow>> {
         let name = reference.name();
         let trial = move |verdict: &Verdict| *verdict.trial(reference);
         entries.push(AVOIDS.of(name, move |row| verdict(row).map(|verdict| trial(&verdict).is_avoided())));
+        entries.push(MOVED.of(name, move |row| verdict(row).map(|verdict| trial(&verdict).moved)));
         let margin =
             move |verdict: &Verdict| Some(trial(verdict)).filter(Trial::is_avoided).map(|trial| trial.least_gap);
         entries.push(MARGIN.of(name, move |row| verdict(row).and_then(|verdict| margin(&verdict))));

@@ -48,11 +48,13 @@ pub enum Which {
     Labelled(Label),
 }
 
-/// A mean over episodes; its column has the same name in the tables of episodes and of runs.
+/// A mean over episodes. Over all episodes without error, a missing value counts as 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mean {
     /// The column.
     pub name: &'static str,
+    /// The column of the table of episodes.
+    pub column: &'static str,
     unit: &'static str,
     doc: &'static str,
     /// Whether it is over the episodes without error; otherwise over those with a value.
@@ -101,12 +103,17 @@ impl Count {
 impl Mean {
     /// The mean of a column over the episodes without error.
     pub const fn new(column: &Column<f64>, doc: &'static str) -> Self {
-        Self { name: column.name, unit: column.unit, doc, of_valid: true, in_cells: true }
+        Self { name: column.name, column: column.name, unit: column.unit, doc, of_valid: true, in_cells: true }
     }
 
     /// The mean of a column over the episodes in which it has a value.
     pub const fn of_present(column: &Column<f64>, doc: &'static str) -> Self {
         Self { of_valid: false, ..Self::new(column, doc) }
+    }
+
+    /// The same mean, in a column of this name.
+    pub const fn named(self, name: &'static str) -> Self {
+        Self { name, ..self }
     }
 
     /// The metric at this place.
@@ -196,6 +203,15 @@ pub const ATTRIBUTABLE_COLLISIONS: Count = Count::new(
     Which::True(columns::ATTRIBUTABLE.name),
     "number of preventable collisions with a foreseeable pedestrian",
 );
+/// Number of hard collisions.
+pub const HARD_COLLISIONS: Count =
+    Count::new("hard_collisions", Which::True(columns::HARD.name), "number of collisions at 2 m/s or more");
+/// Number of collisions in which the pedestrian walked into the car.
+pub const WALKED_INTO_COLLISIONS: Count = Count::new(
+    "walked_into_collisions",
+    Which::True(columns::WALKED_INTO.name),
+    "number of collisions in which the pedestrian walked into the side or the rear",
+);
 
 /// Number of collisions with a verdict.
 pub const fn labelled(label: Label) -> Count {
@@ -251,6 +267,26 @@ pub const ATTRIBUTABLE_SHARE: Rate = Rate::new(
     COLLISIONS,
     "preventable collisions with a foreseeable pedestrian of all *collisions*; missing without any collision",
 );
+/// Hard collisions of all episodes.
+pub const HARD_RATE: Rate =
+    Rate::new("hard_rate", HARD_COLLISIONS, EPISODES, "collisions at 2 m/s or more of all *episodes*");
+/// Mean probability over the collisions.
+pub const PREVENTABLE_PROBABILITY: Mean = Mean::of_present(
+    &columns::PREVENTABLE_PROBABILITY,
+    "mean share of drivers who would have avoided a collision, over the collisions with a car that moved",
+);
+/// The same over all episodes.
+pub const EXPECTED_PREVENTABLE: Mean = Mean::new(
+    &columns::PREVENTABLE_PROBABILITY,
+    "the same of all *episodes*: the expected rate of collisions that a driver drawn at random would have avoided",
+)
+.named("expected_preventable");
+/// Mean risk of death.
+pub const FATALITY_RISK: Mean =
+    Mean::of_present(&columns::FATALITY_RISK, "mean probability of death at a collision, by its speed");
+/// Mean risk of severe injury.
+pub const SEVERE_INJURY_RISK: Mean =
+    Mean::of_present(&columns::SEVERE_INJURY_RISK, "mean probability of severe injury at a collision, by its speed");
 /// Mean reward.
 pub const EPISODE_REWARD: Mean = Mean::new(&columns::EPISODE_REWARD, "mean reward of an episode");
 /// Mean length.

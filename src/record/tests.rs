@@ -2,7 +2,7 @@ use super::*;
 use crate::av::{DrivingMode, Fault};
 use crate::env::{Ending, Outcome, Spawn};
 use crate::geometry::Pose;
-use crate::judge::{Label, NearMiss, Reference, Sight, Trial, Verdict};
+use crate::judge::{ContactSide, Label, NearMiss, Reference, Sight, Trial, Verdict};
 use crate::statistics::Weighted;
 
 fn key() -> RunKey {
@@ -23,7 +23,7 @@ fn key() -> RunKey {
 fn row(episode: u32, ending: Ending) -> EpisodeRow {
     let hit = matches!(ending, Ending::Collision { .. });
     let spawn = Spawn { ego: Pose::new(1.0, -2.0, 0.0), ego_speed: 7.0, pedestrian: Pose::new(5.0, 6.5, 0.0) };
-    let trial = Trial { impact_speed: None, time: 1.0, least_gap: 0.5 };
+    let trial = Trial { impact_speed: None, time: 1.0, least_gap: 0.5, moved: true, braked: true, stopped: true };
     EpisodeRow {
         key: key().into(),
         episode,
@@ -40,11 +40,15 @@ fn row(episode: u32, ending: Ending) -> EpisodeRow {
         },
         verdict: hit.then_some(Verdict {
             label: Label::Contested,
+            side: ContactSide::Side,
+            walked_into: true,
+            danger_speed: 3.0,
+            latest_reaction: Some(0.9),
             warning: 2.0,
             foreseeable: true,
             sight: Sight { hidden: 0.5, seen: 1.0 },
             impact_speed: 4.0,
-            trials: [trial; 6],
+            trials: [trial; Reference::COUNT],
         }),
         near_miss: NearMiss { min_ttc: Some(0.75), pet: None },
         motion: Default::default(),

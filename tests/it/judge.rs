@@ -76,7 +76,7 @@ fn a_driver_that_does_nothing_hits_when_the_recorded_one_did() {
     let mut compared = 0;
     for (outcome, trace) in episodes(&scenario, 150) {
         let pair = trace.main_pair(&scenario);
-        let Some(encounter) = Encounter::new(&pair) else { continue };
+        let Some(mut encounter) = Encounter::new(&pair) else { continue };
         let begun = pair.len() - encounter.pace.len();
         let speeds = pair.frames().skip(begun).map(|frame| frame.ego.speed);
         // The recorded car slowed down for a bend, so a driver that never brakes is faster.
@@ -84,7 +84,7 @@ fn a_driver_that_does_nothing_hits_when_the_recorded_one_did() {
             continue;
         }
         compared += 1;
-        let trial = Trial::new(&encounter, &mut Never);
+        let trial = Trial::new(&mut encounter, &mut Never);
         let ticks = |time: f64| ((time - 1e-9) / scenario.episode.tick).floor();
         assert_eq!(ticks(trial.time), ticks(encounter.warning), "{trial:?}, {} s", encounter.warning);
         let Ending::Collision { impact_speed, .. } = outcome.ending else { unreachable!("there is an encounter") };

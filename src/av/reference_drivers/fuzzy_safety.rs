@@ -92,12 +92,12 @@ impl FuzzySafety {
 
 /// Whether the other is in the path, or will be before the car has passed.
 fn crosses_in_time(own: &OwnMotion, threat: &Threat) -> bool {
-    if threat.aside <= 0.0 {
+    if threat.aside() <= 0.0 {
         return true;
     }
     let closing = own.speed - threat.along;
     let passed = (threat.gap + own.length + threat.length) / closing;
-    threat.towards > 0.0 && closing > 0.0 && threat.aside / threat.towards <= passed + 0.1
+    threat.towards > 0.0 && closing > 0.0 && threat.aside() / threat.towards <= passed + 0.1
 }
 
 /// 0 beyond the safe distance, 1 within the unsafe one, linear in between.
@@ -161,8 +161,8 @@ mod tests {
     fn it_waits_brakes_within_its_jerk_and_then_keeps_its_speed() {
         let mut model = FuzzySafety::default();
         model.begin();
-        let own = OwnMotion { speed: 8.33, acceleration: 0.0, length: 4.0 };
-        let near = Threat { gap: 10.0, length: 0.4, aside: 0.0, along: 0.0, towards: 0.0 };
+        let own = OwnMotion { speed: 8.33, acceleration: 0.0, intended: 0.0, length: 4.0 };
+        let near = Threat { gap: 10.0, length: 0.4, offset: 0.0, reach: 1.25, along: 0.0, towards: 0.0 };
         let asked: Vec<Option<f64>> = (0..140).map(|_| model.brake(&own, Some(&near), 0.01)).collect();
         assert!(asked[..75].iter().all(Option::is_none));
         assert!((asked[80].unwrap() - 12.65 * 0.05).abs() < 0.13);
@@ -173,8 +173,9 @@ mod tests {
 
     #[test]
     fn somebody_who_will_be_too_late_is_let_be() {
-        let own = OwnMotion { speed: 10.0, acceleration: 0.0, length: 4.5 };
-        let walker = |aside| Threat { gap: 8.0, length: 0.5, aside, along: 0.0, towards: 1.0 };
+        let own = OwnMotion { speed: 10.0, acceleration: 0.0, intended: 0.0, length: 4.5 };
+        let walker =
+            |aside| Threat { gap: 8.0, length: 0.5, offset: 1.25 + aside, reach: 1.25, along: 0.0, towards: 1.0 };
         assert!(crosses_in_time(&own, &walker(1.39)) && !crosses_in_time(&own, &walker(1.41)));
     }
 }

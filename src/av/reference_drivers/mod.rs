@@ -5,12 +5,15 @@
 //!
 //! | driver | from | brakes |
 //! |---|---|---|
-//! | [`DelayedBrake::careful_human`] | UN R157, competent and careful human | 1.15 s after it sees the danger, in 0.6 s to 0.774 g |
-//! | [`DelayedBrake::careful_human_at_two_seconds`] | the same, as esmini has it for pedestrians | 0.75 s after the time to collision fell to 2 s |
+//! | [`DelayedBrake::careful_human`] | UN R157, competent and careful human | 1.15 s after the gate, in 0.6 s to 0.774 g |
+//! | [`DelayedBrake::attentive_human`] | the same, whose risk evaluation is over when the gate opens | 0.75 s after the gate |
 //! | [`FuzzySafety`] | JRC's Fuzzy Safety Model | as hard as the distance is unsafe, to 6 m/s² |
 //! | [`Rss`] | ad-rss-lib, unstructured rule | 4 m/s² when both could not stop apart, unless the other was to stop |
-//! | [`DelayedBrake::ideal`] | our choice | 0.35 s after it sees the danger, in 0.6 s to 0.85 g |
-//! | [`DelayedBrake::bound`] | physics | at once, 0.85 g |
+//! | [`DelayedBrake::ideal`] | our choice | 0.35 s after the gate, in 0.6 s to 0.85 g |
+//! | [`DelayedBrake::bound`] | physics | at once when a pedestrian moves towards the path, 0.85 g |
+//!
+//! The *gate* opens when the pedestrian is on course into the path ([`Threat::is_on_course`]) and the time to collision is at most 2 s.
+//! A driver without a gate stops for all who come near the road, and so avoids whatever it is asked about.
 //!
 //! UN R157 is written for roads without pedestrians, so every use for pedestrians is an extrapolation. Show the figures next
 //! to the verdict.

@@ -60,10 +60,10 @@ impl Rss {
     fn meet(&self, own: &OwnMotion, threat: &Threat, ahead: f64, reach: f64) -> bool {
         let behind = -own.length - threat.length;
         let within = |gap: f64| (behind..=ahead).contains(&gap);
-        if threat.aside <= 0.0 && within(threat.gap) {
+        if threat.aside() <= 0.0 && within(threat.gap) {
             return true;
         }
-        if threat.aside > reach || threat.gap - reach > ahead || threat.gap + reach < behind {
+        if threat.aside() > reach || threat.gap - reach > ahead || threat.gap + reach < behind {
             return false;
         }
         let pace = pace(threat);
@@ -73,7 +73,7 @@ impl Rss {
             let (sin, cos) = libm::sincos(middle + turn * f64::from(ray) / f64::from(RAYS));
             let (along, inward) = (cos * reach, -sin * reach);
             // The part of the way within the path, as shares of the way.
-            let enters = if threat.aside <= 0.0 { 0.0 } else { threat.aside / inward };
+            let enters = if threat.aside() <= 0.0 { 0.0 } else { threat.aside() / inward };
             if !(0.0..=1.0).contains(&enters) {
                 return false;
             }
@@ -117,8 +117,8 @@ mod tests {
 
     #[test]
     fn it_brakes_for_whoever_stands_in_the_way_from_the_beginning() {
-        let own = OwnMotion { speed: 5.0, acceleration: 0.0, length: 4.5 };
-        let standing = |gap| Threat { gap, length: 0.4, aside: 0.0, along: 0.0, towards: 0.0 };
+        let own = OwnMotion { speed: 5.0, acceleration: 0.0, intended: 0.0, length: 4.5 };
+        let standing = |gap| Threat { gap, length: 0.4, offset: 0.0, reach: 1.25, along: 0.0, towards: 0.0 };
         let mut rss = Rss::default();
         // 15.78 m of the car and 0.5 m of the pedestrian, which may start towards it.
         assert_eq!(rss.brake(&own, Some(&standing(16.3)), 0.05), None);
@@ -128,8 +128,9 @@ mod tests {
 
     #[test]
     fn it_goes_on_when_the_pedestrian_was_to_stop() {
-        let own = OwnMotion { speed: 8.0, acceleration: 0.0, length: 4.5 };
-        let walking = |aside, towards| Threat { gap: 8.0, length: 0.4, aside, along: 0.0, towards };
+        let own = OwnMotion { speed: 8.0, acceleration: 0.0, intended: 0.0, length: 4.5 };
+        let walking =
+            |aside, towards| Threat { gap: 8.0, length: 0.4, offset: 1.25 + aside, reach: 1.25, along: 0.0, towards };
         let mut rss = Rss::default();
         assert_eq!(rss.brake(&own, Some(&walking(3.0, 1.39)), 0.05), None, "it can stop within 2.37 m");
         assert_eq!(rss.brake(&own, Some(&walking(2.0, 1.39)), 0.05), None);

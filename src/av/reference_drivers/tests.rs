@@ -1,6 +1,6 @@
 //! Euro NCAP's crossing tests, driven by the careful human and the ideal brake, in steps of a millisecond.
 
-use super::{BrakeProfile, DelayedBrake, OwnMotion, ReferenceDriver, Threat};
+use super::{DelayedBrake, OwnMotion, ReferenceDriver, Threat};
 
 /// Width of the car (m).
 const WIDTH: f64 = 1.815;
@@ -39,11 +39,12 @@ impl Crossing {
             let threat = Threat {
                 gap: -bumper,
                 length: self.breadth,
-                aside: (-WIDTH / 2.0 - front).max(back - WIDTH / 2.0).max(0.0),
+                offset: ((front + back) / 2.0).abs(),
+                reach: (WIDTH + self.body.0 + self.body.1) / 2.0,
                 along: 0.0,
-                towards: if place < 0.0 { self.speed } else { -self.speed },
+                towards: if front + back < 0.0 { self.speed } else { -self.speed },
             };
-            let own = OwnMotion { speed, acceleration, length: 4.358 };
+            let own = OwnMotion { speed, acceleration, intended: 0.0, length: 4.358 };
             let braking = driver.brake(&own, seen.then_some(&threat), dt).unwrap_or(0.0);
             bumper += speed * dt - braking * dt * dt / 2.0;
             speed = (speed - braking * dt).max(0.0);
@@ -85,14 +86,13 @@ fn child(ahead: f64) -> Crossing {
 
 #[test]
 fn a_careful_human_stops_for_adults_in_the_open_as_tabulated() {
-    let late = || DelayedBrake::new(Some(2.0), BrakeProfile::careful_human(1.15));
     let (near, middle, far) = (adult(0.25, 5.0), adult(0.5, 8.0), adult(0.75, 5.0));
-    near.holds(DelayedBrake::careful_human_at_two_seconds(), 50.0, &[(55.0, 3.37), (60.0, 5.99)]);
+    near.holds(DelayedBrake::attentive_human(), 50.0, &[(55.0, 3.37), (60.0, 5.99)]);
     for walker in [&middle, &far] {
-        walker.holds(DelayedBrake::careful_human_at_two_seconds(), 55.0, &[(60.0, 5.99)]);
+        walker.holds(DelayedBrake::attentive_human(), 55.0, &[(60.0, 5.99)]);
     }
     for walker in [&near, &middle, &far] {
-        walker.holds(late(), 30.0, &[(35.0, 3.41), (50.0, 8.68), (60.0, 11.71)]);
+        walker.holds(DelayedBrake::careful_human(), 30.0, &[(35.0, 3.41), (50.0, 8.68), (60.0, 11.71)]);
     }
 }
 
@@ -100,7 +100,6 @@ fn a_careful_human_stops_for_adults_in_the_open_as_tabulated() {
 fn a_hidden_child_is_hit_by_a_careful_human_and_not_by_a_good_machine() {
     child(0.0).holds(DelayedBrake::careful_human(), 10.0, &[(15.0, 2.37), (30.0, 7.48), (50.0, 13.27)]);
     child(0.396).holds(DelayedBrake::careful_human(), 20.0, &[(25.0, 3.24), (30.0, 5.19), (50.0, 11.49)]);
-    let ready = DelayedBrake::new(None, BrakeProfile::careful_human(0.75));
-    child(0.396).holds(ready, 35.0, &[(40.0, 2.09), (50.0, 6.91)]);
+    child(0.396).holds(DelayedBrake::attentive_human(), 35.0, &[(40.0, 2.09), (50.0, 6.91)]);
     child(0.396).holds(DelayedBrake::ideal(), 60.0, &[]);
 }

@@ -59,9 +59,13 @@ pub struct Cell {
     /// Wilson's interval of that, over all collisions.
     pub preventable_share_interval: (f64, f64),
     /// The number of collisions with each label, in the order of [`Label::ALL`].
-    pub labels: [u32; 6],
+    pub labels: [u32; Label::COUNT],
     /// The number of collisions with a foreseeable pedestrian.
     pub foreseeable: u32,
+    /// The number of collisions in which the pedestrian walked into the side or the rear.
+    pub walked_into: u32,
+    /// The expected rate of collisions that a driver drawn at random would have avoided, of all episodes.
+    pub expected_preventable: Spread,
 }
 
 /// The stem of the files of the table of runs.
@@ -91,8 +95,11 @@ fn to_runs(episodes: &DataFrame, metrics: &[Metric]) -> PolarsResult<DataFrame> 
     for metric in metrics {
         match metric.how {
             How::Count(count) => aggregated.push(counted(count.which).alias(count.name())),
-            How::Mean(mean) if mean.of_valid => aggregated.push(col(mean.name).filter(valid()).mean()),
-            How::Mean(mean) => aggregated.push(col(mean.name).mean()),
+            How::Mean(mean) if mean.of_valid => {
+                let values = col(mean.column).fill_null(lit(0.0)).filter(valid());
+                aggregated.push(values.mean().alias(mean.name));
+            }
+            How::Mean(mean) => aggregated.push(col(mean.column).mean().alias(mean.name)),
             How::Rate(rate) => rates.push(ratio(&rate.part.name(), &rate.whole.name()).alias(rate.name)),
         }
     }
@@ -223,7 +230,7 @@ impl Metrics {
             Ok((low.get(row).unwrap_or(0.0), high.get(row).unwrap_or(1.0)))
         };
         let cell = |row: usize| {
-            let mut labels = [0; 6];
+            let mut labels = [0; Label::COUNT];
             for (found, label) in labels.iter_mut().zip(Label::ALL) {
                 *found = count(metric::labelled(label), row)?;
             }
@@ -246,6 +253,8 @@ impl Metrics {
                 preventable_share_interval: interval(metric::PREVENTABLE_SHARE, row)?,
                 labels,
                 foreseeable: count(metric::FORESEEABLE_COLLISIONS, row)?,
+                walked_into: count(metric::WALKED_INTO_COLLISIONS, row)?,
+                expected_preventable: spread(metric::EXPECTED_PREVENTABLE.name, row)?,
             })
         };
         (0..frame.height()).map(cell).collect()
@@ -258,7 +267,7 @@ mod tests {
     use crate::av::{DrivingMode, Fault};
     use crate::env::{Ending, Outcome, Spawn};
     use crate::geometry::Pose;
-    use crate::judge::{Sight, Trial, Verdict};
+    use crate::judge::{ContactSide, Reference, Sight, Trial, Verdict};
     use crate::record::{EpisodeRow, RunKey, episodes};
 
     fn row(run: u32, episode: u32, hit: Option<(bool, f64)>) -> EpisodeRow {
@@ -274,11 +283,16 @@ mod tests {
         // Frontal collisions are preventable; the others hit a standing car.
         let verdict = hit.map(|(front, impact_speed)| Verdict {
             label: if front { Label::Preventable } else { Label::Standing },
+            side: ContactSide::Front,
+            walked_into: false,
+            latest_reaction: front.then_some(1.0),
+            danger_speed: 2.0,
             warning: 2.0,
             foreseeable: front,
             sight: Sight { hidden: 0.0, seen: 3.0 },
             impact_speed,
-            trials: [Trial { impact_speed: None, time: 1.0, least_gap: 0.5 }; 6],
+            trials: [Trial { impact_speed: None, time: 1.0, least_gap: 0.5, moved: true, braked: true, stopped: true };
+                Reference::COUNT],
         });
         let cell = CellKey {
             controller: "trained".into(),
@@ -340,7 +354,7 @@ mod tests {
         near(cell.preventable, 0.25, 0.0);
         near(cell.preventable_share, 0.75, 0.25 * 2.0_f64.sqrt());
         assert_eq!((cell.preventable_interval, cell.preventable_share_interval), (wilson(2, 8), wilson(2, 3)));
-        assert_eq!((cell.collisions, cell.labels, cell.foreseeable), (3, [2, 0, 0, 0, 0, 1], 2));
+        assert_eq!((cell.collisions, cell.labels, cell.foreseeable), (3, [2, 0, 0, 0, 1], 2));
     }
 
     #[test]

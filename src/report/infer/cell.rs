@@ -53,7 +53,7 @@ pub struct CellEvidence {
     /// The same quantiles of post-encroachment times (s).
     pub pet: Quantiles,
     /// The number of collisions that each reference driver avoids, in the order of [`Reference::ALL`].
-    pub avoided: [Weighted; 6],
+    pub avoided: [Weighted; Reference::COUNT],
     /// The samples of [`Figure::COMPARED`] with the numbers of their runs, for transfer gaps.
     pub(super) samples: [Option<(Vec<u32>, Sample)>; 3],
 }

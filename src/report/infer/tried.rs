@@ -48,7 +48,7 @@ pub struct Tried {
     /// Post-encroachment times of the other episodes (s), of those that have one and are kept.
     pub pet: Vec<f64>,
     /// The collisions that each reference driver avoids.
-    pub avoided: [Weighted; 6],
+    pub avoided: [Weighted; Reference::COUNT],
     /// The number of episodes, errors included.
     size: usize,
     /// The number of episodes with each flag, over all episodes.

@@ -1,6 +1,6 @@
 use crate::av::DrivingMode;
 use crate::env::{Ending, Frame, Outcome, Pair, Scenario, Trace};
-use crate::judge::{Label, Reference, Verdict};
+use crate::judge::{ContactSide, Label, Reference, Verdict};
 
 /// An action of the driver is an event if it lasts for at least this number of ticks, or to the end.
 const LASTING: usize = 3;
@@ -125,11 +125,24 @@ fn judged(verdict: &Verdict) -> Vec<String> {
         Label::Contested => "the reference drivers disagree",
         Label::MachinePreventable => "only a machine would have avoided it",
         Label::Unpreventable => "no brake avoids it",
-        Label::WalkedIntoSide => "the pedestrian walked into the side or the rear",
         Label::Standing => "the car stood",
     };
     let foreseeable = if verdict.foreseeable { "; the pedestrian was foreseeable" } else { "" };
-    let mut lines = vec![format!("{}: {meaning}{foreseeable}", verdict.label.name())];
+    let walked = match verdict.side {
+        _ if !verdict.walked_into => "",
+        ContactSide::Rear => "; the pedestrian ran into the rear",
+        _ => "; the pedestrian walked into the side",
+    };
+    let mut lines = vec![format!("{}: {meaning}{foreseeable}{walked}", verdict.label.name())];
+    if !verdict.is_standing() {
+        let share = 100.0 * verdict.preventable_probability();
+        lines.push(match verdict.latest_reaction {
+            Some(latest) => {
+                format!("  a careful driver must brake within {latest:.2} s of noticing it; {share:.0} % of drivers do")
+            }
+            None => "  a careful driver hits the pedestrian even without any reaction time".into(),
+        });
+    }
     lines.extend(Reference::ALL.into_iter().map(|reference| {
         let trial = verdict.trial(reference);
         let fared = match trial.impact_speed {
@@ -140,7 +153,7 @@ fn judged(verdict: &Verdict) -> Vec<String> {
                 _ => format!("hits at {speed:.1} m/s, no slower"),
             },
         };
-        format!("  {:<6} {fared}", reference.name())
+        format!("  {:<12} {fared}", reference.name())
     }));
     lines
 }

@@ -120,7 +120,7 @@ fn reference_drivers(replay: &Replay) -> Markup {
 fn driver(name: &str) -> &str {
     match name {
         "cc" => "careful human",
-        "cc_2s" => "careful human, 2 s",
+        "cc_attentive" => "attentive human",
         "fsm" => "fuzzy safety",
         "rss" => "RSS",
         "ideal" => "ideal brake",

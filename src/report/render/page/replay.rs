@@ -129,7 +129,6 @@ pub fn verdict_text(label: Label) -> &'static str {
         Label::Contested => "contested",
         Label::MachinePreventable => "by machine only",
         Label::Unpreventable => "unpreventable",
-        Label::WalkedIntoSide => "into the side",
         Label::Standing => "car standing",
     }
 }

@@ -12,12 +12,13 @@ const READING: [&str; 4] = [
      - **contested**: some reference drivers avoid it and some do not.\n\
      - **by machine**: no human and no rule avoids it, but an ideal emergency brake or the physical limit does.\n\
      - **unpreventable**: braking at once with 0.85 g does not avoid it.\n\
-     - **into the side**: the front of the moving car had passed, and the pedestrian walked into its side or rear.\n\
      - **standing**: the car stood (at most 0.1 m/s) when the pedestrian walked into it. It says little about the driver.",
-    "*Foreseeable* is a separate share: the pedestrian never walked faster than 8 km/h and never sped up by more than 1.65 m/s², as in Euro NCAP's \
-     tests. A pedestrian without inertia is never foreseeable.",
-    "The careful human is that of UN R157, and must avoid the collision in both readings: 1.15 s after the pedestrian could be seen in the \
-     car's way or moving towards it, and 0.75 s after the time to collision fell to 2 s, each time with 0.6 s to reach 0.774 g. The others are the \
+    "Two more shares say what else was true of a collision, whatever its verdict. *Into the side*: the front had passed, and the pedestrian \
+     walked into the side or the rear. *Foreseeable*: the pedestrian never walked faster than 8 km/h and never sped up by more than 1.65 m/s², as in \
+     Euro NCAP's tests. A pedestrian without inertia is never foreseeable. *Expected* is the share of drivers who would have avoided it, summed \
+     over the collisions and divided by the episodes: reaction times are lognormal with a mean of 1.21 s.",
+    "The careful human is that of UN R157. It notices a pedestrian who is on course into the car's path when the time to collision is at most 2 s, \
+     and must avoid the collision in both readings: braking 1.15 s after that, and 0.75 s after that, each time with 0.6 s to reach 0.774 g. The others are the \
      Fuzzy Safety Model (0.75 s, up to 6 m/s²), RSS (ad-rss-lib's parameters, 4 m/s²), an ideal emergency brake (0.35 s, 0.6 s to reach 0.85 g) and \
      physics (0.85 g at once). R157 is not written for roads with pedestrians: read the labels as a comparison, not as a finding of law.",
 ];
@@ -28,8 +29,10 @@ pub fn avoidable(cells: &[Cell]) -> Option<Section> {
         return None;
     }
     let mut columns = head();
-    let names_of_shares = ["contested", "by machine", "unpreventable", "into the side", "standing", "foreseeable"];
-    columns.extend(["collisions", "preventable, of all episodes", "95 %", "preventable (95 %)"].map(Column::number));
+    let names_of_shares = ["contested", "by machine", "unpreventable", "standing", "into the side", "foreseeable"];
+    columns.extend(
+        ["collisions", "preventable, of all episodes", "95 %", "expected", "preventable (95 %)"].map(Column::number),
+    );
     columns.extend(names_of_shares.map(Column::number));
     let row = |cell: &Cell| {
         let share = |count: u32| Some(f64::from(count) / f64::from(cell.collisions));
@@ -39,9 +42,12 @@ pub fn avoidable(cells: &[Cell]) -> Option<Section> {
             Value::Of(cell.collisions.into(), cell.episodes.into()),
             cell.preventable.into(),
             Value::Interval(Some(cell.preventable_interval)),
+            cell.expected_preventable.into(),
             Value::Estimate(share(preventable), Some(cell.preventable_share_interval), 2),
         ]);
-        row.extend(others.into_iter().chain([cell.foreseeable]).map(|count| Value::Number(share(count), 2)));
+        row.extend(
+            others.into_iter().chain([cell.walked_into, cell.foreseeable]).map(|count| Value::Number(share(count), 2)),
+        );
         row
     };
     let rows = cells.iter().filter(|cell| cell.collisions > 0).map(row).collect();

@@ -13,7 +13,7 @@ pub const SERIES: usize = 7;
 ///
 /// # Source
 /// Okabe and Ito, *Color universal design*, 2008, lightened for dark ground.
-const PALETTE: [(&str, &str, &str); 36] = [
+const PALETTE: [(&str, &str, &str); 35] = [
     ("paper", "#ffffff", "#14171a"),
     ("raised", "#f6f7f8", "#1c2024"),
     ("ink", "#1b1f23", "#e6e9ec"),
@@ -32,8 +32,7 @@ const PALETTE: [(&str, &str, &str); 36] = [
     ("v1", "#eda23b", "#d99a3d"),
     ("v2", "#f3d58c", "#a38a4e"),
     ("v3", "#5a9bc8", "#4f8cb8"),
-    ("v4", "#a9c9de", "#385d78"),
-    ("v5", "#cfd4d9", "#444c54"),
+    ("v4", "#cfd4d9", "#444c54"),
     ("h0", "#d9dee3", "#353c43"),
     ("h1", "#fbd0a0", "#6b4526"),
     ("h2", "#f6a663", "#a15d26"),

@@ -1,0 +1,81 @@
+use crate::env::Pair;
+use crate::geometry::Vector;
+
+use super::trial::STANDING;
+
+/// The part of the car that touched the pedestrian, by the place of the pedestrian's middle in the frame of the car.
+///
+/// It is a fact beside the verdict. The paper's front sector (`front`) is another one: it reaches along the flanks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum ContactSide {
+    /// In front of the line of the bumper.
+    Front,
+    /// Beside the car, behind the line of the bumper.
+    Side,
+    /// Behind the line of the rear.
+    Rear,
+}
+
+impl ContactSide {
+    /// All of them, in the order of the tables.
+    pub const ALL: [Self; 3] = [Self::Front, Self::Side, Self::Rear];
+
+    /// The one with this name in tables.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|side| side.name() == name)
+    }
+
+    /// Its name in tables.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Front => "front",
+            Self::Side => "side",
+            Self::Rear => "rear",
+        }
+    }
+
+    /// The side on which a point is, `ahead` and to the left (`aside`) of the middle of a car with these half extents (m).
+    pub(super) fn new(ahead: f64, aside: f64, half: Vector) -> Self {
+        if ahead < -half.x {
+            Self::Rear
+        } else if ahead < half.x && aside.abs() > half.y {
+            Self::Side
+        } else {
+            Self::Front
+        }
+    }
+}
+
+/// The side of the recorded touch, and whether the pedestrian walked into the flank or ran into the rear, after the front had passed it.
+pub(super) fn touched(pair: &Pair<'_>) -> Option<(ContactSide, bool)> {
+    let (contact, last, blueprint) = (pair.contact()?, pair.last()?, pair.blueprint());
+    let side = ContactSide::new(contact.ahead, contact.aside, Vector::new(blueprint.half_length, blueprint.half_width));
+    let sideways = last.pedestrian.velocity.dot(&last.ego.pose.left());
+    let inward = if contact.aside > 0.0 { -sideways } else { sideways };
+    let walked = match side {
+        ContactSide::Front => false,
+        ContactSide::Side => inward > STANDING,
+        ContactSide::Rear => true,
+    };
+    Some((side, walked))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_touch_is_at_the_side_once_the_bumper_has_passed_the_middle_of_the_pedestrian() {
+        let half = Vector::new(2.2, 0.9);
+        for (ahead, aside, side) in [
+            (2.4, 0.0, ContactSide::Front),
+            (2.21, 1.1, ContactSide::Front),
+            (2.19, 1.1, ContactSide::Side),
+            (-2.19, -1.1, ContactSide::Side),
+            (-2.21, -1.1, ContactSide::Rear),
+            (-2.4, 0.0, ContactSide::Rear),
+        ] {
+            assert_eq!(ContactSide::new(ahead, aside, half), side, "{ahead}, {aside}");
+        }
+    }
+}
