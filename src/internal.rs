@@ -3,6 +3,10 @@
 
 #[path = "diagnostic/mod.rs"]
 pub mod diagnostic;
+#[path = "contained.rs"]
+pub mod contained;
+#[path = "files.rs"]
+pub mod files;
 #[path = "units.rs"]
 pub mod units;
 #[path = "signature/mod.rs"]

@@ -57,8 +57,8 @@ pub mod internal;
 
 // Modules name each other as `crate::NAME`.
 use internal::{
-    analysis, av, campaign, cli, compile, diagnostic, env, falsifier, geometry, judge, lang, lsp, process, record,
-    report, rl, road, seed, signature, sim, statistics, store, units,
+    analysis, av, campaign, cli, compile, contained, diagnostic, env, falsifier, files, geometry, judge, lang, lsp,
+    process, record, report, rl, road, seed, signature, sim, statistics, store, units,
 };
 
 #[doc(inline)]

@@ -18,7 +18,7 @@ mod smoke;
 
 pub use observer::{Observer, Silent};
 pub use result_store::{Claim, InMemory, Progress, ResultStore};
-pub use run::{Finished, TrainingResult, collect, run, run_tasks};
+pub use run::{Finished, TrainingResult, collect, complete, run, run_tasks};
 pub use search_result::SearchResult;
 pub use shard::{Shard, deal, shard};
 pub use smoke::smoke;

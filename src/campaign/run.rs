@@ -88,6 +88,25 @@ pub fn collect(campaign: &Campaign, results: &dyn ResultStore) -> Finished {
     }
 }
 
+/// Adds the trainings that the store has by now: while this process stopped, another one may have finished them.
+pub fn complete(finished: Finished, campaign: &Campaign, results: &dyn ResultStore) -> Finished {
+    let mut trainings = finished.trainings;
+    for (index, training) in campaign.trainings.iter().enumerate() {
+        let place = trainings.iter().position(|result| result.key == training.key);
+        if place.is_some_and(|place| trainings[place].result.is_ok()) {
+            continue;
+        }
+        let Some(trained) = results.training(index) else { continue };
+        let result = TrainingResult { key: training.key.clone(), result: Ok(trained) };
+        match place {
+            Some(place) => trainings[place] = result,
+            None => trainings.push(result),
+        }
+    }
+    trainings.sort_by_key(|result| campaign.trainings.iter().position(|training| training.key == result.key));
+    Finished { trainings, ..finished }
+}
+
 /// The training that a task waits for.
 pub(super) fn training_of(campaign: &Campaign, task: Task) -> Option<usize> {
     match task {

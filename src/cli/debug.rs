@@ -63,7 +63,7 @@ pub fn debug(options: &DebugOptions) -> ExitCode {
 /// Shows the result of the front end for a file, up to the step that it reached.
 fn show_tree(tree: Tree, file: &Path, settings: &[String]) -> ExitCode {
     let mut sources = Sources::default();
-    let read = |path: &Path| std::fs::read_to_string(path);
+    let read = |path: &Path| crate::files::text(path);
     let mut loaded = match lang::load(&[file.to_path_buf()], &read, &mut sources) {
         Ok(loaded) => loaded,
         Err(error) => {

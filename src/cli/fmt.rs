@@ -45,7 +45,7 @@ pub fn fmt(options: &FmtOptions) -> ExitCode {
 }
 
 fn file(path: &Path, check: bool) -> ExitCode {
-    let text = match std::fs::read_to_string(path) {
+    let text = match crate::files::text(path) {
         Ok(text) => text,
         Err(error) => {
             console::fail(&format!("cannot read `{}`: {}", path.display(), lang::reason(&error)));

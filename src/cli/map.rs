@@ -80,7 +80,7 @@ fn declared(file: &Path) -> Result<Vec<Arc<Town>>, ExitCode> {
 }
 
 fn read(file: &Path) -> Result<Town, ExitCode> {
-    let text = std::fs::read_to_string(file).map_err(|error| {
+    let text = crate::files::text(file).map_err(|error| {
         console::fail(&format!("cannot read `{}`: {}", file.display(), reason(&error)));
         ExitCode::Usage
     })?;

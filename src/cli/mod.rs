@@ -3,6 +3,7 @@
 mod args;
 mod exit_code;
 mod console;
+mod crash;
 mod failure;
 mod input;
 mod output;
@@ -39,6 +40,7 @@ use clap::{ArgMatches, Command, CommandFactory, FromArgMatches};
 
 /// Runs the program with the arguments of the process. A bug ends in [`ExitCode::Internal`].
 pub fn main() -> ExitCode {
+    crash::listen();
     let code = std::panic::catch_unwind(run_command).unwrap_or_else(|_| {
         console::fail("this is a bug in falsify; what was finished before is not lost");
         ExitCode::Internal

@@ -15,6 +15,7 @@ use super::{console, failure, gate, interrupt, list};
 use crate::campaign::{self, Shard, Task};
 use crate::compile::Campaign;
 use crate::diagnostic::{Diagnostic, Sources};
+use crate::process;
 use crate::report::{self, Formats};
 use crate::session::{
     self, CampaignOutcome, CampaignReport, Error, Notice, Observer, RunReport, Session, ShardOptions, ShardReport,
@@ -119,6 +120,14 @@ impl RunOptions {
     /// # Errors
     /// The exit code, after the reason has been printed.
     pub fn wanted(&self) -> Result<session::RunOptions, ExitCode> {
+        let threads = match self.threads {
+            0 => std::thread::available_parallelism().map_or(1, usize::from),
+            threads => threads.into(),
+        };
+        if let Some(reason) = process::refusal(threads) {
+            console::fail(&reason);
+            return Err(ExitCode::Usage);
+        }
         let named = |format| self.formats.contains(&format);
         Ok(session::RunOptions {
             input: self.given.input(&self.files),

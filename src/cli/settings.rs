@@ -76,7 +76,7 @@ pub fn find(folder: &Path) -> Result<Option<Settings>, ExitCode> {
     let Some(path) = folder.ancestors().map(|folder| folder.join(FILE)).find(|path| path.is_file()) else {
         return Ok(None);
     };
-    let text = std::fs::read_to_string(&path).map_err(|error| {
+    let text = crate::files::text(&path).map_err(|error| {
         console::fail(&format!("cannot read `{}`: {}", path.display(), reason(&error)));
         ExitCode::Usage
     })?;

@@ -60,6 +60,15 @@ pub fn verify(options: &VerifyOptions) -> ExitCode {
     let (repeated, different) = (verified.repeated, &verified.different);
     show(different);
     let equal = repeated - different.len();
+    for file in &verified.changed_files {
+        console::fail(&format!("`{file}` is not as it was written"));
+    }
+    let files = verified.report.manifest().report_files.len();
+    if files > 0 {
+        console::say(&format!("files of the report: {files}, {} changed", verified.changed_files.len()));
+    } else {
+        console::warn("the report is of an earlier version and has no digests of its own files");
+    }
     console::say(&format!("episodes and failures of searches: {repeated} repeated, {equal} equal"));
     if let Some(trainings) = &verified.trainings {
         for key in &trainings.different {

@@ -325,7 +325,9 @@ fn read_map(
     });
     match text.and_then(|text| opendrive::read(&text, &declaration.name).map_err(|error| error.to_string())) {
         Ok(parts) => {
-            let warnings: Vec<String> = parts.warnings.iter().map(ToString::to_string).collect();
+            // What has no effect is listed by `falsify map`; it is no mistake of the file.
+            let mistakes = parts.warnings.iter().filter(|warning| !warning.problem.is_unused());
+            let warnings: Vec<String> = mistakes.map(ToString::to_string).collect();
             if !warnings.is_empty() {
                 said.push(diagnostics::map_warning(place, shown, &warnings));
             }

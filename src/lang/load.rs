@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
 use super::ast::File;
+use super::tokens::{TokenKind, tokens};
 use super::{diagnostics, library, parse};
 use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
 
@@ -95,7 +96,12 @@ impl Loader<'_> {
         let source = if of_library {
             self.sources.add_builtin(path, library::read(path)?)
         } else {
-            self.sources.add_file(path, self.read.text(path)?)
+            let text = self.read.text(path)?;
+            // Messages quote the files of a scenario. A file that an import names may be anything, such as a list of passwords.
+            if !importers.is_empty() && !starts_with_edition(&text) {
+                return Err(std::io::Error::other("it is no scenario, since it does not start with `edition 1`"));
+            }
+            self.sources.add_file(path, text)
         };
         self.known.insert(key, source);
         let text = &self.sources.get(source).text;
@@ -139,6 +145,13 @@ impl Loader<'_> {
         self.files.push(file);
         Ok(source)
     }
+}
+
+/// Whether the first word of a text is `edition`, in any case.
+fn starts_with_edition(text: &str) -> bool {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let word = tokens(text).find(|token| !token.kind.is_trivia() && token.kind != TokenKind::Doc);
+    word.is_some_and(|word| text[word.range()].eq_ignore_ascii_case("edition"))
 }
 
 /// The reason in words why a file cannot be read.

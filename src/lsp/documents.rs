@@ -59,7 +59,7 @@ impl Documents {
     pub fn read(&self, path: &Path) -> std::io::Result<String> {
         match self.open.get(&plain(path)) {
             Some(document) => Ok(document.text.clone()),
-            None => std::fs::read_to_string(path),
+            None => crate::files::text(path),
         }
     }
 

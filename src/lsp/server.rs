@@ -1,6 +1,5 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{BufRead, Write};
-use std::panic::AssertUnwindSafe;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -29,6 +28,7 @@ use super::visible::Visible;
 use super::wire::{self, WireError};
 use super::{complete, hover, navigate};
 use crate::compile::{Catalog, compile};
+use crate::contained::contained;
 use crate::diagnostic::{Diagnostic, Lines, Severity, Sources};
 use crate::lang::{self, Loaded};
 use crate::process::ProcessOpener;
@@ -107,7 +107,7 @@ impl<W: Write> Server<W> {
     fn request(&mut self, request: Request) -> Result<(), WireError> {
         let id = request.id.clone();
         // A bug answers one request with an error and does not end the server.
-        let answer = std::panic::catch_unwind(AssertUnwindSafe(|| self.answer(request)));
+        let answer = contained(|| self.answer(request));
         let answer = answer.unwrap_or_else(|_| Err(Refusal(ErrorCode::InternalError, "a bug in falsify".into())));
         let response = match answer {
             Ok(result) => Response::new_ok(id, result),
@@ -279,8 +279,8 @@ impl<W: Write> Server<W> {
             let mut sources = Sources::default();
             let read = |path: &Path| self.documents.read(path);
             let roots = [root.clone()];
-            let checked = AssertUnwindSafe(|| compile(&roots, &self.catalog, &read, &mut sources));
-            let Ok(Ok(compiled)) = std::panic::catch_unwind(checked) else { continue };
+            let checked = contained(|| compile(&roots, &self.catalog, &read, &mut sources));
+            let Ok(Ok(compiled)) = checked else { continue };
             by_file.extend(
                 self.documents.uri(&root).map(|uri| (uri, Vec::new())).filter(|(uri, _)| !by_file.contains_key(uri)),
             );

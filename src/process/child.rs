@@ -3,6 +3,7 @@ use std::io::{self, Read, Write};
 use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::process::CommandExt;
 use std::process::{ChildStdin, ChildStdout, Command, Stdio};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -11,6 +12,8 @@ use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::sys::signal::{Signal, killpg};
 use nix::unistd::Pid;
 
+use super::descendants;
+use super::messages::Messages;
 use super::opener::Notes;
 use crate::av::Fault;
 use crate::av::external::{Link, Program};
@@ -23,11 +26,17 @@ const LEAVE: Duration = Duration::from_millis(500);
 /// The running children, for an immediate end of the whole program.
 static RUNNING: Mutex<BTreeSet<u32>> = Mutex::new(BTreeSet::new());
 
+/// The number of children that were started, to tell them apart.
+static STARTED: AtomicU64 = AtomicU64::new(0);
+
 /// Ends all children at once, with all processes that they have started.
 pub fn end_all() {
     let running = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
     for id in &*running {
         let _ = killpg(Pid::from_raw(*id as i32), Signal::SIGKILL);
+    }
+    if !running.is_empty() {
+        descendants::end(&format!("{}-", std::process::id()));
     }
 }
 
@@ -44,13 +53,18 @@ pub(super) struct Child {
     limit: Duration,
     deadline: Instant,
     notes: Notes,
+    /// By which processes that it has started are known.
+    mark: String,
+    messages: Option<Messages>,
 }
 
 impl Child {
     /// Starts a program.
     pub fn start(program: &Program, notes: Notes) -> io::Result<Self> {
         let mut command = Command::new(&program.words[0]);
-        command.args(&program.words[1..]).stdin(Stdio::piped()).stdout(Stdio::piped()).process_group(0);
+        command.args(&program.words[1..]).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mark = format!("{}-{}-", std::process::id(), STARTED.fetch_add(1, Ordering::Relaxed));
+        command.process_group(0).env(descendants::MARK, &mark);
         if !program.folder.as_os_str().is_empty() {
             command.current_dir(&program.folder);
         }
@@ -58,6 +72,9 @@ impl Child {
         RUNNING.lock().unwrap_or_else(PoisonError::into_inner).insert(process.id());
         let (input, output) = (process.stdin.take(), process.stdout.take());
         let (input, output) = input.zip(output).expect("both were asked for");
+        let messages = process.stderr.take().map(Messages::pass_on).transpose().inspect_err(|_| {
+            let _ = killpg(Pid::from_raw(process.id() as i32), Signal::SIGKILL);
+        })?;
         never_block(input.as_fd())?;
         never_block(output.as_fd())?;
         Ok(Self {
@@ -70,6 +87,8 @@ impl Child {
             limit: Duration::ZERO,
             deadline: Instant::now(),
             notes,
+            mark,
+            messages,
         })
     }
 
@@ -193,6 +212,11 @@ impl Drop for Child {
         // The group should be empty by now. A process that is left in it hangs, and is killed.
         let _ = killpg(Pid::from_raw(self.process.id() as i32), Signal::SIGKILL);
         let _ = self.process.wait();
+        // A process that has left the group still has the mark.
+        descendants::end(&self.mark);
+        if let Some(messages) = self.messages.take() {
+            messages.finish();
+        }
         RUNNING.lock().unwrap_or_else(PoisonError::into_inner).remove(&self.process.id());
     }
 }

@@ -1,18 +1,32 @@
 //! Drivers as child processes: the only code that starts programs.
 //!
-//! A child reads questions from its standard input and answers on its standard output. It shares our standard error. It leads its own
-//! process group. So Ctrl-C on the terminal lets it finish its current work with us, and it ends together with all processes that it has
-//! started.
+//! A child reads questions from its standard input and answers on its standard output. Its standard error is passed on to ours, up to a
+//! limit. It leads its own process group. So Ctrl-C on the terminal lets it finish its current work with us, and it ends together with all
+//! processes that it has started: on Linux also those that have left the group, which are known by a variable of their environment.
 
 #[cfg(unix)]
 mod child;
+#[cfg(unix)]
+mod descendants;
 mod find;
+#[cfg(unix)]
+mod limits;
+#[cfg(unix)]
+mod messages;
 mod opener;
 
 #[cfg(unix)]
 pub use child::end_all;
+#[cfg(unix)]
+pub use limits::refusal;
 pub use opener::ProcessOpener;
 
 #[cfg(not(unix))]
 /// Ends all children at once; there are none on this system.
 pub fn end_all() {}
+
+#[cfg(not(unix))]
+/// Why a limit of the system does not allow a run; other systems have no such limits.
+pub fn refusal(_: usize) -> Option<String> {
+    None
+}

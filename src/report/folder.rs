@@ -1,5 +1,5 @@
 use std::fs;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use polars::prelude::{DataFrame, PolarsError, Schema};
@@ -8,7 +8,9 @@ use polars_io::csv::write::CsvWriter;
 use polars_io::parquet::write::ParquetWriter;
 use tempfile::TempDir;
 
-use super::{TableStream, catalogue};
+use super::table_stream::{Watched, cause};
+use super::{FileRecord, Manifest, TableStream, catalogue};
+use crate::files;
 
 /// The file whose presence marks a folder as a finished report.
 pub(super) const MARK: &str = "manifest.toml";
@@ -117,10 +119,10 @@ impl ReportFolder {
     /// # Errors
     /// A file cannot be written.
     pub fn stream(&self, name: &str, schema: &Schema) -> Result<TableStream, WriteError> {
-        let open = |end: &str| -> Result<(PathBuf, BufWriter<fs::File>), WriteError> {
+        let open = |end: &str| -> Result<(PathBuf, Watched), WriteError> {
             let path = self.draft.path().join(format!("{name}.{end}"));
             match fs::File::create(&path) {
-                Ok(file) => Ok((path, BufWriter::new(file))),
+                Ok(file) => Ok((path, Watched::new(file))),
                 Err(source) => Err(WriteError::File { path, source }),
             }
         };
@@ -131,17 +133,31 @@ impl ReportFolder {
     pub(super) fn write(
         &self,
         name: &str,
-        fill: impl FnOnce(&mut BufWriter<fs::File>) -> io::Result<()>,
+        fill: impl FnOnce(&mut Watched) -> io::Result<()>,
     ) -> Result<(), WriteError> {
         let path = self.draft.path().join(name);
         let failed = |source| WriteError::File { path: path.clone(), source };
         if let Some(parent) = path.parent() {
             fs::create_dir_all(parent).map_err(failed)?;
         }
-        let mut writer = BufWriter::new(fs::File::create(&path).map_err(failed)?);
-        fill(&mut writer).map_err(failed)?;
-        let file = writer.into_inner().map_err(|error| failed(error.into_error()))?;
-        file.sync_all().map_err(failed)
+        let mut writer = Watched::new(fs::File::create(&path).map_err(failed)?);
+        let filled = fill(&mut writer).and_then(|()| writer.flush());
+        filled.map_err(|error| failed(cause(&writer.failure(), error)))?;
+        writer.again().and_then(|file| file.sync_all()).map_err(failed)
+    }
+
+    /// Adds the digests of all other files to the manifest.
+    fn seal(&self) -> Result<(), WriteError> {
+        let path = self.draft.path().join(MARK);
+        let failed = |source| WriteError::File { path: path.clone(), source };
+        let text = match files::text(&path) {
+            Ok(text) => text,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+            Err(error) => return Err(failed(error)),
+        };
+        let mut manifest = Manifest::from_toml(&text).map_err(|reason| failed(io::Error::other(reason)))?;
+        manifest.report_files = report_files(self.draft.path()).map_err(failed)?;
+        self.file(MARK, manifest.to_toml().as_bytes())
     }
 
     /// The names of the files that are there, in order.
@@ -166,6 +182,7 @@ impl ReportFolder {
     pub fn finish(self, complete: bool) -> Result<PathBuf, WriteError> {
         let (whole, partial) = (self.out.join(&self.name), self.out.join(format!("{}-partial", self.name)));
         let place = if complete { &whole } else { &partial };
+        self.seal()?;
         Self::swap(self.draft.path(), place)?;
         if complete && partial.exists() && make_way(&partial).is_ok() {
             let _ = fs::remove_dir_all(&partial);
@@ -192,6 +209,35 @@ impl ReportFolder {
         let _ = fs::remove_dir_all(&old);
         Ok(())
     }
+}
+
+/// The digests of the files of a report except its manifest, by their paths in it.
+pub(super) fn report_files(folder: &Path) -> io::Result<Vec<FileRecord>> {
+    let (mut open, mut records) = (vec![PathBuf::new()], Vec::new());
+    while let Some(inner) = open.pop() {
+        for entry in fs::read_dir(folder.join(&inner))? {
+            let entry = entry?;
+            let path = inner.join(entry.file_name());
+            if entry.file_type()?.is_dir() {
+                open.push(path);
+            } else if path != Path::new(MARK) {
+                records.push(FileRecord { blake3: digest(&folder.join(&path))?, path: with_slashes(&path) });
+            }
+        }
+    }
+    records.sort_by(|one, other| one.path.cmp(&other.path));
+    Ok(records)
+}
+
+fn with_slashes(path: &Path) -> String {
+    path.components().map(|part| part.as_os_str().to_string_lossy()).collect::<Vec<_>>().join("/")
+}
+
+/// BLAKE3 of a file, which need not fit in memory.
+fn digest(path: &Path) -> io::Result<String> {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update_reader(files::open(path)?)?;
+    Ok(hasher.finalize().to_hex().to_string())
 }
 
 /// Writes a single file; it appears whole or not at all.

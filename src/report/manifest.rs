@@ -37,6 +37,9 @@ pub struct Manifest {
     pub files: Vec<FileRecord>,
     /// The trainings.
     pub trainings: Vec<TrainingRecord>,
+    /// The other files of the report, by their paths in it. Reports of earlier versions have none.
+    #[serde(default)]
+    pub report_files: Vec<FileRecord>,
 }
 
 /// The input of the program, besides the seed.

@@ -1,6 +1,7 @@
 use std::fs::File;
-use std::io::{self, BufWriter};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use polars::prelude::{DataFrame, PolarsError, PolarsResult, Schema};
 use polars_io::SerWriter;
@@ -9,19 +10,70 @@ use polars_io::parquet::write::{BatchedWriter as ParquetPieces, ParquetWriter};
 
 use super::WriteError;
 
+/// A file that remembers why it could not be written. Polars has other words for that, such as "transport error".
+pub(super) struct Watched {
+    writer: BufWriter<File>,
+    failure: Failure,
+}
+
+/// Why a file could not be written.
+pub(super) type Failure = Arc<Mutex<Option<io::Error>>>;
+
+impl Watched {
+    /// Writes to a file.
+    pub fn new(file: File) -> Self {
+        Self { writer: BufWriter::new(file), failure: Arc::default() }
+    }
+
+    /// Where the failure will be found.
+    pub fn failure(&self) -> Failure {
+        self.failure.clone()
+    }
+
+    /// The file once more.
+    pub fn again(&self) -> io::Result<File> {
+        self.writer.get_ref().try_clone()
+    }
+
+    fn noted<T>(&self, result: io::Result<T>) -> io::Result<T> {
+        result.inspect_err(|error| {
+            let same = error.raw_os_error().map_or_else(|| error.kind().into(), io::Error::from_raw_os_error);
+            self.failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(same);
+        })
+    }
+}
+
+impl Write for Watched {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.writer.write(bytes);
+        self.noted(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let flushed = self.writer.flush();
+        self.noted(flushed)
+    }
+}
+
+/// The error of a file: the system's if there is one, else that of the library.
+pub(super) fn cause(failure: &Failure, other: io::Error) -> io::Error {
+    failure.lock().unwrap_or_else(PoisonError::into_inner).take().unwrap_or(other)
+}
+
 /// Number of rows that are written at once; in Parquet they are a row group.
 const GROUP: usize = 1 << 16;
 
 /// A table that is written part by part, as CSV, as Parquet or both, so that it need not fit in memory.
 pub struct TableStream {
     waiting: DataFrame,
-    csv: Option<Stream<CsvPieces<BufWriter<File>>>>,
-    parquet: Option<Stream<ParquetPieces<BufWriter<File>>>>,
+    csv: Option<Stream<CsvPieces<Watched>>>,
+    parquet: Option<Stream<ParquetPieces<Watched>>>,
 }
 
 /// A file in one of the formats.
 struct Stream<W> {
     path: PathBuf,
+    failure: Failure,
     pieces: W,
     /// The file once more, for the sync at the end.
     file: File,
@@ -29,13 +81,18 @@ struct Stream<W> {
 
 impl<W> Stream<W> {
     fn begin(
-        (path, writer): (PathBuf, BufWriter<File>),
-        begin: impl FnOnce(BufWriter<File>) -> PolarsResult<W>,
+        (path, writer): (PathBuf, Watched),
+        begin: impl FnOnce(Watched) -> PolarsResult<W>,
     ) -> Result<Self, WriteError> {
-        let again = writer.get_ref().try_clone();
-        let file = again.map_err(|source| WriteError::File { path: path.clone(), source })?;
-        let pieces = failed(&path, begin(writer))?;
-        Ok(Self { path, pieces, file })
+        let file = writer.again().map_err(|source| WriteError::File { path: path.clone(), source })?;
+        let failure = writer.failure();
+        let pieces = begin(writer).map_err(|error| failed(&path, &failure, error))?;
+        Ok(Self { path, failure, pieces, file })
+    }
+
+    /// Passes the pieces on, with the path and the cause of an error.
+    fn write<T>(&mut self, write: impl FnOnce(&mut W) -> PolarsResult<T>) -> Result<T, WriteError> {
+        write(&mut self.pieces).map_err(|error| failed(&self.path, &self.failure, error))
     }
 
     /// Syncs the whole file to the disk.
@@ -49,8 +106,8 @@ impl<W> Stream<W> {
 impl TableStream {
     pub(super) fn begin(
         schema: &Schema,
-        csv: Option<(PathBuf, BufWriter<File>)>,
-        parquet: Option<(PathBuf, BufWriter<File>)>,
+        csv: Option<(PathBuf, Watched)>,
+        parquet: Option<(PathBuf, Watched)>,
     ) -> Result<Self, WriteError> {
         let csv = csv.map(|file| Stream::begin(file, |writer| CsvWriter::new(writer).batched(schema)));
         let parquet = parquet.map(|file| Stream::begin(file, |writer| ParquetWriter::new(writer).batched(schema)));
@@ -72,10 +129,10 @@ impl TableStream {
         let mut rows = std::mem::replace(&mut self.waiting, empty);
         rows.rechunk_mut();
         if let Some(csv) = &mut self.csv {
-            failed(&csv.path, csv.pieces.write_batch(&rows))?;
+            csv.write(|pieces| pieces.write_batch(&rows))?;
         }
         if let Some(parquet) = &mut self.parquet {
-            failed(&parquet.path, parquet.pieces.write_batch(&rows))?;
+            parquet.write(|pieces| pieces.write_batch(&rows))?;
         }
         Ok(())
     }
@@ -87,23 +144,17 @@ impl TableStream {
     pub fn finish(mut self) -> Result<(), WriteError> {
         self.write()?;
         if let Some(mut csv) = self.csv {
-            failed(&csv.path, csv.pieces.finish())?;
+            csv.write(CsvPieces::finish)?;
             csv.settle()?;
         }
-        if let Some(parquet) = self.parquet {
-            failed(&parquet.path, parquet.pieces.finish())?;
+        if let Some(mut parquet) = self.parquet {
+            parquet.write(|pieces| pieces.finish().map(|_| ()))?;
             parquet.settle()?;
         }
         Ok(())
     }
 }
 
-fn failed<T>(path: &Path, result: PolarsResult<T>) -> Result<T, WriteError> {
-    result.map_err(|error| {
-        let source = match error {
-            PolarsError::IO { error, .. } => io::Error::new(error.kind(), error.to_string()),
-            other => io::Error::other(other.to_string()),
-        };
-        WriteError::File { path: path.to_path_buf(), source }
-    })
+fn failed(path: &Path, failure: &Failure, error: PolarsError) -> WriteError {
+    WriteError::File { path: path.to_path_buf(), source: cause(failure, io::Error::other(error.to_string())) }
 }

@@ -1,3 +1,5 @@
+use std::collections::BTreeSet;
+
 /// The bucket counts of a libstdc++ hash table as it grows; each step about doubles it.
 ///
 /// # Source
@@ -10,30 +12,81 @@ const BUCKETS: [u32; 16] =
 /// CARLA stores roads and the connections of a junction in such maps. This is therefore the order of its topology and of
 /// the branches at a fork. Returns indices into `keys`; repeated numbers are dropped.
 pub(super) fn hash_order(keys: impl IntoIterator<Item = u32>) -> Vec<usize> {
-    let mut order: Vec<(u32, usize)> = Vec::new();
+    let mut table = HashTable { items: Vec::new(), next: Vec::new(), first: None, before: vec![None] };
     let mut sizes = BUCKETS.iter();
-    let mut buckets = 1;
+    let mut known = BTreeSet::new();
     for (place, key) in keys.into_iter().enumerate() {
-        if order.iter().any(|(other, _)| *other == key) {
+        if !known.insert(key) {
             continue;
         }
-        if order.len() + 1 > buckets as usize || buckets == 1 {
+        if table.items.len() + 1 > table.before.len() || table.before.len() == 1 {
             // Beyond the list the order is that of the last size; no town is that large.
-            buckets = sizes.next().copied().unwrap_or(buckets);
-            let old = std::mem::take(&mut order);
-            for each in old {
-                put(&mut order, buckets, each);
-            }
+            table.grow(sizes.next().map_or(table.before.len(), |size| *size as usize));
         }
-        put(&mut order, buckets, (key, place));
+        table.items.push((key, place));
+        table.next.push(None);
+        table.put(table.items.len() - 1);
     }
-    order.into_iter().map(|(_, place)| place).collect()
+    table.order().map(|item| table.items[item].1).collect()
 }
 
-/// Puts a number before the others in its bucket, or before all numbers if its bucket is empty.
-fn put(order: &mut Vec<(u32, usize)>, buckets: u32, item: (u32, usize)) {
-    let first = order.iter().position(|(key, _)| key % buckets == item.0 % buckets);
-    order.insert(first.unwrap_or(0), item);
+/// A hash table whose items are one list, in which those of a bucket are neighbours.
+struct HashTable {
+    items: Vec<(u32, usize)>,
+    /// The item after each.
+    next: Vec<Option<usize>>,
+    first: Option<usize>,
+    /// For each bucket with items the item before its first one, if there is any.
+    before: Vec<Option<Before>>,
+}
+
+#[derive(Clone, Copy)]
+enum Before {
+    Start,
+    Item(usize),
+}
+
+impl HashTable {
+    fn bucket(&self, item: usize) -> usize {
+        self.items[item].0 as usize % self.before.len()
+    }
+
+    /// Puts an item before the others in its bucket, or before all items if its bucket is empty.
+    fn put(&mut self, item: usize) {
+        let bucket = self.bucket(item);
+        match self.before[bucket] {
+            Some(Before::Item(before)) => {
+                self.next[item] = self.next[before];
+                self.next[before] = Some(item);
+            }
+            Some(Before::Start) => {
+                self.next[item] = self.first;
+                self.first = Some(item);
+            }
+            None => {
+                self.next[item] = self.first;
+                self.first = Some(item);
+                if let Some(next) = self.next[item] {
+                    let bucket = self.bucket(next);
+                    self.before[bucket] = Some(Before::Item(item));
+                }
+                self.before[bucket] = Some(Before::Start);
+            }
+        }
+    }
+
+    fn grow(&mut self, buckets: usize) {
+        let order: Vec<usize> = self.order().collect();
+        self.before = vec![None; buckets];
+        self.first = None;
+        for item in order {
+            self.put(item);
+        }
+    }
+
+    fn order(&self) -> impl Iterator<Item = usize> {
+        std::iter::successors(self.first, |item| self.next[*item])
+    }
 }
 
 #[cfg(test)]

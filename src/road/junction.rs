@@ -3,6 +3,8 @@ use super::{LaneId, RoadEnd, RoadIndex};
 /// One way through a junction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Connection {
+    /// Its number, different from those of the junction's other connections. CARLA's order of the branches at a fork depends on it.
+    pub id: u32,
     /// The road that leads into the junction.
     pub incoming: RoadIndex,
     /// The road inside the junction.

@@ -106,7 +106,7 @@ impl LaneNetwork {
 
     fn link(&mut self, roads: &[Road], junctions: &[Junction]) {
         let orders: Vec<Vec<usize>> =
-            junctions.iter().map(|junction| hash_order(0..junction.connections.len() as u32)).collect();
+            junctions.iter().map(|junction| hash_order(junction.connections.iter().map(|each| each.id))).collect();
         let ways: Vec<Vec<LaneSlot>> =
             self.lanes.iter().map(|lane| self.ways_on(lane, roads, junctions, &orders)).collect();
         let mut back = vec![Vec::new(); ways.len()];
@@ -256,11 +256,10 @@ impl LaneNetwork {
         let view = &roads[lane.road.0 as usize].plan_view;
         let line = view.point(s);
         let (t, slope) = lane.centre.at(s).map_or((0.0, 0.0), |cubic| (cubic.value(s), cubic.slope(s)));
-        let tangent = -(slope as f32);
-        let mut yaw = -(line.yaw - f64::from(tangent)) as f32 * DEGREES;
+        let mut yaw = -(line.yaw + f64::from(slope as f32)) as f32 * DEGREES;
         let mut pitch = view.elevation().slope(s) as f32 * DEGREES;
         if !lane.forward() {
-            yaw += 180.0 + tangent * DEGREES;
+            yaw += 180.0;
             pitch = 360.0 - pitch;
         }
         let ((up, flat), (sin, cos)) = (libm::sincosf(pitch * RADIANS), libm::sincosf(yaw * RADIANS));
@@ -278,9 +277,10 @@ impl LaneNetwork {
 /// The heading of a lane whose centre moves sideways with a slope.
 ///
 /// # Source
-/// CARLA `road/Lane.cpp`, `ComputeTransform`: the slope is added as if it were the angle, and on left lanes twice.
+/// CARLA `road/Lane.cpp`, `ComputeTransform`: the slope is added as if it were the angle. For a slope m beside a line of curvature κ
+/// the exact angle is atan(m / (1 − κ t)), so the difference is at most |m|³/3 beside a straight line.
 pub(super) fn heading(line: &CurvePoint, id: LaneId, slope: f64) -> f64 {
-    wrap_angle(if id > 0 { line.yaw + std::f64::consts::PI + 2.0 * slope } else { line.yaw + slope })
+    wrap_angle(if id > 0 { line.yaw + slope + std::f64::consts::PI } else { line.yaw + slope })
 }
 
 /// The lateral position of a lane's centre as one profile: the offset of lane 0, the lanes between, and half of its own width.

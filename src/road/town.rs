@@ -118,6 +118,12 @@ impl Town {
         PosedWaypoint { waypoint, pose: self.pose(waypoint) }
     }
 
+    /// The edges of the lane at a waypoint: left and right of its centre along the reference line; none for a lane that does not exist.
+    pub fn lane_edges(&self, waypoint: Waypoint) -> Option<[Point; 2]> {
+        let lane = self.network.lane(self.network.slot(waypoint)?);
+        Some(self.network.edges(&self.roads, lane, waypoint.s))
+    }
+
     /// The width of the lane at a waypoint (m); 0 for a lane that does not exist.
     pub fn lane_width(&self, waypoint: Waypoint) -> f64 {
         self.network.slot(waypoint).map_or(0.0, |slot| self.network.width(self.network.lane(slot), waypoint.s))

@@ -1,33 +1,22 @@
 use std::cell::RefCell;
-use std::fs::File;
-use std::io::{Error, ErrorKind, Read, Result};
+use std::io::Result;
 use std::path::Path;
 
+use crate::files;
 use crate::lang::Reader;
 use crate::report::FileRecord;
 
-/// The longest file that is read (bytes): the data of a device may have no end.
-const MOST_BYTES: u64 = 512 << 20;
-
-/// Reads files of the disk, up to 512 MiB each.
+/// Reads regular files of the disk, up to [`files::MOST_BYTES`] each.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Disk;
 
 impl Reader for Disk {
     fn text(&self, path: &Path) -> Result<String> {
-        String::from_utf8(self.bytes(path)?).map_err(|error| Error::new(ErrorKind::InvalidData, error))
+        files::text(path)
     }
 
     fn bytes(&self, path: &Path) -> Result<Vec<u8>> {
-        let file = File::open(path)?;
-        // Room for the whole file, and for one byte more to see that it has ended.
-        let size = file.metadata().map_or(0, |known| known.len().min(MOST_BYTES) + 1);
-        let mut bytes = Vec::with_capacity(size as usize);
-        file.take(MOST_BYTES + 1).read_to_end(&mut bytes)?;
-        if bytes.len() as u64 > MOST_BYTES {
-            return Err(Error::other(format!("it has more than {} MiB", MOST_BYTES >> 20)));
-        }
-        Ok(bytes)
+        files::bytes(path)
     }
 }
 

@@ -24,17 +24,17 @@ impl Session {
     pub fn list(&self, options: &RunOptions) -> Result<Vec<Listing>, Error> {
         let planned = self.campaigns(options)?;
         let store = Store::look(&options.out, options.cache.as_deref(), self.note())?;
-        Ok(planned.plan.campaigns.into_iter().map(|campaign| listing(campaign, options, &store)).collect())
+        planned.plan.campaigns.into_iter().map(|campaign| listing(campaign, options, &store)).collect()
     }
 }
 
-fn listing(campaign: Campaign, options: &RunOptions, store: &Store) -> Listing {
+fn listing(campaign: Campaign, options: &RunOptions, store: &Store) -> Result<Listing, Error> {
     let name = options.report_name(&campaign);
-    let (ids, index) = (Ids::new(&campaign, options.seed), Index::read(store, &name));
+    let (ids, index) = (Ids::new(&campaign, options.seed), Index::read(store, &name)?);
     let known = |task| match options.fresh {
         true => Known::Missing("--fresh"),
         false => index.look(store, &campaign, task, &ids, options.seed),
     };
     let tasks = tasks(&campaign).map(|task| (task, known(task))).collect();
-    Listing { name, campaign, tasks }
+    Ok(Listing { name, campaign, tasks })
 }

@@ -56,6 +56,8 @@ impl Session {
             files: files.to_vec(),
             vector_instructions: vector_instructions().into(),
             trainings: finished.trainings.iter().map(|training| record(training, campaign, times)).collect(),
+            // They are not written yet.
+            report_files: Vec::new(),
         }
     }
 

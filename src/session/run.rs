@@ -81,7 +81,7 @@ impl Session {
         let drafts = store.drafts().map_err(|error| options.keep(error))?;
         let folder = ReportFolder::begin(&options.out, &name, &drafts)?.in_formats(options.formats);
         let began = Instant::now();
-        let mut index = Index::read(store, &name);
+        let mut index = Index::read(store, &name).map_err(|error| options.keep(error))?;
         if work == Work::All {
             index.command.clone_from(&options.command);
         }
@@ -102,9 +102,16 @@ impl Session {
         }
         index.write(store, &name, campaign, options.seed).map_err(|error| options.keep(error))?;
         let written = |error: WriteError| options.keep(error);
+        let finished = match finished.interrupted {
+            true => campaign::complete(finished, campaign, &results),
+            false => finished,
+        };
         let mut modes = FailureModes::new(campaign, &finished.trainings, &seed);
         let episodes = Episodes::new(campaign, &results);
         let gathered = report::gather(&folder, &episodes, &mut modes, &seed).map_err(written)?;
+        if let Some(error) = results.take_failure() {
+            return Err(options.keep(error));
+        }
         if gathered.episodes == 0
             && finished.searches.is_empty()
             && finished.trainings.iter().all(|training| training.result.is_err())

@@ -45,7 +45,7 @@ impl Session {
         store: &Store,
     ) -> Result<ShardReport, Error> {
         let (name, tasks) = (options.report_name(campaign), part.tasks(campaign));
-        let mut index = Index::read(store, &name);
+        let mut index = Index::read(store, &name).map_err(|error| options.keep(error))?;
         index.command.clone_from(&options.command);
         index.write(store, &name, campaign, options.seed).map_err(|error| options.keep(error))?;
         let results = CampaignStore::new(store, campaign, options.seed, options.limits);

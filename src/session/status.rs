@@ -98,7 +98,7 @@ impl Session {
             return Err(Error::NothingRun { out: options.out.clone(), cache: options.cache.clone() });
         }
         let processes = store.processes();
-        Ok(campaigns.iter().map(|name| progress(store.status(name), processes)).collect())
+        campaigns.iter().map(|name| Ok(progress(store.status(name)?, processes))).collect()
     }
 }
 

@@ -37,6 +37,8 @@ pub struct VerifyReport {
     pub different: Vec<Repeated>,
     /// The repeated trainings, if they were asked for.
     pub trainings: Option<Retrained>,
+    /// The files of the report that are not as they were written.
+    pub changed_files: Vec<String>,
 }
 
 /// Trainings that were repeated.
@@ -51,21 +53,24 @@ pub struct Retrained {
 impl VerifyReport {
     /// Whether everything is equal to the report.
     pub fn is_equal(&self) -> bool {
-        self.different.is_empty() && self.trainings.as_ref().is_none_or(|trainings| trainings.different.is_empty())
+        self.different.is_empty()
+            && self.changed_files.is_empty()
+            && self.trainings.as_ref().is_none_or(|trainings| trainings.different.is_empty())
     }
 }
 
 impl Session {
-    /// Repeats episodes of a report and compares every column; on request also its trainings.
+    /// Compares the digests of a report's files, repeats episodes and compares every column; on request also its trainings.
     ///
     /// # Errors
     /// Scenario files cannot be compiled or have changed since the run, or a file of the report is damaged.
     pub fn verify(&self, options: &VerifyOptions) -> Result<VerifyReport, Error> {
         let source = self.reopen(StoredReport::open(&options.report)?, &options.repeat)?;
+        let changed_files = source.report.changed_files()?;
         let names = chosen(&source, options)?;
         let different = differing(&source, &names)?;
         let trainings = options.trainings.then(|| retrain(&source));
-        Ok(VerifyReport { report: source.report, repeated: names.len(), different, trainings })
+        Ok(VerifyReport { report: source.report, repeated: names.len(), different, trainings, changed_files })
     }
 }
 

@@ -1,4 +1,4 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -31,6 +31,8 @@ pub struct CampaignStore<'a> {
     ids: Ids,
     limits: Limits,
     in_hand: Mutex<BTreeMap<Task, InHand>>,
+    /// The tasks whose files cannot be read. They may be whole, so they are not written either.
+    unread: Mutex<BTreeSet<Task>>,
     /// Wall time of every training (s).
     seconds: Mutex<Vec<f64>>,
     failed: Mutex<Option<StoreError>>,
@@ -62,6 +64,7 @@ impl<'a> CampaignStore<'a> {
             ids: Ids::new(campaign, seed),
             limits,
             in_hand: Mutex::default(),
+            unread: Mutex::default(),
             seconds: Mutex::new(vec![0.0; campaign.trainings.len()]),
             failed: Mutex::default(),
         }
@@ -110,7 +113,19 @@ impl<'a> CampaignStore<'a> {
         }
     }
 
+    /// Reads a task. One that cannot be read ends the run, and counts as absent until then.
+    fn read(&self, task: Task) -> Found {
+        self.store.read(self.id(task)).unwrap_or_else(|error| {
+            lock(&self.unread).insert(task);
+            self.fail(error);
+            Found::Nothing
+        })
+    }
+
     fn write(&self, task: Task, state: State, done: u64, error: String, bytes: &[u8]) {
+        if lock(&self.unread).contains(&task) {
+            return;
+        }
         let seconds = self.seconds(task);
         if let Task::Training(index) = task {
             lock(&self.seconds)[index] = seconds;
@@ -140,7 +155,7 @@ impl ResultStore for CampaignStore<'_> {
 
     fn training(&self, training: usize) -> Option<Trained> {
         let task = Task::Training(training);
-        let Found::Whole(header, bytes) = self.store.read(self.id(task)) else { return None };
+        let Found::Whole(header, bytes) = self.read(task) else { return None };
         if header.state != State::Finished {
             return None;
         }
@@ -154,7 +169,7 @@ impl ResultStore for CampaignStore<'_> {
 
     fn begun(&self, training: usize) -> Option<Vec<u8>> {
         let task = Task::Training(training);
-        let Found::Whole(header, bytes) = self.store.read(self.id(task)) else { return None };
+        let Found::Whole(header, bytes) = self.read(task) else { return None };
         if header.state != State::Begun {
             return None;
         }
@@ -178,7 +193,7 @@ impl ResultStore for CampaignStore<'_> {
 
     fn episodes(&self, evaluation: usize, chunk: u32) -> Tally {
         let task = Task::Chunk { evaluation, chunk };
-        let Found::Whole(header, bytes) = self.store.read(self.id(task)) else { return Tally::default() };
+        let Found::Whole(header, bytes) = self.read(task) else { return Tally::default() };
         if header.state == State::Failed {
             return Tally::default();
         }
@@ -236,7 +251,7 @@ impl ResultStore for CampaignStore<'_> {
 
     fn search(&self, search: usize) -> Option<SearchResult> {
         let task = Task::Search(search);
-        let Found::Whole(header, bytes) = self.store.read(self.id(task)) else { return None };
+        let Found::Whole(header, bytes) = self.read(task) else { return None };
         if header.state != State::Finished {
             return None;
         }
@@ -275,9 +290,9 @@ impl ResultStore for CampaignStore<'_> {
 
 impl Chunks for CampaignStore<'_> {
     fn chunk(&self, evaluation: usize, chunk: u32) -> Option<Chunk> {
-        let id = self.id(Task::Chunk { evaluation, chunk });
-        let Found::Whole(header, bytes) = self.store.read(id) else { return None };
-        let outcomes = record::decode(&bytes).inspect_err(|_| self.store.damaged(id)).ok()?;
+        let task = Task::Chunk { evaluation, chunk };
+        let Found::Whole(header, bytes) = self.read(task) else { return None };
+        let outcomes = record::decode(&bytes).inspect_err(|_| self.store.damaged(self.id(task))).ok()?;
         Some(Chunk { outcomes, error: header.error })
     }
 }

@@ -10,9 +10,10 @@ use super::work_folder::{LOCK, WorkFolder};
 use super::{Id, Ids, StoreError};
 use crate::campaign::tasks;
 use crate::compile::Campaign;
+use crate::files;
 
 /// Number of bytes that are read to see how a file starts.
-const BEGINNING: usize = 4096;
+const START: usize = 4096;
 /// Receives notes about files.
 pub type Note = Box<dyn Fn(&str) + Send + Sync>;
 
@@ -98,20 +99,23 @@ impl Store {
     }
 
     /// Reads a task; reports it when it is damaged.
-    pub fn read(&self, id: Id) -> Found {
+    ///
+    /// # Errors
+    /// Its file is there and cannot be read, for example without permission or when too many files are open.
+    pub fn read(&self, id: Id) -> Result<Found, StoreError> {
         let path = self.path(id);
-        let bytes = match fs::read(&path) {
+        let bytes = match files::bytes(&path) {
             Ok(bytes) => bytes,
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Found::Nothing,
-            Err(_) => Vec::new(),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Found::Nothing),
+            Err(source) => return Err(StoreError::Unread { path, source }),
         };
-        match task_file::decode(bytes) {
+        Ok(match task_file::decode(bytes) {
             Some((header, bytes)) => Found::Whole(header, bytes),
             None => {
                 self.damaged(id);
                 Found::Damaged
             }
-        }
+        })
     }
 
     /// Reports once that a task is damaged.
@@ -121,20 +125,28 @@ impl Store {
         }
     }
 
-    /// Reads the header of a task without its bytes; the error is that it is damaged.
-    pub fn head(&self, id: Id) -> Option<Result<Header, ()>> {
+    /// Reads the header of a task without its bytes; the error is `damaged` or `unreadable`.
+    pub fn head(&self, id: Id) -> Option<Result<Header, &'static str>> {
         self.head_of(&self.path(id))
     }
 
     /// Reads the header of the task in a file.
-    pub(super) fn head_of(&self, path: &Path) -> Option<Result<Header, ()>> {
-        let mut beginning = Vec::new();
-        let file = File::open(path).ok()?;
-        let length = file.metadata().map(|data| data.len()).unwrap_or_default();
-        let _ = file.take(BEGINNING as u64).read_to_end(&mut beginning);
-        let head = task_file::head(&beginning);
+    pub(super) fn head_of(&self, path: &Path) -> Option<Result<Header, &'static str>> {
+        let read = || -> io::Result<(Vec<u8>, u64)> {
+            let mut start = Vec::new();
+            let file = files::open(path)?;
+            let length = file.metadata()?.len();
+            file.take(START as u64).read_to_end(&mut start)?;
+            Ok((start, length))
+        };
+        let (start, length) = match read() {
+            Ok(read) => read,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return None,
+            Err(_) => return Some(Err("unreadable")),
+        };
+        let head = task_file::head(&start);
         let whole = head.filter(|(header, start)| task_file::whole_length(header, *start) == length);
-        Some(whole.map(|(header, _)| header).ok_or(()))
+        Some(whole.map(|(header, _)| header).ok_or("damaged"))
     }
 
     /// Writes a task. Its file appears whole or not at all. A finished task survives a power cut.
@@ -189,9 +201,17 @@ impl Store {
         work.path().map_err(|source| StoreError::Folder { path: self.place.beside().to_path_buf(), source })
     }
 
-    /// Reads a text that belongs to a campaign.
-    pub(super) fn campaign_text(&self, name: &str) -> Option<String> {
-        fs::read_to_string(self.campaign_path(name)).ok()
+    /// Reads a text that belongs to a campaign; none if there is no such text, or it is damaged.
+    ///
+    /// # Errors
+    /// Its file is there and cannot be read.
+    pub(super) fn campaign_text(&self, name: &str) -> Result<Option<String>, StoreError> {
+        let path = self.campaign_path(name);
+        match files::text(&path) {
+            Ok(text) => Ok(Some(text)),
+            Err(error) if matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::InvalidData) => Ok(None),
+            Err(source) => Err(StoreError::Unread { path, source }),
+        }
     }
 
     /// Writes a text that belongs to a campaign.

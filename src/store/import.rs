@@ -27,12 +27,12 @@ impl Store {
     /// Imports the best version that other stores have of a task, whose full size is `amount`.
     ///
     /// # Errors
-    /// The task cannot be written.
+    /// A file of the task cannot be read, or the task cannot be written.
     pub fn take(&self, id: Id, amount: Option<u64>, others: &[Store]) -> Result<Taken, StoreError> {
         let mut best: Option<(&Store, Found)> = None;
         let mut damaged = None;
         for store in std::iter::once(self).chain(others) {
-            let found = store.read(id);
+            let found = store.read(id)?;
             if found == Found::Damaged {
                 damaged.get_or_insert_with(|| store.path(id));
             }

@@ -47,9 +47,13 @@ pub enum Known {
 }
 
 impl Index {
-    /// What the store remembers of a campaign; empty when there is nothing.
-    pub fn read(store: &Store, name: &str) -> Self {
-        store.campaign_text(name).and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default()
+    /// What the store remembers of a campaign; empty when there is nothing, or it is damaged.
+    ///
+    /// # Errors
+    /// Its file is there and cannot be read.
+    pub fn read(store: &Store, name: &str) -> Result<Self, StoreError> {
+        let text = store.campaign_text(name)?;
+        Ok(text.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default())
     }
 
     /// Records what a campaign wants, and which of these tasks are stored.
@@ -86,7 +90,7 @@ impl Index {
                 State::Begun => return Known::Begun(header.done, wanted),
                 State::Failed => return Known::Missing("failed"),
             },
-            Some(Err(())) => return Known::Missing("damaged"),
+            Some(Err(reason)) => return Known::Missing(reason),
             None => {}
         }
         let Some(made) = self.done.get(&task_name(campaign, task)) else { return Known::Missing("new") };

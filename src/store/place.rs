@@ -103,7 +103,7 @@ impl Place {
         if !self.root.is_dir() {
             return Err(StoreError::NoFolder { path: path() });
         }
-        let about = fs::read_to_string(self.root.join(README)).unwrap_or_default();
+        let about = crate::files::text(&self.root.join(README)).unwrap_or_default();
         if about.lines().next() == ABOUT.lines().next() {
             return Ok(());
         }

@@ -50,7 +50,7 @@ impl Store {
         let place = self.place();
         let read = |file: PathBuf| {
             let campaign = file.file_name()?.to_str()?.strip_suffix(".json")?.to_string();
-            let index: Index = serde_json::from_str(&fs::read_to_string(&file).ok()?).ok()?;
+            let index: Index = serde_json::from_str(&crate::files::text(&file).ok()?).ok()?;
             let elsewhere = if folder == place.campaigns() {
                 None
             } else if folder.parent() == Some(place.root()) && place.root().file_name() == Some(OsStr::new(".falsify"))

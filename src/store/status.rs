@@ -4,7 +4,7 @@ use std::fs::{self, File, TryLockError};
 use std::time::SystemTime;
 
 use super::work_folder::processes;
-use super::{Header, Index, State, Store};
+use super::{Header, Index, State, Store, StoreError};
 
 /// The progress of a campaign.
 #[derive(Debug)]
@@ -51,8 +51,11 @@ impl TaskStatus {
 
 impl Store {
     /// The progress of a campaign.
-    pub fn status(&self, name: &str) -> CampaignStatus {
-        let index = Index::read(self, name);
+    ///
+    /// # Errors
+    /// The list of its tasks is there and cannot be read.
+    pub fn status(&self, name: &str) -> Result<CampaignStatus, StoreError> {
+        let index = Index::read(self, name)?;
         let task = |(id, (what, amount)): (&String, &(String, u64))| {
             let path = self.path_of(id);
             let written = fs::metadata(&path).and_then(|data| data.modified()).ok();
@@ -60,7 +63,7 @@ impl Store {
             TaskStatus { what: what.clone(), amount: *amount, header, written, is_in_hand: self.is_in_hand(id) }
         };
         let tasks = index.plan.iter().map(task).collect();
-        CampaignStatus { name: name.to_string(), command: index.command, tasks }
+        Ok(CampaignStatus { name: name.to_string(), command: index.command, tasks })
     }
 
     /// The number of processes that work on the folder for reports.

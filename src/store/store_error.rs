@@ -20,6 +20,14 @@ pub enum StoreError {
         /// The cause.
         source: io::Error,
     },
+    /// A file is there and cannot be read.
+    #[error("cannot read `{path}`: {source}; it may be whole, so it is left as it is", path = path.display())]
+    Unread {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        source: io::Error,
+    },
     /// The cache is inside the folder for reports.
     #[error(
         "the cache `{cache}` is in the folder for reports, `{out}`, where every folder is a report; name one elsewhere, or none to have it \
@@ -61,6 +69,6 @@ pub enum StoreError {
 impl StoreError {
     /// Whether the user should name another folder.
     pub fn is_misuse(&self) -> bool {
-        !matches!(self, Self::Folder { .. } | Self::File { .. })
+        !matches!(self, Self::Folder { .. } | Self::File { .. } | Self::Unread { .. })
     }
 }

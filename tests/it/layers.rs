@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 /// Each module with the other modules that it may import.
 const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("diagnostic", &[]),
+    ("contained", &[]),
+    ("files", &[]),
     ("units", &[]),
     ("signature", &["units", "statistics"]),
     ("seed", &[]),
@@ -15,7 +17,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("road", &["geometry", "seed"]),
     ("sim", &["geometry", "road"]),
     ("rl", &["seed"]),
-    ("av", &["geometry", "road", "sim", "seed", "signature", "units"]),
+    ("av", &["contained", "geometry", "road", "sim", "seed", "signature", "units"]),
     ("env", &["geometry", "road", "sim", "rl", "av", "seed", "signature", "units"]),
     ("falsifier", &["signature", "units", "seed", "geometry", "sim", "av", "rl", "env"]),
     (
@@ -37,12 +39,14 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
         ],
     ),
     ("judge", &["geometry", "sim", "av", "env"]),
-    ("record", &["statistics", "geometry", "av", "env", "compile", "judge"]),
+    ("record", &["contained", "statistics", "geometry", "av", "env", "compile", "judge"]),
     ("campaign", &["seed", "statistics", "rl", "env", "compile", "falsifier", "judge", "record"]),
     ("analysis", &["seed", "av", "env", "judge"]),
     (
         "report",
         &[
+            "contained",
+            "files",
             "seed",
             "statistics",
             "geometry",
@@ -59,13 +63,14 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "analysis",
         ],
     ),
-    ("store", &["rl", "env", "compile", "falsifier", "record", "campaign"]),
+    ("store", &["files", "rl", "env", "compile", "falsifier", "record", "campaign"]),
     ("process", &["av"]),
-    ("lsp", &["diagnostic", "signature", "units", "lang", "compile", "process"]),
+    ("lsp", &["contained", "files", "diagnostic", "signature", "units", "lang", "compile", "process"]),
     ("fuzzing", &["diagnostic", "lang", "road", "rl", "seed", "av", "env", "falsifier", "compile", "record", "store"]),
     (
         "session",
         &[
+            "files",
             "diagnostic",
             "seed",
             "lang",
@@ -83,6 +88,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     (
         "cli",
         &[
+            "contained",
+            "files",
             "diagnostic",
             "seed",
             "road",

@@ -13,6 +13,7 @@
 //! file; the first dimension is 1 or free.
 
 mod model;
+mod vetting;
 mod engine;
 mod driver;
 

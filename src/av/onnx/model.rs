@@ -2,8 +2,10 @@ use rten::{Dimension, ModelOptions, NodeId, RunOptions, ValueOrView};
 use rten_tensor::prelude::*;
 use rten_tensor::{Tensor, TensorView};
 
+use super::vetting::vet;
 use crate::av::Fault;
 use crate::av::view::View;
+use crate::contained::contained;
 use crate::geometry::{Pose, Vector, wrap_angle};
 use crate::sim::LightColour;
 
@@ -78,10 +80,11 @@ impl Model {
     pub fn read(bytes: Vec<u8>) -> Result<Self, ModelError> {
         // The file is the user's, and the runtime is a dependency: a panic of the runtime must be an error here, too.
         let panicked = |_| Err(ModelError::Unreadable("the runtime cannot cope with it".into()));
-        std::panic::catch_unwind(|| Self::read_and_try(bytes)).unwrap_or_else(panicked)
+        contained(|| Self::read_and_try(bytes)).unwrap_or_else(panicked)
     }
 
     fn read_and_try(bytes: Vec<u8>) -> Result<Self, ModelError> {
+        vet(&bytes).map_err(ModelError::Unreadable)?;
         let network =
             ModelOptions::with_all_ops().load(bytes).map_err(|error| ModelError::Unreadable(error.to_string()))?;
         let (ids, outputs) = (network.input_ids().to_vec(), network.output_ids().to_vec());

@@ -144,7 +144,7 @@ pub fn published_table<'a>() -> Table<'a, &'a PublishedComparison<'a>> {
         "published",
         "One row for each figure that others have published and the campaign names with `beside`, with ours and the difference.",
     )
-    .column(text("source", "", "where the published figure is from").of(|row: &Row<'_>| row.source.to_string()))
+    .column(text("source", "", "where the published figure is from").of(|row: &Row<'_>| no_formula(row.source)))
     .columns(cell_key(|row: &Row<'_>| &row.cell.key))
     .column(
         text("figure", "", "our column for the figure, without `_mean`").of(|row: &Row<'_>| row.published.column),
@@ -180,9 +180,20 @@ pub fn published_table<'a>() -> Table<'a, &'a PublishedComparison<'a>> {
     )
 }
 
+/// A text that spreadsheets do not take for a formula.
+fn no_formula(text: &str) -> String {
+    if text.starts_with(['=', '+', '-', '@', '\t', '\r']) { format!("'{text}") } else { text.to_owned() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_source_is_no_formula() {
+        assert_eq!(no_formula("=HYPERLINK(1)"), "'=HYPERLINK(1)");
+        assert_eq!(no_formula("Table 2, a = b"), "Table 2, a = b");
+    }
 
     #[test]
     fn every_figure_that_can_be_published_is_one_of_a_cell() {

@@ -13,10 +13,13 @@ use crate::seed::Seed;
 pub const MOST: usize = 60;
 
 /// Repeats collisions and stores their approaches: the first of each kind, evenly over the runs. A collision that is not the same again,
-/// since its driver is not deterministic, has no approach.
+/// since its driver is not deterministic, has no approach; neither has one whose pedestrian was trained and whose networks are missing.
 pub fn repeat(runs: &mut [RunSample<'_>], trained: &[Option<&ActorCritic>], seed: &Seed) {
     let wanted = wanted(runs);
     runs.par_iter_mut().zip(trained).zip(wanted).for_each(|((run, trained), wanted)| {
+        if run.evaluation.training().is_some() && trained.is_none() {
+            return;
+        }
         let scenario = &run.evaluation.scenario;
         let mut seen: BTreeMap<u32, (String, Approach)> = BTreeMap::new();
         for range in ranges(&wanted) {

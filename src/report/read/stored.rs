@@ -1,6 +1,6 @@
 //! Reads reports back: the data to repeat an episode, and to check that the repetition is equal.
 
-use std::fs::{self, File};
+use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -11,11 +11,13 @@ use polars_io::parquet::read::ParquetReader;
 use polars_io::{SerReader, SerWriter};
 
 use crate::compile::{RunId, TrainingKey};
+use crate::contained::contained;
 use crate::env::StateHashes;
+use crate::files;
 use crate::record::EPISODES;
 use crate::record::columns::{EPISODE, RUN_ID, STATE_HASHES};
 use crate::report::aggregate::{COMMANDS, FAILURE, FAILURES, FOUND_AFTER, RUNS, START, TICKS};
-use crate::report::folder::MARK;
+use crate::report::folder::{MARK, report_files};
 use crate::report::{Manifest, pedestrian_file};
 use crate::rl::{ActorCritic, CheckpointError};
 use crate::sim::WalkCommand;
@@ -93,7 +95,7 @@ impl StoredReport {
     /// There is no manifest, or one that lacks necessary data.
     pub fn open(folder: &Path) -> Result<Self, ReadError> {
         let path = folder.join(MARK);
-        let text = fs::read_to_string(&path).map_err(|source| ReadError::File { path: path.clone(), source })?;
+        let text = files::text(&path).map_err(|source| ReadError::File { path: path.clone(), source })?;
         let manifest = Manifest::from_toml(&text).map_err(|reason| ReadError::Manifest { path, reason })?;
         Ok(Self { folder: folder.to_path_buf(), manifest })
     }
@@ -118,6 +120,22 @@ impl StoredReport {
     /// Its manifest.
     pub fn manifest(&self) -> &Manifest {
         &self.manifest
+    }
+
+    /// The files that are not as they were written: changed, missing or added ones, by their paths in the report. None is found in a
+    /// report of an earlier version, which has no digests.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn changed_files(&self) -> Result<Vec<String>, ReadError> {
+        let written = &self.manifest.report_files;
+        if written.is_empty() {
+            return Ok(Vec::new());
+        }
+        let now = report_files(&self.folder).map_err(|source| ReadError::File { path: self.folder.clone(), source })?;
+        let missing = written.iter().filter(|file| !now.contains(file));
+        let added = now.iter().filter(|file| written.iter().all(|other| other.path != file.path));
+        Ok(missing.chain(added).map(|file| file.path.clone()).collect())
     }
 
     /// Whether it has a run or a search of this name.
@@ -198,7 +216,7 @@ impl StoredReport {
     /// A file that is missing or damaged.
     pub fn pedestrian(&self, key: &TrainingKey) -> Result<ActorCritic, ReadError> {
         let path = self.folder.join(pedestrian_file(key, "safetensors"));
-        let bytes = fs::read(&path).map_err(|source| ReadError::File { path: path.clone(), source })?;
+        let bytes = files::bytes(&path).map_err(|source| ReadError::File { path: path.clone(), source })?;
         let (trained, _) =
             ActorCritic::from_safetensors(&bytes).map_err(|source| ReadError::Pedestrian { path, source })?;
         Ok(trained)
@@ -217,14 +235,16 @@ impl StoredReport {
         rows: Option<(usize, usize)>,
     ) -> Result<Option<DataFrame>, ReadError> {
         let path = self.folder.join(format!("{table}.parquet"));
-        let file = match File::open(&path) {
+        let file = match files::open(&path) {
             Ok(file) => file,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(source) => return Err(ReadError::File { path, source }),
         };
         let columns = columns.map(|names| names.iter().map(ToString::to_string).collect());
         let reader = ParquetReader::new(file).with_columns(columns).with_slice(rows);
-        reader.finish().map(Some).map_err(|source| ReadError::Table { path, source })
+        // The reader panics on some damaged files.
+        let table = contained(|| reader.finish()).unwrap_or_else(|reason| Err(damaged(&reason)));
+        table.map(Some).map_err(|source| ReadError::Table { path, source })
     }
 
     /// The values of a column, as in CSV.
@@ -238,6 +258,11 @@ impl StoredReport {
         let (runs, numbers) = (self.texts(table, rows, RUN_ID.name)?, self.texts(table, rows, number)?);
         Ok(runs.into_iter().zip(numbers).collect())
     }
+}
+
+/// The error for a table on which the reader panicked.
+fn damaged(reason: &str) -> PolarsError {
+    PolarsError::ComputeError(format!("it is damaged ({reason})").into())
 }
 
 /// The values of the only column of a table, as in CSV, with all digits that are needed to read the same number back.

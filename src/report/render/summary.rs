@@ -48,7 +48,35 @@ pub fn summary(
         manifest.version,
         words(campaign)
     );
-    page
+    without_html(&page)
+}
+
+/// Markdown whose texts, which come from a scenario, are neither HTML nor links to scripts. The only tag of tables is `<br>`.
+fn without_html(page: &str) -> String {
+    let mut safe = String::with_capacity(page.len());
+    for (place, letter) in page.char_indices() {
+        let rest = &page[place + letter.len_utf8()..];
+        let next = rest.chars().next().unwrap_or(' ');
+        match letter {
+            '<' if !rest.starts_with("br>") && (next.is_ascii_alphabetic() || "/!?".contains(next)) => {
+                safe.push_str("&lt;")
+            }
+            // Markdown reads entities, also in the addresses of links.
+            '&' if next == '#' || next.is_ascii_alphabetic() => safe.push_str("&amp;"),
+            ':' if !next.is_whitespace() && SCRIPTS.iter().any(|scheme| ends_with_ignoring_case(&safe, scheme)) => {
+                safe.push_str(" :");
+            }
+            other => safe.push(other),
+        }
+    }
+    safe
+}
+
+/// The ends of schemes of addresses that a browser runs.
+const SCRIPTS: [&str; 2] = ["script", "data"];
+
+fn ends_with_ignoring_case(text: &str, end: &str) -> bool {
+    text.len() >= end.len() && text.as_bytes()[text.len() - end.len()..].eq_ignore_ascii_case(end.as_bytes())
 }
 
 /// A notice for readers of a smoke run.
@@ -92,4 +120,19 @@ fn drivers(drivers: &[Driver]) -> String {
         }
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_of_a_scenario_are_no_html_and_no_scripts() {
+        assert_eq!(without_html("<script>alert(1)</script>"), "&lt;script>alert(1)&lt;/script>");
+        assert_eq!(without_html("[x](JavaScript:alert(1))"), "[x](JavaScript :alert(1))");
+        assert_eq!(without_html("[x](javascript&#58;alert(1))"), "[x](javascript&amp;#58;alert(1))");
+        assert_eq!(without_html("[x](data:text/html,a)"), "[x](data :text/html,a)");
+        let plain = "| a < b | c<br>d | `x <= y` & so on | https://x.org/a | the data: 5 |\n";
+        assert_eq!(without_html(plain), plain);
+    }
 }

@@ -105,8 +105,9 @@ impl Network {
                 let connecting = self.add_road(name, line, length, lanes, [node; 2]);
                 self.roads[connecting.0 as usize].junction = Some(index);
                 let lane_links = self.connect(connecting, incoming, outgoing);
-                let connection = Connection { incoming: incoming.0, connecting, contact: RoadEnd::Start, lane_links };
-                self.junctions[number as usize].connections.push(connection);
+                let connections = &mut self.junctions[number as usize].connections;
+                let (id, contact) = (connections.len() as u32, RoadEnd::Start);
+                connections.push(Connection { id, incoming: incoming.0, connecting, contact, lane_links });
             }
         }
         index

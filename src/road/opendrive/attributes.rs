@@ -1,5 +1,7 @@
 //! Attributes of elements, and the warnings about them.
 
+use std::collections::BTreeMap;
+
 use roxmltree::Node;
 
 use super::{OpenDriveProblem, OpenDriveWarning};
@@ -9,18 +11,34 @@ const LARGEST: f64 = 1e9;
 /// The greatest number of warnings that are stored.
 const MOST_WARNINGS: usize = 10_000;
 
-/// What the parts of the reader share: the current road, where lines start, and the warnings.
-pub(super) struct Context {
-    pub road: Option<String>,
-    pub warnings: Vec<OpenDriveWarning>,
-    line_starts: Vec<usize>,
+/// The number of bytes after which line ends are counted anew.
+const BLOCK: usize = 1 << 12;
+
+fn line_ends(bytes: &[u8]) -> u32 {
+    bytes.iter().filter(|byte| **byte == b'\n').count() as u32
 }
 
-impl Context {
+/// What the parts of the reader share: the current road, the lines of the text, and the warnings.
+pub(super) struct Context<'x> {
+    pub road: Option<String>,
+    pub warnings: Vec<OpenDriveWarning>,
+    xml: &'x str,
+    /// The number of line ends before each block of the text.
+    lines_before: Vec<u32>,
+    /// What is not used: the line of the first one, and their number.
+    unused: BTreeMap<String, (u32, u32)>,
+}
+
+impl<'x> Context<'x> {
     /// Starts to read a text.
-    pub fn new(xml: &str) -> Self {
-        let breaks = xml.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(place, _)| place + 1);
-        Self { road: None, warnings: Vec::new(), line_starts: std::iter::once(0).chain(breaks).collect() }
+    pub fn new(xml: &'x str) -> Self {
+        let mut before = 0;
+        let lines_before = xml.as_bytes().chunks(BLOCK).map(|block| {
+            let here = before;
+            before += line_ends(block);
+            here
+        });
+        Self { road: None, warnings: Vec::new(), xml, lines_before: lines_before.collect(), unused: BTreeMap::new() }
     }
 
     /// Records a problem with an element.
@@ -28,8 +46,34 @@ impl Context {
         if self.warnings.len() >= MOST_WARNINGS {
             return;
         }
-        let line = self.line_starts.partition_point(|start| *start <= node.range().start) as u32;
+        let line = self.line(node);
         self.warnings.push(OpenDriveWarning { road: self.road.clone(), line, problem });
+    }
+
+    fn line(&self, node: Node) -> u32 {
+        let start = node.range().start;
+        let block = start / BLOCK;
+        self.lines_before
+            .get(block)
+            .map_or(1, |before| 1 + before + line_ends(&self.xml.as_bytes()[block * BLOCK..start]))
+    }
+
+    /// Counts an element that has no effect, under what it is.
+    pub fn not_used(&mut self, node: Node, what: String) {
+        let line = self.line(node);
+        if self.unused.len() < MOST_WARNINGS || self.unused.contains_key(&what) {
+            self.unused.entry(what).or_insert((line, 0)).1 += 1;
+        }
+    }
+
+    /// All warnings, the last ones about what is not used.
+    pub fn into_warnings(self) -> Vec<OpenDriveWarning> {
+        let unused = self.unused.into_iter().map(|(what, (line, count))| OpenDriveWarning {
+            road: None,
+            line,
+            problem: OpenDriveProblem::NotUsed { what, count },
+        });
+        self.warnings.into_iter().chain(unused).collect()
     }
 
     /// A number, or none after a warning.

@@ -1,6 +1,7 @@
 use super::attributes::{Context, children};
 use super::roads::Roads;
 use super::signals::placed;
+use super::unused::is_crosswalk;
 use crate::geometry::{Point, Pose, Vector};
 use crate::road::lane_network::LaneNetwork;
 
@@ -9,13 +10,8 @@ use crate::road::lane_network::LaneNetwork;
 /// # Source
 /// OpenDRIVE 1.4 and later, `objects/object/outline` with `cornerLocal` (u, v) or `cornerRoad` (s, t).
 pub(super) fn crosswalks(context: &mut Context, roads: &Roads, network: &LaneNetwork) -> Vec<Vec<Point>> {
-    let wanted = |node: roxmltree::Node| {
-        ["type", "name"]
-            .iter()
-            .any(|key| node.attribute(*key).is_some_and(|value| value.to_ascii_lowercase().contains("crosswalk")))
-    };
     let mut found = Vec::new();
-    for object in placed(context, roads, network, ["objects", "object"], wanted) {
+    for object in placed(context, roads, network, ["objects", "object"], is_crosswalk) {
         let road = &roads.roads[object.road.0 as usize];
         let (t, hdg) = (context.number_or_zero(object.node, "t"), context.number_or_zero(object.node, "hdg"));
         let line = road.plan_view.pose(object.s);

@@ -1,5 +1,6 @@
 /// Why a file cannot be used as a town at all.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum OpenDriveError {
     /// The text is not well-formed XML.
     #[error("not XML: {message} (line {line}, column {column})")]
@@ -16,6 +17,14 @@ pub enum OpenDriveError {
     NotOpenDrive {
         /// The outermost element.
         found: String,
+    },
+    /// It is larger than any town.
+    #[error("the map is too large: it has more than {most} {what}")]
+    TooLarge {
+        /// What there is too much of.
+        what: &'static str,
+        /// The limit.
+        most: f64,
     },
     /// There is no road, or none with a reference line and lanes.
     #[error("no usable road among {found}")]
@@ -71,6 +80,9 @@ pub enum OpenDriveProblem {
     /// A piece of a reference line has an unknown form.
     #[error("a geometry of no known form; taken as a line")]
     UnknownShape,
+    /// A spiral turns more often than any road.
+    #[error("a spiral of more than ten full turns; taken as a line")]
+    Winding,
     /// A road has no usable reference line.
     #[error("no usable reference line; the road is left out")]
     NoReferenceLine,
@@ -120,6 +132,14 @@ pub enum OpenDriveProblem {
     /// A connection has no lane links; they were taken from the links of the connecting road's lanes.
     #[error("a connection without lane links; those of the connecting road's lanes are taken")]
     GuessedLaneLinks,
+    /// Elements that are read correctly but have no effect here.
+    #[error("not used: {count} × {what}")]
+    NotUsed {
+        /// What they are.
+        what: String,
+        /// Their number.
+        count: u32,
+    },
     /// The number of a road or junction is not one.
     #[error("the id `{id}` is not a whole number; {given} stands for it")]
     IdNotNumber {
@@ -128,4 +148,11 @@ pub enum OpenDriveProblem {
         /// The number that is used in its place.
         given: u32,
     },
+}
+
+impl OpenDriveProblem {
+    /// Whether the file is right, and a part of it has no effect here.
+    pub fn is_unused(&self) -> bool {
+        matches!(self, Self::NotUsed { .. })
+    }
 }

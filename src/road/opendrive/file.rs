@@ -1,14 +1,14 @@
-use roxmltree::{Document, ParsingOptions};
+use roxmltree::Document;
 
 use super::attributes::{Context, children};
-use super::{OpenDriveError, crosswalks, junctions, roads, signals, traffic_lights};
+use super::{OpenDriveError, budget, crosswalks, junctions, roads, signals, traffic_lights, unused};
 use crate::road::TownParts;
 use crate::road::lane_network::LaneNetwork;
 
 /// Reads the text of an OpenDRIVE file; `name` becomes the town's name.
 ///
 /// # Errors
-/// The text is not XML, not OpenDRIVE, or has no usable road. Every other problem becomes a warning in
+/// The text is not XML, not OpenDRIVE, has no usable road, or is larger than any town. Every other problem becomes a warning in
 /// [`TownParts::warnings`].
 ///
 /// # Example
@@ -18,9 +18,8 @@ use crate::road::lane_network::LaneNetwork;
 /// assert_eq!(error, OpenDriveError::NotOpenDrive { found: "map".to_owned() });
 /// ```
 pub fn read(xml: &str, name: &str) -> Result<TownParts, OpenDriveError> {
-    // A document type without entities cannot make a small file expand.
-    let options = ParsingOptions { allow_dtd: !xml.contains("<!ENTITY"), ..ParsingOptions::default() };
-    let document = Document::parse_with_options(xml, options).map_err(|error| {
+    budget::check_text(xml)?;
+    let document = Document::parse_with_options(xml, budget::parsing(xml)).map_err(|error| {
         let at = error.pos();
         let message = error.to_string();
         let said = message.strip_suffix(&format!(" at {at}")).unwrap_or(&message);
@@ -30,6 +29,7 @@ pub fn read(xml: &str, name: &str) -> Result<TownParts, OpenDriveError> {
     if root.tag_name().name() != "OpenDRIVE" {
         return Err(OpenDriveError::NotOpenDrive { found: root.tag_name().name().to_owned() });
     }
+    budget::check_roads(root)?;
     let mut context = Context::new(xml);
     let mut roads = roads::read(&mut context, root);
     if roads.roads.is_empty() {
@@ -38,9 +38,11 @@ pub fn read(xml: &str, name: &str) -> Result<TownParts, OpenDriveError> {
     let junctions = junctions::read(&mut context, root, &roads);
     roads.link(&mut context, &junctions.by_id);
     let network = LaneNetwork::new(&roads.roads, &junctions.junctions);
-    let speed_signs = signals::speed_signs(&mut context, &roads, &network);
+    let signals = signals::signals(&mut context, &roads, &network);
+    let speed_signs = signals::speed_signs(&mut context, &roads, &network, &signals);
     let crosswalks = crosswalks::crosswalks(&mut context, &roads, &network);
-    let traffic_lights = traffic_lights::read(&mut context, root, &roads, &junctions, &network);
+    let traffic_lights = traffic_lights::read(root, &roads, &junctions, &network, &signals);
+    unused::note(&mut context, root);
     Ok(TownParts {
         name: name.to_owned(),
         roads: roads.roads,
@@ -49,6 +51,6 @@ pub fn read(xml: &str, name: &str) -> Result<TownParts, OpenDriveError> {
         traffic_lights,
         crosswalks,
         obstacles: Vec::new(),
-        warnings: context.warnings,
+        warnings: context.into_warnings(),
     })
 }

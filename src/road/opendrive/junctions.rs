@@ -1,4 +1,4 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use roxmltree::Node;
 
@@ -24,7 +24,9 @@ pub(super) fn read<'a, 'x: 'a>(context: &mut Context, root: Node<'a, 'x>, roads:
             context.warn(node, OpenDriveProblem::Duplicate { element: "junction", id: id.to_owned() });
             continue;
         }
-        let connections = children(node, "connection").filter_map(|node| connection(context, node, roads)).collect();
+        let mut connections: Vec<Connection> =
+            children(node, "connection").filter_map(|node| connection(context, node, roads)).collect();
+        number_anew(&mut connections);
         let mut controllers: Vec<(f64, &str)> = children(node, "controller")
             .filter_map(|node| Some((context.number_or_zero(node, "sequence"), node.attribute("id")?)))
             .collect();
@@ -71,7 +73,16 @@ fn connection(context: &mut Context, node: Node, roads: &Roads) -> Option<Connec
         context.warn(node, OpenDriveProblem::GuessedLaneLinks);
         lane_links = links_of_lanes(&roads.roads[connecting.0 as usize], contact);
     }
-    Some(Connection { incoming, connecting, contact, lane_links })
+    let id = node.attribute("id").and_then(|id| id.trim().parse().ok()).unwrap_or(0);
+    Some(Connection { id, incoming, connecting, contact, lane_links })
+}
+
+/// Numbers connections by their places, if the file gives two of them the same number or none.
+fn number_anew(connections: &mut [Connection]) {
+    let distinct: BTreeSet<u32> = connections.iter().map(|connection| connection.id).collect();
+    if distinct.len() < connections.len() {
+        connections.iter_mut().zip(0..).for_each(|(connection, place)| connection.id = place);
+    }
 }
 
 /// The links that the lanes of a connecting road have at one of its ends; a lane without one keeps its number.

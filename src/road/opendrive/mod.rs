@@ -1,10 +1,12 @@
 //! Reading OpenDRIVE: everything of versions 1.0 to 1.8 that a town of lanes, speed signs and traffic lights needs.
 //!
 //! The reader is tolerant. A problem that it can work around becomes an [`OpenDriveWarning`] with the road and the line; only
-//! a file without any usable road is an [`OpenDriveError`]. Superelevation, shapes and lane heights are not read.
+//! a file without any usable road is an [`OpenDriveError`]. Superelevation, shapes, lane heights and most kinds of signs are not used;
+//! a warning for each kind has the number of them.
 
 mod error;
 mod attributes;
+mod budget;
 mod plan_view;
 mod lanes;
 mod roads;
@@ -12,6 +14,7 @@ mod junctions;
 mod signals;
 mod crosswalks;
 mod traffic_lights;
+mod unused;
 mod file;
 
 pub use error::{OpenDriveError, OpenDriveProblem, OpenDriveWarning};

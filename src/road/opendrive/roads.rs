@@ -3,11 +3,9 @@ use std::collections::BTreeMap;
 use roxmltree::Node;
 
 use super::attributes::{Context, child, children};
+use super::budget::LONGEST;
 use super::{OpenDriveProblem, lanes, plan_view};
 use crate::road::{Cubic, JunctionIndex, Profile, Road, RoadEnd, RoadIndex, RoadLink};
-
-/// Longer roads are treated as errors (m).
-const LONGEST: f64 = 1e6;
 
 /// The roads of a file, with the elements they come from.
 pub(super) struct Roads<'a, 'x> {

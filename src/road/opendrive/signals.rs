@@ -1,4 +1,6 @@
-//! Speed signs, and the lanes that a sign or a signal applies to.
+//! Signals and signs: where they are, and the lanes that each applies to.
+
+use std::collections::BTreeMap;
 
 use roxmltree::Node;
 
@@ -10,6 +12,8 @@ use crate::road::{LaneId, LaneKind, Road, RoadIndex, SpeedSign};
 
 /// The half size of a speed sign's trigger box, as a share of the lane's width.
 const HALF_SIZE: f64 = 0.35;
+/// The signal type of a speed limit.
+const SPEED_LIMIT: &str = "274";
 
 /// An object or signal: its road, and its lanes there.
 pub(super) struct Placed<'a, 'x> {
@@ -42,6 +46,36 @@ pub(super) fn placed<'a, 'x: 'a>(
     found
 }
 
+/// A signal at one of the places where it applies.
+pub(super) struct Signal<'a, 'x> {
+    /// The element that says what it is.
+    pub definition: Node<'a, 'x>,
+    /// The element at this place: a `signal` or a `signalReference`.
+    pub at: Placed<'a, 'x>,
+}
+
+/// Finds all signals: first those at their own places, then those that references put elsewhere.
+///
+/// # Source
+/// CARLA `road/MapBuilder.cpp`, `AddSignal`: an `id` names one signal of the whole file. If several have the same `id`, the last one
+/// counts for all of them.
+pub(super) fn signals<'a, 'x: 'a>(
+    context: &mut Context,
+    roads: &Roads<'a, 'x>,
+    network: &LaneNetwork,
+) -> Vec<Signal<'a, 'x>> {
+    let of =
+        |name| move |road: &Node<'a, 'x>| child(*road, "signals").into_iter().flat_map(move |all| children(all, name));
+    let definitions: BTreeMap<&str, Node<'a, 'x>> =
+        roads.nodes.iter().flat_map(of("signal")).filter_map(|node| Some((node.attribute("id")?, node))).collect();
+    let definition = |node: Node<'a, 'x>| node.attribute("id").and_then(|id| definitions.get(id).copied());
+    let own = placed(context, roads, network, ["signals", "signal"], |_| true);
+    let others = placed(context, roads, network, ["signals", "signalReference"], |_| true);
+    let own = own.into_iter().map(|at| Signal { definition: definition(at.node).unwrap_or(at.node), at });
+    let others = others.into_iter().filter_map(|at| Some(Signal { definition: definition(at.node)?, at }));
+    own.chain(others).collect()
+}
+
 /// The driving lanes that a sign or signal applies to: those of its validities, or without any those of its side.
 ///
 /// # Source
@@ -71,14 +105,23 @@ fn lanes(
 }
 
 /// Reads speed signs: objects named `Speed_NN` and signals of type 274, in km/h whatever their unit.
-pub(super) fn speed_signs(context: &mut Context, roads: &Roads, network: &LaneNetwork) -> Vec<SpeedSign> {
-    let mut signs = placed(context, roads, network, ["objects", "object"], |node| limit(node).is_some());
-    signs.extend(placed(context, roads, network, ["signals", "signal"], |node| limit(node).is_some()));
+pub(super) fn speed_signs(
+    context: &mut Context,
+    roads: &Roads,
+    network: &LaneNetwork,
+    signals: &[Signal],
+) -> Vec<SpeedSign> {
+    let objects = placed(context, roads, network, ["objects", "object"], |node| limit(node).is_some());
+    let objects = objects.iter().map(|sign| (sign.node, sign));
+    let signals = signals.iter().map(|signal| (signal.definition, &signal.at));
     let mut found = Vec::new();
-    for sign in signs {
-        let Some(limit) = limit(sign.node) else { continue };
-        for slot in sign.lanes {
-            let lane = network.lane(slot);
+    for (definition, sign) in objects.chain(signals) {
+        let Some(limit) = limit(definition) else { continue };
+        if sign.lanes.is_empty() {
+            context.not_used(sign.node, "speed sign beside no driving lane".to_owned());
+        }
+        for slot in &sign.lanes {
+            let lane = network.lane(*slot);
             let half = HALF_SIZE * network.width(lane, sign.s).max(0.0);
             let upstream = if lane.forward() { sign.s - half } else { sign.s + half };
             let pose = network.pose(&roads.roads, lane, upstream.max(lane.start).min(lane.end));
@@ -88,10 +131,10 @@ pub(super) fn speed_signs(context: &mut Context, roads: &Roads, network: &LaneNe
     found
 }
 
-/// The limit of a sign (km/h).
-fn limit(node: Node) -> Option<f64> {
+/// The limit of a speed sign (km/h); none for other elements.
+pub(super) fn limit(node: Node) -> Option<f64> {
     let text = match node.attribute("type") {
-        Some("274") => node
+        Some(SPEED_LIMIT) => node
             .attribute("subtype")
             .filter(|text| text.parse::<f64>().is_ok_and(|n| n > 0.0))
             .or(node.attribute("value"))?,

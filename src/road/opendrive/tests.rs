@@ -1,6 +1,6 @@
 use super::*;
 use crate::geometry::{Point, wrap_angle};
-use crate::road::{LaneFilter, LaneKind, RoadIndex, Town, Waypoint};
+use crate::road::{Geometry, LaneFilter, LaneKind, RoadIndex, Shape, Town, Waypoint};
 use proptest::prelude::*;
 
 /// A road to the east, a bend to the left through a junction, and a road to the north; a sign and a light.
@@ -294,7 +294,12 @@ fn all_forms_are_read() {
     let problems: Vec<String> = town.warnings.iter().map(|warning| warning.problem.to_string()).collect();
     assert_eq!(
         problems,
-        ["the id `a` is not a whole number; 0 stands for it", "the id `b` is not a whole number; 1 stands for it"]
+        [
+            "the id `a` is not a whole number; 0 stands for it",
+            "the id `b` is not a whole number; 1 stands for it",
+            "not used: 1 × lane of type HOV",
+            "not used: 1 × superelevation",
+        ]
     );
     assert_eq!(ahead(&town, eastbound(59.0), 2.0)[0].road, RoadIndex(1));
     assert_eq!(town.lane_width(Waypoint { lane: -2, ..eastbound(0.0) }), 2.0);
@@ -388,4 +393,154 @@ fn crosswalks_are_polygons_in_the_world() {
         |corner: &crate::geometry::Point, x: f64, y: f64| (corner - crate::geometry::Point::new(x, y)).norm() < 1e-9;
     assert!(near(&parts.crosswalks[0][0], 26.0, -1.0) && near(&parts.crosswalks[0][1], 26.0, 3.0));
     assert!(near(&parts.crosswalks[1][2], 17.0, 3.0));
+}
+
+/// Lanes of changing widths on both sides of a line, an arc, a spiral and a cubic, with an offset and a slope.
+const WIDTHS: &str = r#"<OpenDRIVE>
+<road length="160" id="1" junction="-1">
+<planView>
+<geometry s="0" x="0" y="0" hdg="0.4" length="40"><line/></geometry>
+<geometry s="40" x="36.842439760115404" y="15.576733692346022" hdg="0.4" length="40"><arc curvature="0.01"/></geometry>
+<geometry s="80" x="69.37478024" y="38.6174106" hdg="0.8" length="40"><spiral curvStart="0.01" curvEnd="-0.01"/></geometry>
+<geometry s="120" x="96" y="68" hdg="0.8" length="40"><paramPoly3 pRange="arcLength" aU="0" bU="1" cU="0" dU="0" aV="0" bV="0" cV="-0.002" dV="0"/></geometry>
+</planView>
+<elevationProfile><elevation s="0" a="1" b="0.02" c="0" d="0"/></elevationProfile>
+<lanes><laneOffset s="0" a="0.5" b="0.01" c="0.0005" d="0"/>
+<laneSection s="0">
+<left><lane id="2" type="sidewalk"><link><successor id="2"/></link><width sOffset="0" a="2" b="-0.01" c="0" d="0"/></lane>
+<lane id="1" type="driving"><link><successor id="1"/></link><width sOffset="0" a="3" b="0.02" c="0.0004" d="-0.000004"/></lane></left>
+<right><lane id="-1" type="driving"><link><successor id="-1"/></link><width sOffset="0" a="3.5" b="0" c="0.001" d="-0.00001"/></lane>
+<lane id="-2" type="driving"><link><successor id="-2"/></link><width sOffset="10" a="3" b="0.03" c="0" d="0"/></lane></right>
+</laneSection>
+<laneSection s="75">
+<left><lane id="2" type="sidewalk"><link><predecessor id="2"/></link><border sOffset="0" a="6" b="0.02" c="0" d="0"/></lane>
+<lane id="1" type="driving"><link><predecessor id="1"/></link><border sOffset="0" a="3" b="0.05" c="0" d="0"/></lane></left>
+<right><lane id="-1" type="driving"><link><predecessor id="-1"/></link><width sOffset="0" a="3.5" b="-0.04" c="0" d="0"/></lane>
+<lane id="-2" type="driving"><link><predecessor id="-2"/></link><width sOffset="0" a="3" b="0.05" c="0" d="0"/></lane></right>
+</laneSection></lanes></road></OpenDRIVE>"#;
+
+/// All lanes of a town, each with a place on it; `share` is the share of its length.
+fn everywhere(town: &Town, share: f64) -> Vec<Waypoint> {
+    let mut all = Vec::new();
+    for (road, index) in town.roads.iter().zip(0..) {
+        for (section, number) in road.sections.iter().zip(0..) {
+            let s = section.start + share * (section.end - section.start);
+            let lanes = section.lanes.iter().filter(|lane| lane.id != 0);
+            all.extend(lanes.map(|lane| Waypoint { road: RoadIndex(index), section: number, lane: lane.id, s }));
+        }
+    }
+    all
+}
+
+proptest! {
+    /// CARLA adds the slope m of a centre to the heading of the reference line as if it were the angle, and ignores that a lane beside a
+    /// bend is shorter or longer than the reference line. Both differ from the exact heading by a bounded amount.
+    #[test]
+    fn a_heading_is_that_of_the_centre_line(map in prop::sample::select(vec![BEND, BRIDGE, SECTIONS, FORMS, WIDTHS]), share in 0.01..0.99) {
+        const STEP: f64 = 1e-4;
+        let town = town(map);
+        for at in everywhere(&town, share) {
+            let forth = if at.lane < 0 { STEP } else { -STEP };
+            let place = |s: f64| town.pose(Waypoint { s, ..at }).position();
+            let along = place(at.s + forth) - place(at.s - forth);
+            let line = &town.roads[at.road.0 as usize].plan_view;
+            let turned = wrap_angle(line.pose(at.s + STEP).yaw - line.pose(at.s - STEP).yaw) / (2.0 * STEP);
+            let off = (place(at.s) - line.pose(at.s).position()).norm();
+            let (_, slope) = town.roads[at.road.0 as usize].lane_centre(at.section as usize, at.lane, at.s).unwrap();
+            // Cubics are drawn with chords of about half a metre, which have the heading of their middle.
+            let cubic = |piece: &Geometry| matches!(piece.shape, Shape::Poly3(_) | Shape::ParamPoly3 { .. });
+            let drawn = if line.piece_at(at.s).is_some_and(cubic) { 0.4 * turned.abs() + 1e-3 } else { 1e-6 };
+            let allowed = slope.abs().powi(3) + 2.0 * (slope * turned * off).abs() + drawn;
+            let error = wrap_angle(town.pose(at).yaw - libm::atan2(along.y, along.x)).abs();
+            prop_assert!(error <= allowed, "{at:?}: {error} rad, {allowed} are allowed");
+        }
+    }
+
+    #[test]
+    fn neighbours_are_mutual(map in prop::sample::select(vec![BEND, BRIDGE, SECTIONS, FORMS, WIDTHS]), share in 0.0..1.0) {
+        let town = town(map);
+        for at in everywhere(&town, share) {
+            let same_way = |other: &Waypoint| other.lane.signum() == at.lane.signum();
+            if let Some(right) = town.right_lane(at) {
+                prop_assert_eq!(town.left_lane(right), Some(at));
+            }
+            if let Some(left) = town.left_lane(at) {
+                let back = if same_way(&left) { town.right_lane(left) } else { town.left_lane(left) };
+                prop_assert_eq!(back, Some(at));
+            }
+        }
+    }
+
+    #[test]
+    fn next_and_previous_are_inverse(map in prop::sample::select(vec![BEND, BRIDGE, FORMS, WIDTHS]), share in 0.0..1.0, distance in 0.01..60.0) {
+        let town = town(map);
+        for at in everywhere(&town, share) {
+            for next in ahead(&town, at, distance) {
+                let mut back = Vec::new();
+                town.previous(next, distance, &mut back);
+                let close = |other: &&Waypoint| (other.road, other.lane) == (at.road, at.lane) && (other.s - at.s).abs() < 1e-6;
+                // At the seam of two sections a place is on either of them.
+                prop_assert!(back.iter().any(|other| close(&other)), "{at:?} to {next:?} and back to {back:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_order_at_a_fork_is_that_of_the_numbers_of_the_connections() {
+    let connection = |id: u32, to: u32| {
+        format!(
+            r#"<connection id="{id}" incomingRoad="1" connectingRoad="{to}" contactPoint="start"><laneLink from="-1" to="-1"/></connection>"#
+        )
+    };
+    let road = |id: u32, link: &str, junction: i32| {
+        format!(
+            r#"<road length="10" id="{id}" junction="{junction}">{link}<planView><geometry s="0" x="0" y="{id}" hdg="0" length="10"><line/></geometry></planView>
+            <lanes><laneSection s="0"><right><lane id="-1" type="driving"><width a="3"/></lane></right></laneSection></lanes></road>"#
+        )
+    };
+    let order = |numbers: [u32; 3]| {
+        let link = r#"<link><successor elementType="junction" elementId="9"/></link>"#;
+        let roads: String = (2..5).map(|id| road(id, "", 9)).collect();
+        let connections: String = numbers.iter().zip(2..).map(|(number, to)| connection(*number, to)).collect();
+        let town = town(&format!(
+            r#"<OpenDRIVE>{}{roads}<junction id="9">{connections}</junction></OpenDRIVE>"#,
+            road(1, link, -1)
+        ));
+        ahead(&town, eastbound(9.0), 2.0).iter().map(|to| town.roads[to.road.0 as usize].id).collect::<Vec<_>>()
+    };
+    assert_eq!(order([0, 1, 2]), [4, 3, 2]);
+    // 0, 13 and 26 share a bucket of a table of 13.
+    assert_eq!(order([0, 13, 1]), [4, 3, 2]);
+    assert_eq!(order([1, 14, 0]), [4, 3, 2]);
+    assert_eq!(order([13, 1, 0]), [3, 4, 2]);
+    assert_eq!(order([13, 1, 26]), [3, 4, 2]);
+    // Two of the same number: their places count.
+    assert_eq!(order([7, 7, 1]), [4, 3, 2]);
+}
+
+#[test]
+fn what_has_no_effect_is_counted() {
+    let signs = r#"<signals><signal id="1" s="5" t="-3" type="206"/><signal id="2" s="6" t="-3" type="206"/><signal id="3" s="6" type="1000002"/>
+        <signal id="8" s="7" orientation="+" type="274" value="50"><validity fromLane="9" toLane="9"/></signal></signals></road>"#;
+    let map = BEND.replace("<planView>", r#"<type s="0" type="town"><speed max="50" unit="km/h"/></type><planView>"#);
+    let map = map.replace("</objects>\n</road>", &format!("</objects>{signs}"));
+    let parts = read(&map, "signs").unwrap();
+    let said: Vec<String> = parts.warnings.iter().map(|warning| warning.problem.to_string()).collect();
+    assert!(said.contains(&"not used: 2 × stop sign (signal type 206)".to_owned()), "{said:?}");
+    assert!(said.contains(&"not used: 1 × light for pedestrians (signal type 1000002)".to_owned()), "{said:?}");
+    assert!(said.contains(&"not used: 1 × speed sign beside no driving lane".to_owned()), "{said:?}");
+    assert!(said.contains(&"not used: 3 × speed limit of a road type".to_owned()), "{said:?}");
+    assert!(parts.warnings.iter().all(|warning| warning.problem.is_unused()));
+}
+
+#[test]
+fn the_last_signal_of_a_number_counts_and_references_repeat_it() {
+    let signals = r#"<signals><signal id="1" s="5" orientation="-" type="274" subtype="30"/><signal id="1" s="60" orientation="-" type="274" subtype="60"/></signals></road>"#;
+    let map = BEND.replace("</objects>\n</road>", &format!("</objects>{signals}"));
+    let map =
+        map.replacen("</signals>\n</road>", r#"<signalReference id="1" s="3" orientation="+"/></signals></road>"#, 1);
+    let limits: Vec<f64> =
+        read(&map, "signs").unwrap().speed_signs.iter().map(|sign| (sign.limit * 3.6).round()).collect();
+    assert_eq!(limits, [30.0, 60.0, 60.0, 60.0]);
 }

@@ -1,17 +1,20 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use roxmltree::Node;
 
-use super::attributes::{Context, children};
+use super::attributes::children;
 use super::junctions::Junctions;
 use super::roads::Roads;
-use super::signals::placed;
+use super::signals::Signal;
 use crate::geometry::OrientedBox;
 use crate::road::lane_network::{LaneNetwork, LaneSlot};
 use crate::road::{JunctionIndex, TrafficLight};
 
-/// The signal type of a traffic light with three lamps.
-const LIGHT: &str = "1000001";
+/// The signal types of traffic lights for vehicles: with three lamps, red and yellow, yellow and green, three lamps with an arrow.
+///
+/// # Source
+/// The catalogue of OpenDRIVE 1.4, appendix "Signal types", and CARLA `road/SignalType.cpp`, `IsTrafficLight`.
+const LIGHTS: [&str; 4] = ["1000001", "1000009", "1000010", "1000011"];
 /// How far before the end of the approach lane the trigger box's centre is (m).
 const BEFORE_END: f64 = 3.0;
 /// Half the length of the trigger box (m).
@@ -30,24 +33,19 @@ struct Approach<'a> {
 
 /// Reads traffic lights: for each signal one on each lane that leads to the lanes it applies to.
 pub(super) fn read<'a, 'x: 'a>(
-    context: &mut Context,
     root: Node<'a, 'x>,
     roads: &Roads<'a, 'x>,
     junctions: &Junctions<'a>,
     network: &LaneNetwork,
+    signals: &[Signal<'a, 'x>],
 ) -> Vec<TrafficLight> {
-    let is_light = |node: Node| node.attribute("type") == Some(LIGHT) && node.attribute("dynamic") != Some("no");
-    let signals = placed(context, roads, network, ["signals", "signal"], is_light);
-    let ids: Vec<&str> = signals.iter().filter_map(|signal| signal.node.attribute("id")).collect();
-    let refers = |node: Node| node.attribute("id").is_some_and(|id| ids.contains(&id));
-    let references = placed(context, roads, network, ["signals", "signalReference"], refers);
-
     let mut approaches: Vec<Approach> = Vec::new();
-    for each in signals.iter().chain(&references) {
-        let Some(signal) = each.node.attribute("id") else { continue };
-        for slot in each.lanes.iter().flat_map(|slot| before_junction(network, *slot)) {
-            if !approaches.iter().any(|known| known.signal == signal && known.slot == slot) {
-                let junction = roads.roads[each.road.0 as usize].junction;
+    let mut known = BTreeSet::new();
+    for Signal { at, .. } in signals.iter().filter(|signal| is_light(signal.definition)) {
+        let Some(signal) = at.node.attribute("id") else { continue };
+        for slot in at.lanes.iter().flat_map(|slot| before_junction(network, *slot)) {
+            if known.insert((signal, slot)) {
+                let junction = roads.roads[at.road.0 as usize].junction;
                 approaches.push(Approach { signal, slot, junction });
             }
         }
@@ -59,10 +57,16 @@ pub(super) fn read<'a, 'x: 'a>(
         .collect()
 }
 
+/// Whether a signal is a traffic light for vehicles that works.
+pub(super) fn is_light(node: Node) -> bool {
+    node.attribute("type").is_some_and(|kind| LIGHTS.contains(&kind)) && node.attribute("dynamic") != Some("no")
+}
+
 /// Group, turn and turns of a light.
 type Place = (u32, u32, u32);
 
-/// The controllers of a junction take turns; signals without a controller, or without a junction, have their turns after them.
+/// The controllers of a junction take turns; signals without a controller, or without a junction, have their turns after them. Such
+/// signals of one approach lane have the same turn: a car meets all of them at once.
 fn group(root: Node, approaches: &[Approach], junctions: &Junctions) -> Vec<Place> {
     let mut controller_of: BTreeMap<&str, &str> = BTreeMap::new();
     for controller in children(root, "controller") {
@@ -77,8 +81,10 @@ fn group(root: Node, approaches: &[Approach], junctions: &Junctions) -> Vec<Plac
     let loose = turns.len();
     turns.push(Vec::new());
     let mut places = Vec::new();
+    let mut first: BTreeMap<LaneSlot, &str> = BTreeMap::new();
     for approach in approaches {
-        let name = controller_of.get(approach.signal).copied().unwrap_or(approach.signal);
+        let controller = controller_of.get(approach.signal).copied();
+        let name = controller.unwrap_or_else(|| first.entry(approach.slot).or_insert(approach.signal));
         let junction = home(name).or(approach.junction.map(|index| index.0 as usize));
         let group = junction.unwrap_or(loose);
         let turn = turns[group].iter().position(|known| *known == name).unwrap_or_else(|| {

@@ -1,8 +1,10 @@
 use crate::geometry::Point;
-use crate::road::{LaneKind, Road, Town};
+use crate::road::{LaneKind, Road, RoadIndex, Town, Waypoint};
 
-/// Spacing of the points from which a lane's outline is made (m).
+/// Least spacing of the points from which a lane's outline is made (m).
 const STEP: f64 = 1.0;
+/// About the most such points of a town, and the most of an edge.
+const MOST_POINTS: (f64, f64) = (300_000.0, 4_000.0);
 /// Largest distance between an outline and the lane's edge (m).
 const TOLERANCE: f64 = 0.04;
 
@@ -45,9 +47,12 @@ impl Scenery {
     /// Outlines all surfaces of a town.
     pub fn new(town: &Town) -> Self {
         let mut polygons = Vec::new();
+        let sections = town.roads.iter().flat_map(|road| &road.sections);
+        let metres: f64 = sections.map(|section| (section.end - section.start) * section.lanes.len() as f64).sum();
+        let step = STEP.max(2.0 * metres / MOST_POINTS.0);
         for surface in [Surface::Walk, Surface::Lane] {
-            for road in &town.roads {
-                outline(&mut polygons, road, surface);
+            for (road, index) in town.roads.iter().zip(0..) {
+                outline(&mut polygons, town, (RoadIndex(index), road), step, surface);
             }
         }
         polygons.extend(town.crosswalks.iter().map(|corners| (Surface::Zebra, corners.clone())));
@@ -66,22 +71,24 @@ impl Scenery {
     }
 }
 
-fn outline(polygons: &mut Vec<(Surface, Vec<Point>)>, road: &Road, surface: Surface) {
+fn outline(
+    polygons: &mut Vec<(Surface, Vec<Point>)>,
+    town: &Town,
+    (index, road): (RoadIndex, &Road),
+    step: f64,
+    surface: Surface,
+) {
     let wanted = |kind: LaneKind| (kind == LaneKind::Driving) == (surface == Surface::Lane) && kind != LaneKind::None;
-    for (index, section) in road.sections.iter().enumerate() {
-        let steps = ((section.end - section.start) / STEP).ceil().max(1.0);
+    for (section, number) in road.sections.iter().zip(0..) {
+        let steps = ((section.end - section.start) / step).ceil().clamp(1.0, MOST_POINTS.1);
         for lane in section.lanes.iter().filter(|lane| lane.id != 0 && wanted(lane.kind)) {
-            let edge = |side: f64| {
-                let points = (0..=steps as u32).filter_map(|i| {
-                    let s = section.start + (section.end - section.start) * f64::from(i) / steps;
-                    let (t, _) = road.lane_centre(index, lane.id, s)?;
-                    let line = road.plan_view.pose(s);
-                    Some(line.position() + line.left() * (t + side * lane.width.value(s) / 2.0))
-                });
-                thinned(&points.collect::<Vec<_>>())
-            };
-            let mut corners = edge(1.0);
-            corners.extend(edge(-1.0).iter().rev());
+            let places = (0..=steps as u32).filter_map(|i| {
+                let s = section.start + (section.end - section.start) * f64::from(i) / steps;
+                town.lane_edges(Waypoint { road: index, section: number, lane: lane.id, s })
+            });
+            let (left, right): (Vec<Point>, Vec<Point>) = places.map(|[left, right]| (left, right)).unzip();
+            let mut corners = thinned(&left);
+            corners.extend(thinned(&right).iter().rev());
             polygons.push((surface, corners));
         }
     }

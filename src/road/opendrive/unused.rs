@@ -1,0 +1,89 @@
+//! The parts of a file that have no effect here, counted by what they are.
+
+use roxmltree::Node;
+
+use super::attributes::Context;
+use super::{signals, traffic_lights};
+use crate::road::LaneKind;
+
+/// The names of signal types that maps of CARLA, esmini and SUMO have.
+///
+/// # Source
+/// The catalogue of OpenDRIVE 1.4, appendix "Signal types"; the numbers below 1000 are those of the German road traffic regulations.
+const SIGNALS: [(&str, &str); 16] = [
+    ("205", "yield sign"),
+    ("206", "stop sign"),
+    ("274", "speed limit without a number"),
+    ("294", "stop line"),
+    ("301", "sign of priority at the next junction"),
+    ("306", "sign of a priority road"),
+    ("1000001", "traffic light that is switched off"),
+    ("1000002", "light for pedestrians"),
+    ("1000003", "crosswalk marking"),
+    ("1000007", "light for pedestrians and bicycles"),
+    ("1000008", "yellow flashing light"),
+    ("1000009", "traffic light that is switched off"),
+    ("1000010", "traffic light that is switched off"),
+    ("1000011", "traffic light that is switched off"),
+    ("1000013", "light for bicycles"),
+    ("1000014", "light for trams"),
+];
+
+/// Counts everything that has no effect.
+pub(super) fn note(context: &mut Context, root: Node) {
+    for node in root.descendants().filter(Node::is_element) {
+        if let Some(what) = unused(node) {
+            context.not_used(node, what);
+        }
+    }
+}
+
+/// What an element is, if it has no effect.
+fn unused(node: Node) -> Option<String> {
+    let parent = node.parent_element().map_or("", |parent| parent.tag_name().name());
+    let changes = |names: &[&str]| {
+        let number = |name: &&str| node.attribute(*name).and_then(|text| text.trim().parse::<f64>().ok());
+        names.iter().filter_map(number).any(|number| number != 0.0)
+    };
+    let has_number = |name: &str| node.attribute(name).is_some_and(|text| text.trim().parse::<f64>().is_ok());
+    let fixed = |what: &str| Some(what.to_owned());
+    match (parent, node.tag_name().name()) {
+        ("signals", "signal") if signals::limit(node).is_none() && !traffic_lights::is_light(node) => {
+            let kind = node.attribute("type").unwrap_or("none");
+            let name = SIGNALS.iter().find(|(number, _)| *number == kind);
+            Some(
+                name.map_or_else(
+                    || format!("signal of type {kind}"),
+                    |(_, name)| format!("{name} (signal type {kind})"),
+                ),
+            )
+        }
+        ("objects", "object") if signals::limit(node).is_none() && !is_crosswalk(node) => {
+            let kind = node.attribute("type").filter(|kind| !matches!(*kind, "-1" | "" | "none"));
+            Some(kind.map_or_else(|| "object of no type".to_owned(), |kind| format!("object of type {kind}")))
+        }
+        ("objects", "bridge") => fixed("bridge"),
+        ("objects", "tunnel") => fixed("tunnel"),
+        ("left" | "right", "lane") => {
+            let kind = node.attribute("type")?;
+            let lost = LaneKind::from_opendrive(kind) == LaneKind::None && !kind.eq_ignore_ascii_case("none");
+            lost.then(|| format!("lane of type {kind}"))
+        }
+        ("lane", "height") if changes(&["inner", "outer"]) => fixed("height of a lane"),
+        ("lane", "speed") if has_number("max") => fixed("speed limit of a lane"),
+        ("type", "speed") if has_number("max") => fixed("speed limit of a road type"),
+        ("lateralProfile", "superelevation") if changes(&["a", "b", "c", "d"]) => fixed("superelevation"),
+        ("lateralProfile", "crossfall") if changes(&["a", "b", "c", "d"]) => fixed("crossfall"),
+        ("lateralProfile", "shape") if changes(&["a", "b", "c", "d"]) => fixed("lateral shape"),
+        ("surface", "CRG") => fixed("road surface (CRG)"),
+        ("OpenDRIVE", "junction") if node.attribute("type") == Some("virtual") => fixed("virtual junction"),
+        ("OpenDRIVE", "station") => fixed("station"),
+        _ => None,
+    }
+}
+
+/// Whether an object is a crosswalk.
+pub(super) fn is_crosswalk(object: Node) -> bool {
+    let named = |key: &str| object.attribute(key).is_some_and(|value| value.to_ascii_lowercase().contains("crosswalk"));
+    named("type") || named("name")
+}
