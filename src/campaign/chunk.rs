@@ -5,7 +5,7 @@ use super::watch::{flow, watch_numbered};
 use super::{Observer, Progress, ResultStore, Task, TaskError};
 use crate::compile::Campaign;
 use crate::env::{Outcome, Trace};
-use crate::judge::{NearMiss, PedestrianMotion, judge};
+use crate::judge::{FalseAlarms, NearMiss, PedestrianMotion, judge};
 use crate::record::{EpisodeRow, RunKey};
 use crate::rl::ActorCritic;
 use crate::seed::Seed;
@@ -61,6 +61,7 @@ pub(super) fn try_chunk(
             episode,
             outcome: *outcome,
             verdict,
+            false_alarms: FalseAlarms::new(&pair).filter(|_| outcome.fault().is_none()),
             near_miss,
             motion: PedestrianMotion::new(&pair),
             weight: 1.0,

@@ -1,7 +1,8 @@
 use super::watch::flow;
 use super::{Observer, ResultStore, SearchResult, Task, TaskError};
 use crate::compile::Search;
-use crate::falsifier::{SearchOutcome, Simulator, evaluate};
+use crate::falsifier::{Failure, SearchOutcome, Simulator, evaluate, follow};
+use crate::judge::{Verdict, judge};
 use crate::seed::Seed;
 
 impl Search {
@@ -28,7 +29,8 @@ pub fn search(
     if let Some(limit @ TaskError::Ticks { .. }) = results.limit(task, search.budget) {
         let spent = SearchOutcome { ticks: 0, episodes: 0, starts: 0, failures: Vec::new(), stopped: false };
         let (budget, tried) = (search.budget, Vec::new());
-        return Some(SearchResult { key: key.clone(), budget, spent, tried, error: Some(limit) });
+        let verdicts = Vec::new();
+        return Some(SearchResult { key: key.clone(), budget, spent, verdicts, tried, error: Some(limit) });
     }
     let late = || stop() || results.limit(task, 0).is_some();
     let mut simulator = Simulator::new(search.scenario.clone(), search.starts(seed), search.budget, &late);
@@ -48,6 +50,15 @@ pub fn search(
         };
         evaluate(walker.as_mut(), &search.scenario, search.tries, &fresh, &drawn, &mut go_on)
     });
+    let starts = search.starts(seed);
+    let verdicts = spent.failures.iter().map(|failure| verdict(search, failure, starts)).collect();
     let error = error.or_else(|| results.limit(task, 0).filter(|_| spent.stopped && !stop()));
-    Some(SearchResult { key: key.clone(), budget: search.budget, spent, tried, error })
+    Some(SearchResult { key: key.clone(), budget: search.budget, spent, verdicts, tried, error })
+}
+
+/// Repeats a failure outside of the budget and judges it; none when it ends otherwise.
+fn verdict(search: &Search, failure: &Failure, starts: Seed) -> Option<Verdict> {
+    let (outcome, trace) = follow(&search.scenario, starts, failure.start, &failure.commands)?;
+    let same = outcome.digest == failure.outcome.digest;
+    judge(&trace.main_pair(&search.scenario)).filter(|_| same)
 }

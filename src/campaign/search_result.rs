@@ -2,6 +2,7 @@ use super::TaskError;
 use crate::compile::SearchKey;
 use crate::env::Outcome;
 use crate::falsifier::SearchOutcome;
+use crate::judge::Verdict;
 
 /// The result of a search.
 #[derive(Debug, Clone)]
@@ -12,6 +13,8 @@ pub struct SearchResult {
     pub budget: u64,
     /// What the search did with the budget.
     pub spent: SearchOutcome,
+    /// The verdict on each failure, in their order; none for one that does not repeat, with a driver that is not deterministic.
+    pub verdicts: Vec<Option<Verdict>>,
     /// Fresh episodes with the walk policy that the search ended up with; empty without one.
     pub tried: Vec<Outcome>,
     /// Why it ended early.

@@ -6,7 +6,7 @@ use super::trial::STANDING;
 /// The part of the car that touched the pedestrian, by the place of the pedestrian's middle in the frame of the car.
 ///
 /// It is a fact beside the verdict. The paper's front sector (`front`) is another one: it reaches along the flanks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 pub enum ContactSide {
     /// In front of the line of the bumper.
     Front,

@@ -8,6 +8,12 @@ use crate::sim::{PedestrianBody, PedestrianState, WalkCommand};
 const FORGETTING: f64 = 1.0;
 /// Time after the recorded touch for which the pedestrian continues (s).
 const AFTERWARDS: f64 = 5.0;
+/// Time between the instants at which an episode without a touch is searched for danger (s).
+const EVERY: f64 = 0.2;
+/// A pedestrian beyond this distance (m) and the way of this time (s) is of no interest to any reference driver: that of RSS, which looks
+/// farthest, is 27 m at 8 m/s, and a pedestrian of 3.5 m/s adds 7 m.
+const NEAR: f64 = 15.0;
+const FORESEEN: f64 = 3.0;
 /// Time (s) over which a driver knows its own intention.
 const FORESIGHT: f64 = 2.0;
 
@@ -78,6 +84,40 @@ impl<'a> Encounter<'a> {
         encounter.walker = Some(walker);
         encounter.step_count += (AFTERWARDS / encounter.dt) as usize;
         Some(encounter)
+    }
+
+    /// The approaches of an episode without a touch, each from its start to five seconds after its end. Those in which the pedestrian stays
+    /// farther away than any reference driver looks are left out.
+    ///
+    /// The danger is looked for every fifth of a second.
+    pub fn approaches(pair: &Pair<'a>) -> Vec<Self> {
+        let every = ((EVERY / pair.dt()).round() as usize).max(1);
+        let samples = || (0..pair.len()).step_by(every);
+        let is_near = |tick: usize| {
+            let frame = pair.frame(tick);
+            let apart = frame.ego.pose.position() - frame.pedestrian.pose.position();
+            let reach = NEAR + FORESEEN * frame.ego.speed;
+            apart.norm_squared() < reach * reach
+        };
+        if !samples().any(is_near) {
+            return Vec::new();
+        }
+        let path = DrivenPath::new(pair.frames().map(|frame| frame.ego.pose));
+        let ways = ways(pair);
+        let approach = Approach { path: &path, pair, ways: &ways };
+        let (patience, afterwards) = ((FORGETTING / pair.dt()) as usize, (AFTERWARDS / pair.dt()) as usize);
+        let mut ranges: Vec<std::ops::Range<usize>> = Vec::new();
+        for tick in samples().filter(|tick| is_near(*tick) && approach.is_dangerous(&pair.frame(*tick), ways[*tick])) {
+            match ranges.last_mut() {
+                Some(range) if tick <= range.end + patience => range.end = tick,
+                _ => ranges.push(tick..tick),
+            }
+        }
+        let encounter = |range: std::ops::Range<usize>| {
+            let end = (range.end + afterwards).min(pair.len() - 1);
+            Self::between(pair, path.clone(), ways[range.start], range.start..end + 1)
+        };
+        ranges.into_iter().map(encounter).collect()
     }
 
     /// The recorded part of an encounter, without what comes after it.

@@ -16,7 +16,7 @@
 //!
 //! [`judge`] runs all drivers, an [`Inquiry`] those that are asked for. Both are pure functions of a recording.
 //!
-//! [`NearMiss`] measures how near any episode came to a touch, and [`PedestrianMotion`] whether the pedestrian moved as people do.
+//! [`FalseAlarms`] asks the same drivers about episodes that ended well. [`NearMiss`] measures how near any episode came to a touch, and [`PedestrianMotion`] whether the pedestrian moved as people do.
 //!
 //! The labels are explained at [`Label`], the drivers at [`Reference`]. Reference drivers brake with their own parameters, not with those
 //! of the car's brake.
@@ -31,6 +31,7 @@ mod contact_side;
 mod reaction;
 mod severity;
 mod inquiry;
+mod false_alarms;
 mod verdict;
 mod near_miss;
 mod oracle;
@@ -40,6 +41,7 @@ mod tests;
 pub use contact_side::ContactSide;
 pub use driven_path::{DrivenPath, Place};
 pub use encounter::{Encounter, Step};
+pub use false_alarms::FalseAlarms;
 pub use foreseeable::PedestrianMotion;
 pub use inquiry::Inquiry;
 pub use near_miss::NearMiss;

@@ -2,7 +2,7 @@ use crate::env::Pair;
 
 /// Whether the pedestrian could be seen from the driver's eye in the last [`Sight::WINDOW`] before the touch. The driver's sensors do
 /// not matter; only obstacles hide it, not the car itself.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Sight {
     /// Share of that time in which it was hidden. In a shorter episode it is the share of the episode.
     pub hidden: f64,

@@ -10,7 +10,7 @@ const TURNING: f64 = 0.05;
 pub(super) const STANDING: f64 = 0.1;
 
 /// The result of a reference driver in an encounter.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Trial {
     /// Speed at which the car touched the pedestrian (m/s); none when it avoided the touch.
     pub impact_speed: Option<f64>,

@@ -13,7 +13,7 @@ use crate::env::Pair;
 ///
 /// Which side of the car was touched does not matter: a pedestrian who walks into the flank of a car that a careful human would have stopped
 /// is a preventable collision. [`Verdict::side`] and [`Verdict::walked_into`] state the side.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 pub enum Label {
     /// A careful human avoids it, for both readings of the rule.
     Preventable,
@@ -71,7 +71,7 @@ impl Label {
 }
 
 /// The judgement of a failure.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Verdict {
     /// The label.
     pub label: Label,

@@ -230,6 +230,16 @@ pub const PREVENTABLE_PROBABILITY: Column<f64> = Column::new(
 /// Whether a reference driver avoids a collision.
 pub const AVOIDS: Family<bool> =
     Family::new("_avoids", "", "whether that reference driver touches no pedestrian while it moves");
+/// Whether a reference driver brakes for nothing.
+pub const FALSE_BRAKE: Family<bool> = Family::new(
+    "_false_brake",
+    "",
+    "whether that reference driver would have braked for nothing: in an approach in which a car that keeps its pace does not touch the \
+     pedestrian either; missing with a collision and in error",
+);
+/// Whether it stops for nothing.
+pub const FALSE_STOP: Family<bool> =
+    Family::new("_false_stop", "", "whether it would have braked to a stop for nothing");
 /// Whether its car ever moved.
 pub const MOVED: Family<bool> = Family::new(
     "_moved",

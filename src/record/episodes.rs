@@ -1,17 +1,16 @@
 use polars::prelude::{Column as Values, DataFrame};
 
 use super::columns::{
-    ADVERSARY, ATTRIBUTABLE, AVOIDS, BLOCK, COLLISION, CONTACT_SIDE, CONTROLLER, DANGER_SPEED, DIGEST, DRIVING_MODE,
-    EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE, EPISODE_LENGTH, EPISODE_REWARD, ERROR, FATALITY_RISK, FORESEEABLE,
-    FRONT, HARD, HIDDEN_SHARE, IMPACT_BEARING, IMPACT_SPEED, IN_SIGHT, LATEST_REACTION, LEAST_GAP, MARGIN, MIN_TTC,
-    MOVED, MOVING, OUTCOME, PEAK_ACCELERATION, PEAK_SPEED, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY,
-    PREVENTABLE_PROBABILITY, REWARD, RUN, RUN_ID, SEVERE_INJURY_RISK, SPEED_REDUCTION, STATE_HASHES, TICKS, TOWN,
-    TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VELOCITY_CHANGE, VERDICT, WALKED_INTO, WARNING,
+    ADVERSARY, ATTRIBUTABLE, BLOCK, COLLISION, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW,
+    EPISODE, EPISODE_LENGTH, EPISODE_REWARD, ERROR, FALSE_BRAKE, FALSE_STOP, FATALITY_RISK, FORESEEABLE, FRONT, HARD,
+    IMPACT_BEARING, IMPACT_SPEED, LEAST_GAP, MIN_TTC, MOVING, OUTCOME, PEAK_ACCELERATION, PEAK_SPEED, PEDESTRIAN_X,
+    PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, PREVENTABLE_PROBABILITY, REWARD, RUN, RUN_ID, SEVERE_INJURY_RISK,
+    STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VELOCITY_CHANGE, VERDICT, WALKED_INTO,
 };
 use super::metric::{self, Metric};
-use super::{CellKey, ColumnReference, Entry, EpisodeRow, RunKey, Table};
+use super::{CellKey, ColumnReference, Entry, EpisodeRow, RunKey, Table, verdict_columns};
 use crate::env::Ending;
-use crate::judge::{Label, NearMiss, PedestrianMotion, Reference, Trial, Verdict, fatality_risk, severe_injury_risk};
+use crate::judge::{FalseAlarms, Label, NearMiss, PedestrianMotion, Reference};
 
 /// The stem of the files of the table of episodes.
 pub const EPISODES: &str = "episodes";
@@ -96,9 +95,11 @@ pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
                 .aggregated([metric::EPISODES.at(0), metric::ERRORS.at(1)]),
         )
         .column(ERROR.of(|row: &EpisodeRow| row.outcome.fault().map_or(String::new(), |fault| fault.to_string())))
-        .column(
-            COLLISION.of(|row| hit(row).is_some()).aggregated([metric::COLLISIONS.at(2), metric::COLLISION_RATE.at(5)]),
-        )
+        .column(COLLISION.of(|row| hit(row).is_some()).aggregated([
+            metric::COLLISIONS.at(2),
+            metric::COLLISION_RATE.at(5),
+            metric::PASSED.at(40),
+        ]))
         .column(
             FRONT
                 .of(|row| hit(row).is_some_and(|hit| hit.front))
@@ -136,54 +137,53 @@ pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
     table.columns(verdicts())
 }
 
-/// The results of the reference drivers for collisions.
+/// The results of the reference drivers: the verdict on a collision, and the false alarms in an episode without one.
 fn verdicts() -> Vec<Entry<'static, EpisodeRow>> {
-    let verdict = |row: &EpisodeRow| row.verdict;
-    let labels = (0_u8..).zip(Label::ALL).map(|(place, label)| metric::labelled(label).at(13 + place));
-    let rates = [metric::PREVENTABLE_RATE.at(21), metric::PREVENTABLE_SHARE.at(22)];
-    let struck = move |row: &EpisodeRow| verdict(row).filter(|verdict| !verdict.is_standing());
-    let mut entries = vec![
-        VERDICT.of(move |row| verdict(row).map(|verdict| verdict.label.name())).aggregated(labels.chain(rates)),
-        FORESEEABLE
-            .of(move |row| verdict(row).map(|verdict| verdict.foreseeable))
-            .aggregated([metric::FORESEEABLE_COLLISIONS.at(12), metric::FORESEEABLE_RATE.at(29)]),
-        ATTRIBUTABLE.of(move |row| verdict(row).map(|verdict| verdict.is_attributable())).aggregated([
+    let judged = verdict_columns(|row: &EpisodeRow| row.verdict).into_iter().map(|entry| {
+        let metrics = verdict_metrics(entry.reference().name.as_ref());
+        entry.aggregated(metrics)
+    });
+    let mut entries: Vec<_> = judged.collect();
+    for (place, reference) in (0_u8..).zip(Reference::ALL) {
+        let name = reference.name();
+        let alarm = move |row: &EpisodeRow, alarmed: fn(&FalseAlarms, Reference) -> bool| {
+            row.false_alarms.map(|alarms| alarmed(&alarms, reference))
+        };
+        let metrics = |stops: bool| {
+            let place = 41 + 4 * place + u8::from(stops);
+            let (count, rate) = (metric::false_alarms(reference, stops), metric::false_alarm_rate(reference, stops));
+            [count.at(place), rate.at(place + 2)]
+        };
+        entries.push(FALSE_BRAKE.of(name, move |row| alarm(row, FalseAlarms::braked)).aggregated(metrics(false)));
+        entries.push(FALSE_STOP.of(name, move |row| alarm(row, FalseAlarms::stopped)).aggregated(metrics(true)));
+    }
+    entries
+}
+
+/// What runs and cells make of a column of the verdict.
+fn verdict_metrics(column: &str) -> Vec<Metric> {
+    match column {
+        name if name == VERDICT.name => {
+            let labels = (0_u8..).zip(Label::ALL).map(|(place, label)| metric::labelled(label).at(13 + place));
+            labels.chain([metric::PREVENTABLE_RATE.at(21), metric::PREVENTABLE_SHARE.at(22)]).collect()
+        }
+        name if name == FORESEEABLE.name => {
+            vec![metric::FORESEEABLE_COLLISIONS.at(12), metric::FORESEEABLE_RATE.at(29)]
+        }
+        name if name == ATTRIBUTABLE.name => vec![
             metric::ATTRIBUTABLE_COLLISIONS.at(18),
             metric::ATTRIBUTABLE_RATE.at(23),
             metric::ATTRIBUTABLE_SHARE.at(30),
-        ]),
-        LATEST_REACTION.of(move |row| verdict(row).and_then(|verdict| verdict.latest_reaction)),
-        PREVENTABLE_PROBABILITY
-            .of(move |row| struck(row).map(|verdict| verdict.preventable_probability()))
-            .aggregated([metric::PREVENTABLE_PROBABILITY.at(25), metric::EXPECTED_PREVENTABLE.at(26)]),
-        CONTACT_SIDE.of(move |row| verdict(row).map(|verdict| verdict.side.name())),
-        WALKED_INTO
-            .of(move |row| verdict(row).map(|verdict| verdict.walked_into))
-            .aggregated([metric::WALKED_INTO_COLLISIONS.at(20)]),
-        HARD.of(move |row| verdict(row).map(|verdict| verdict.is_hard()))
-            .aggregated([metric::HARD_COLLISIONS.at(19), metric::HARD_RATE.at(24)]),
-        FATALITY_RISK
-            .of(move |row| verdict(row).map(|verdict| fatality_risk(verdict.impact_speed)))
-            .aggregated([metric::FATALITY_RISK.at(27)]),
-        SEVERE_INJURY_RISK
-            .of(move |row| verdict(row).map(|verdict| severe_injury_risk(verdict.impact_speed)))
-            .aggregated([metric::SEVERE_INJURY_RISK.at(28)]),
-        DANGER_SPEED.of(move |row| verdict(row).map(|verdict| verdict.danger_speed)),
-        WARNING.of(move |row| verdict(row).map(|verdict| verdict.warning)),
-        HIDDEN_SHARE.of(move |row| verdict(row).map(|verdict| verdict.sight.hidden)),
-        IN_SIGHT.of(move |row| verdict(row).map(|verdict| verdict.sight.seen)),
-    ];
-    for reference in Reference::ALL {
-        let name = reference.name();
-        let trial = move |verdict: &Verdict| *verdict.trial(reference);
-        entries.push(AVOIDS.of(name, move |row| verdict(row).map(|verdict| trial(&verdict).is_avoided())));
-        entries.push(MOVED.of(name, move |row| verdict(row).map(|verdict| trial(&verdict).moved)));
-        let margin =
-            move |verdict: &Verdict| Some(trial(verdict)).filter(Trial::is_avoided).map(|trial| trial.least_gap);
-        entries.push(MARGIN.of(name, move |row| verdict(row).and_then(|verdict| margin(&verdict))));
-        entries.push(SPEED_REDUCTION.of(name, move |row| verdict(row).map(|verdict| verdict.reduction(reference))));
+        ],
+        name if name == PREVENTABLE_PROBABILITY.name => {
+            vec![metric::PREVENTABLE_PROBABILITY.at(25), metric::EXPECTED_PREVENTABLE.at(26)]
+        }
+        name if name == WALKED_INTO.name => vec![metric::WALKED_INTO_COLLISIONS.at(20)],
+        name if name == HARD.name => vec![metric::HARD_COLLISIONS.at(19), metric::HARD_RATE.at(24)],
+        name if name == FATALITY_RISK.name => vec![metric::FATALITY_RISK.at(27)],
+        name if name == SEVERE_INJURY_RISK.name => vec![metric::SEVERE_INJURY_RISK.at(28)],
+        _ => Vec::new(),
     }
-    entries
 }
 
 /// A touch.

@@ -3,7 +3,7 @@
 use polars::prelude::{DataFrame, DataType, Float64Chunked, PolarsResult, UInt32Chunked};
 
 use super::{Column, ColumnReference, Family, Kind, columns};
-use crate::judge::Label;
+use crate::judge::{Label, Reference};
 
 /// A number that is calculated from the episodes of a run and from the runs of a cell. It is a column of the table of runs.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,6 +46,8 @@ pub enum Which {
     True(&'static str),
     /// Those with this verdict.
     Labelled(Label),
+    /// Those without error and without a collision.
+    Passed,
 }
 
 /// A mean over episodes. Over all episodes without error, a missing value counts as 0.
@@ -212,6 +214,54 @@ pub const WALKED_INTO_COLLISIONS: Count = Count::new(
     Which::True(columns::WALKED_INTO.name),
     "number of collisions in which the pedestrian walked into the side or the rear",
 );
+
+/// Number of episodes that ended well.
+pub const PASSED: Count =
+    Count::new("passed_episodes", Which::Passed, "number of episodes without a collision and without error");
+
+/// Number of episodes in which a reference driver brakes (`stops` false) or stops for nothing.
+pub const fn false_alarms(reference: Reference, stops: bool) -> Count {
+    let column = false_alarm_names(reference)[stops as usize];
+    let (suffix, doc) = if stops {
+        ("_false_stops", "number of episodes in which that reference driver would have braked to a stop for nothing")
+    } else {
+        ("_false_brakes", "number of episodes in which that reference driver would have braked for nothing")
+    };
+    Count { stem: reference.name(), suffix, doc, which: Which::True(column) }
+}
+
+/// The share of the episodes that ended well in which it does so.
+pub const fn false_alarm_rate(reference: Reference, stops: bool) -> Rate {
+    let name = false_alarm_names(reference)[2 + stops as usize];
+    let doc = if stops {
+        "false stops of all episodes that *ended well*; missing without any"
+    } else {
+        "false brakes of all episodes that *ended well*; missing without any"
+    };
+    Rate::new(name, false_alarms(reference, stops), PASSED, doc)
+}
+
+/// The columns of episodes and the rates: brakes and stops, brakes and stops.
+const fn false_alarm_names(reference: Reference) -> [&'static str; 4] {
+    macro_rules! names {
+        ($name:literal) => {
+            [
+                concat!($name, "_false_brake"),
+                concat!($name, "_false_stop"),
+                concat!($name, "_false_brake_rate"),
+                concat!($name, "_false_stop_rate"),
+            ]
+        };
+    }
+    match reference {
+        Reference::CarefulHuman => names!("cc"),
+        Reference::AttentiveHuman => names!("cc_attentive"),
+        Reference::FuzzySafety => names!("fsm"),
+        Reference::Rss => names!("rss"),
+        Reference::IdealBrake => names!("ideal"),
+        Reference::Bound => names!("bound"),
+    }
+}
 
 /// Number of collisions with a verdict.
 pub const fn labelled(label: Label) -> Count {

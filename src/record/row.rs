@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use super::RunKey;
 use crate::env::Outcome;
-use crate::judge::{NearMiss, PedestrianMotion, Verdict};
+use crate::judge::{FalseAlarms, NearMiss, PedestrianMotion, Verdict};
 
 /// One episode of an evaluation.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,6 +15,8 @@ pub struct EpisodeRow {
     pub outcome: Outcome,
     /// The verdict of the reference drivers; none without a collision.
     pub verdict: Option<Verdict>,
+    /// The reference drivers that would have braked for nothing; none with a collision.
+    pub false_alarms: Option<FalseAlarms>,
     /// How near it came to a touch.
     pub near_miss: NearMiss,
     /// What the pedestrian did with its body.

@@ -2,7 +2,7 @@ use super::*;
 use crate::av::{DrivingMode, Fault};
 use crate::env::{Ending, Outcome, Spawn};
 use crate::geometry::Pose;
-use crate::judge::{ContactSide, Label, NearMiss, Reference, Sight, Trial, Verdict};
+use crate::judge::{ContactSide, FalseAlarms, Label, NearMiss, Reference, Sight, Trial, Verdict};
 use crate::statistics::Weighted;
 
 fn key() -> RunKey {
@@ -50,6 +50,7 @@ fn row(episode: u32, ending: Ending) -> EpisodeRow {
             impact_speed: 4.0,
             trials: [trial; Reference::COUNT],
         }),
+        false_alarms: (!hit).then(FalseAlarms::default),
         near_miss: NearMiss { min_ttc: Some(0.75), pet: None },
         motion: Default::default(),
         weight: 1.0,

@@ -23,6 +23,7 @@ pub fn catalogue() -> Vec<TableReference> {
         aggregate::search_table().reference(),
         aggregate::search_cell_columns().reference(),
         aggregate::failure_table().reference(),
+        aggregate::search_kind_columns().reference(),
         aggregate::tick_table().reference(),
     ]);
     all

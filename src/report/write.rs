@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use super::aggregate::{CELLS, RUNS};
+use super::aggregate::{CELLS, RUNS, SEARCH_KINDS};
 use super::failure_modes::{self, CellModes};
 use super::render::{
     Section, accumulation_figure, file_names, mode_panels, modes_section, published_section, rule_bars, search_section,
@@ -8,7 +8,7 @@ use super::render::{
 };
 use super::{
     FailureModes, Gathered, Manifest, Metrics, ReportFolder, WriteError, beside, infer, learning_curve, published,
-    search_cell_table, search_cells, search_failures, searches, town_map,
+    search_cell_table, search_cells, search_failures, search_kind_table, search_kinds, searches, town_map,
 };
 use crate::campaign::Finished;
 use crate::compile::{Campaign, TrainingKey};
@@ -83,6 +83,7 @@ pub fn write(
         folder.table("searches", &searches(&finished.searches))?;
         folder.table("search_cells", &search_cell_table(&searched))?;
         folder.table("search_failures", &search_failures(&finished.searches))?;
+        folder.table(SEARCH_KINDS, &search_kind_table(&search_kinds(&finished.searches)))?;
         sections.push(search_section(&searched));
     }
     sections.extend(trainings_section(&finished.trainings));

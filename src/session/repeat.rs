@@ -7,7 +7,7 @@ use crate::campaign::{SearchResult, watch};
 use crate::compile::{Evaluation, Search};
 use crate::env::{Outcome, Scenario, Trace};
 use crate::falsifier::{Failure, SearchOutcome, follow};
-use crate::judge::{NearMiss, PedestrianMotion, Verdict, judge};
+use crate::judge::{FalseAlarms, NearMiss, PedestrianMotion, Verdict, judge};
 use crate::record::{self, EpisodeRow, RunKey};
 use crate::report::{self, Difference};
 
@@ -65,6 +65,7 @@ impl Source {
             episode: name.number,
             outcome,
             verdict,
+            false_alarms: FalseAlarms::new(&pair).filter(|_| outcome.fault().is_none()),
             near_miss,
             motion: PedestrianMotion::new(&pair),
             weight: 1.0,
@@ -85,11 +86,11 @@ impl Source {
             return Err(Error::CommandsDiffer { name });
         };
         let failure = Failure { start: failure.start, ticks: failure.ticks, commands: failure.commands, outcome };
+        let verdict = judge(&trace.main_pair(&search.scenario));
         // In a table of this failure alone it would be the first one. If it is no collision now, there is no row to compare.
-        let again = if outcome.is_collision() { search_row(search, failure) } else { Default::default() };
+        let again = if outcome.is_collision() { search_row(search, failure, verdict) } else { Default::default() };
         let key = &search.key;
         let title = format!("found by {key}");
-        let verdict = judge(&trace.main_pair(&search.scenario));
         self.compared(name, title, &search.scenario, (outcome, trace, verdict), &stored, &again)
     }
 
@@ -129,8 +130,9 @@ impl Source {
 }
 
 /// The row of a failure in the table of its search.
-fn search_row(search: &Search, failure: Failure) -> report::Row {
+fn search_row(search: &Search, failure: Failure, verdict: Option<Verdict>) -> report::Row {
     let spent = SearchOutcome { ticks: 0, episodes: 0, starts: 0, failures: vec![failure], stopped: false };
     let key = search.key.clone();
-    report::search_failures(&[SearchResult { key, budget: search.budget, spent, tried: Vec::new(), error: None }])
+    let (budget, verdicts, tried) = (search.budget, vec![verdict], Vec::new());
+    report::search_failures(&[SearchResult { key, budget, spent, verdicts, tried, error: None }])
 }

@@ -10,6 +10,7 @@ use crate::campaign::{Claim, Progress, ResultStore, SearchResult, Task, TaskErro
 use crate::compile::Campaign;
 use crate::env::Outcome;
 use crate::falsifier::{SearchOutcome, TrainingRun};
+use crate::judge::Verdict;
 use crate::record::{self, Chunk, Chunks, EpisodeRow, Tally};
 use crate::rl::Trained;
 
@@ -52,6 +53,7 @@ struct InHand {
 #[derive(Serialize, Deserialize)]
 struct Record {
     spent: SearchOutcome,
+    verdicts: Vec<Option<Verdict>>,
     tried: Vec<Outcome>,
 }
 
@@ -260,12 +262,13 @@ impl ResultStore for CampaignStore<'_> {
         if record.is_none() {
             self.store.damaged(self.id(task));
         }
-        let Record { spent, tried } = record?;
-        Some(SearchResult { key: planned.key.clone(), budget: planned.budget, spent, tried, error: None })
+        let Record { spent, verdicts, tried } = record?;
+        Some(SearchResult { key: planned.key.clone(), budget: planned.budget, spent, verdicts, tried, error: None })
     }
 
     fn keep_search(&self, search: usize, result: &SearchResult) {
-        let record = Record { spent: result.spent.clone(), tried: result.tried.clone() };
+        let (verdicts, tried) = (result.verdicts.clone(), result.tried.clone());
+        let record = Record { spent: result.spent.clone(), verdicts, tried };
         // An episode in error, or a reward that is not a number, cannot be stored. Such a search is run again.
         let Ok(bytes) = serde_json::to_vec(&record) else { return };
         if serde_json::from_slice::<Record>(&bytes).is_ok_and(|read| read.spent == record.spent) {

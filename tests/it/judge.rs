@@ -221,3 +221,47 @@ fn an_earlier_approach_is_not_this_danger() {
     let (scenario, short) = run_out(&[], |time| if !(0.5..1.0).contains(&time) { 1.39 } else { 0.0 });
     assert!((judge(&short.main_pair(&scenario)).unwrap().warning - 3.0).abs() < 1e-9);
 }
+
+#[test]
+fn zz_timing() {
+    use falsify::internal::env::TestOracle;
+    use falsify::internal::judge::{FalseAlarms, Inquiry, NearMiss, ReferenceOracle};
+    for policy in ["behavior", "blind"] {
+        let scenario = scenario(policy);
+        let begun = std::time::Instant::now();
+        let all = episodes(&scenario, 300);
+        let simulated = begun.elapsed().as_secs_f64();
+        let time = |what: &str, f: &mut dyn FnMut(&falsify::internal::env::Pair<'_>) -> bool| {
+            for hit in [true, false] {
+                let (mut n, mut best) = (0, f64::INFINITY);
+                for _ in 0..5 {
+                    n = 0;
+                    let begun = std::time::Instant::now();
+                    for (_, trace) in all.iter().filter(|(outcome, _)| outcome.is_collision() == hit) {
+                        f(&trace.main_pair(&scenario));
+                        n += 1;
+                    }
+                    best = best.min(begun.elapsed().as_secs_f64());
+                }
+                if n > 0 {
+                    println!("{policy} {what} hit {hit}: {:.1} us x {n}", 1e6 * best / f64::from(n));
+                }
+            }
+        };
+        println!("{policy} simulated {:.1} us an episode", 1e6 * simulated / all.len() as f64);
+        time("encounter", &mut |pair| Encounter::new(pair).is_some());
+        time("inquiry", &mut |pair| Inquiry::new(pair).is_some());
+        time("preventable", &mut |pair| Inquiry::new(pair).is_some_and(|mut i| i.is_preventable()));
+        time("probability", &mut |pair| Inquiry::new(pair).is_some_and(|mut i| i.preventable_probability() > 0.5));
+        time("oracle", &mut |pair| pair.contact().is_some() && ReferenceOracle.judge(pair).preventable);
+        time("judge", &mut |pair| judge(pair).is_some());
+        time("near", &mut |pair| NearMiss::new(pair).pet.is_some());
+        time("false alarms", &mut |pair| FalseAlarms::new(pair).is_some());
+        let sum = |f: &dyn Fn(&FalseAlarms) -> bool| {
+            all.iter().filter_map(|(_, t)| FalseAlarms::new(&t.main_pair(&scenario))).filter(f).count()
+        };
+        for r in Reference::ALL {
+            println!("{policy} {} brakes {} stops {}", r.name(), sum(&|a| a.braked(r)), sum(&|a| a.stopped(r)));
+        }
+    }
+}

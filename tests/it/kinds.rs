@@ -50,6 +50,7 @@ fn rows(evaluation: &Evaluation, seed: &Seed) -> Vec<EpisodeRow> {
         episode,
         outcome,
         verdict,
+        false_alarms: None,
         near_miss,
         motion: Default::default(),
         weight: 1.0,

@@ -1,6 +1,6 @@
 use polars::prelude::*;
 
-use crate::judge::Label;
+use crate::judge::{Label, Reference};
 use crate::record::metric::{self, How, Which};
 use crate::record::{self, CellKey, ColumnReference, Metric, TableReference, columns};
 use crate::statistics::{Weighted, wilson};
@@ -64,6 +64,10 @@ pub struct Cell {
     pub foreseeable: u32,
     /// The number of collisions in which the pedestrian walked into the side or the rear.
     pub walked_into: u32,
+    /// The number of episodes without a collision.
+    pub passed: u32,
+    /// The number of these in which each reference driver would have braked for nothing, and to a stop, in the order of [`Reference::ALL`].
+    pub false_alarms: [[u32; 2]; Reference::COUNT],
     /// The expected rate of collisions that a driver drawn at random would have avoided, of all episodes.
     pub expected_preventable: Spread,
 }
@@ -155,6 +159,7 @@ fn counted(which: Which) -> Expr {
         Which::Valid => valid(),
         Which::InError => valid().not(),
         Which::True(column) => col(column).fill_null(lit(false)),
+        Which::Passed => valid().and(col(columns::COLLISION.name).not()),
         Which::Labelled(label) => col(columns::VERDICT.name).eq(lit(label.name())).fill_null(lit(false)),
     };
     counts.cast(DataType::UInt32).sum()
@@ -234,7 +239,15 @@ impl Metrics {
             for (found, label) in labels.iter_mut().zip(Label::ALL) {
                 *found = count(metric::labelled(label), row)?;
             }
+            let mut false_alarms = [[0; 2]; Reference::COUNT];
+            for (found, reference) in false_alarms.iter_mut().zip(Reference::ALL) {
+                for (found, stops) in found.iter_mut().zip([false, true]) {
+                    *found = count(metric::false_alarms(reference, stops), row)?;
+                }
+            }
             Ok(Cell {
+                passed: count(metric::PASSED, row)?,
+                false_alarms,
                 key: CellKey::read(frame, row)?,
                 runs: count(metric::RUNS, row)?,
                 episodes: count(metric::EPISODES, row)?,
@@ -267,7 +280,7 @@ mod tests {
     use crate::av::{DrivingMode, Fault};
     use crate::env::{Ending, Outcome, Spawn};
     use crate::geometry::Pose;
-    use crate::judge::{ContactSide, Reference, Sight, Trial, Verdict};
+    use crate::judge::{ContactSide, Sight, Trial, Verdict};
     use crate::record::{EpisodeRow, RunKey, episodes};
 
     fn row(run: u32, episode: u32, hit: Option<(bool, f64)>) -> EpisodeRow {
@@ -320,6 +333,7 @@ mod tests {
                 state_hashes: Default::default(),
             },
             verdict,
+            false_alarms: None,
             near_miss: crate::judge::NearMiss::default(),
             motion: Default::default(),
             weight: 1.0,

@@ -10,6 +10,7 @@ mod gathered;
 mod learning_curve;
 mod survival;
 mod searches;
+mod search_kinds;
 mod published;
 mod ticks;
 mod tick_file;
@@ -19,6 +20,7 @@ pub use gathered::{Gathered, gather};
 pub use learning_curve::{learning_curve, learning_curve_table};
 pub use metrics::{CELLS, Cell, Metrics, RUNS, Spread, metrics, references};
 pub use published::{Agreement, PublishedComparison, beside, published, published_table};
+pub use search_kinds::{SEARCH_KINDS, SearchKind, search_kind_columns, search_kind_table, search_kinds};
 pub use searches::{
     Average, COMMANDS, FAILURE, FAILURES, FOUND_AFTER, START, SearchCell, failure_table, search_cell_columns,
     search_cell_table, search_cells, search_failures, search_table, searches,

@@ -2,28 +2,34 @@ use std::collections::BTreeSet;
 
 use polars::prelude::DataFrame;
 
+use super::search_kinds;
 use super::survival::{MedianTime, median_time};
 use crate::analysis::Impact;
 use crate::campaign::SearchResult;
 use crate::compile::SearchKey;
 use crate::env::{Ending, Outcome};
 use crate::falsifier::Failure;
+use crate::judge::Verdict;
 use crate::record::columns::{
     BLOCK, DIGEST, DRIVING_MODE, EPISODE_LENGTH, EPISODE_REWARD, IMPACT, IMPACT_SPEED, MOTION, POLICY, REWARD, RUN,
     RUN_ID, STATE_HASHES, TOWN,
 };
 use crate::record::metric::MEAN;
-use crate::record::{Column, Entry, Interval, Table};
+use crate::record::{Column, Entry, Interval, Table, verdict_columns};
 use crate::statistics::mean_interval;
 
 /// The figures of a search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figures {
+    ticks: u64,
     failures: usize,
     failed_starts: usize,
     failure_rate: Option<f64>,
     first: Option<u64>,
     distinct: usize,
+    /// The number of failures, and the number of their kinds, of those that are preventable and of those that are attributable.
+    preventable: [usize; 2],
+    attributable: [usize; 2],
     evaluated_collisions: usize,
     evaluated_rate: Option<f64>,
 }
@@ -33,13 +39,23 @@ impl Figures {
         let spent = &result.spent;
         let share = |part: usize, whole: u64| (whole > 0).then(|| part as f64 / whole as f64);
         let kinds: BTreeSet<_> = spent.failures.iter().map(|failure| kind(&failure.outcome)).collect();
+        let judged = |counts: fn(&Verdict) -> bool| {
+            let found = spent.failures.iter().zip(&result.verdicts);
+            let found =
+                found.filter_map(|(failure, verdict)| Some((failure, verdict.as_ref().filter(|all| counts(all))?)));
+            let kinds: Vec<_> = found.map(|(failure, verdict)| search_kinds::kind(&failure.outcome, verdict)).collect();
+            [kinds.len(), kinds.into_iter().collect::<BTreeSet<_>>().len()]
+        };
         let evaluated_collisions = result.tried.iter().filter(|outcome| outcome.is_collision()).count();
         Self {
+            ticks: spent.ticks,
             failures: spent.failures.len(),
             failed_starts: spent.failures.iter().map(|failure| failure.start).collect::<BTreeSet<_>>().len(),
             failure_rate: share(spent.failures.len(), spent.episodes),
             first: spent.failures.first().map(|failure| failure.ticks),
             distinct: kinds.len(),
+            preventable: judged(Verdict::is_preventable),
+            attributable: judged(Verdict::is_attributable),
             evaluated_collisions,
             evaluated_rate: share(evaluated_collisions, result.tried.len() as u64),
         }
@@ -54,6 +70,11 @@ fn kind(outcome: &Outcome) -> (Impact, bool, &'static str) {
         }
         _ => unreachable!("a failure is a collision"),
     }
+}
+
+/// The number of events in a million ticks.
+fn per_million(count: usize, ticks: u64) -> Option<f64> {
+    (ticks > 0).then(|| count as f64 * 1e6 / ticks as f64)
 }
 
 /// All runs of a falsifier in one town against one policy, for people.
@@ -77,6 +98,14 @@ pub struct SearchCell {
     pub failed_starts: Average,
     /// The number of kinds of failures.
     pub distinct: Average,
+    /// Preventable failures.
+    pub preventable: Average,
+    /// Preventable failures with a foreseeable pedestrian.
+    pub attributable: Average,
+    /// These in a million ticks.
+    pub attributable_per_million: Average,
+    /// Kinds of these in a million ticks.
+    pub distinct_attributable_per_million: Average,
     /// Collision rate of the walk policy that it ended up with.
     pub evaluated_rate: Average,
 }
@@ -124,6 +153,10 @@ fn gather(cell: &[&SearchResult]) -> SearchCell {
         failures: over(&|figures| Some(figures.failures as f64)),
         failed_starts: over(&|figures| Some(figures.failed_starts as f64)),
         distinct: over(&|figures| Some(figures.distinct as f64)),
+        preventable: over(&|figures| Some(figures.preventable[0] as f64)),
+        attributable: over(&|figures| Some(figures.attributable[0] as f64)),
+        attributable_per_million: over(&|figures| per_million(figures.attributable[0], figures.ticks)),
+        distinct_attributable_per_million: over(&|figures| per_million(figures.attributable[1], figures.ticks)),
         evaluated_rate: share(over(&|figures| figures.evaluated_rate)),
     }
 }
@@ -159,10 +192,14 @@ const FAILURE_RATE: &str = "failure_rate";
 const FAILED_STARTS: &str = "failed_starts";
 const FIRST_FAILURE: &str = "first_failure_ticks";
 const DISTINCT: &str = "distinct_failures";
+const PREVENTABLE: &str = "preventable_failures";
+const ATTRIBUTABLE: &str = "attributable_failures";
+const ATTRIBUTABLE_PER_MILLION: &str = "attributable_per_million_ticks";
+const DISTINCT_PER_MILLION: &str = "distinct_attributable_per_million_ticks";
 const EVALUATED_RATE: &str = "evaluated_rate";
 
 /// The columns of a search's key, without the run.
-fn search_key<'t, R>(key: impl Fn(&R) -> &SearchKey + Copy + 't) -> [Entry<'t, R>; 6] {
+pub(super) fn search_key<'t, R>(key: impl Fn(&R) -> &SearchKey + Copy + 't) -> [Entry<'t, R>; 6] {
     [
         FALSIFIER.of(move |row: &R| key(row).falsifier.clone()),
         Column::<String>::new("method", "", "kind of the falsifier").of(move |row: &R| key(row).method),
@@ -248,6 +285,27 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
         )
         .of(|row: &Row<'_>| row.1.distinct as u64),
     )
+    .column(count(PREVENTABLE, "", "failures that both careful humans avoid").of(|row: &Row<'_>| row.1.preventable[0] as u64))
+    .column(
+        count(ATTRIBUTABLE, "", "preventable failures with a foreseeable pedestrian")
+            .of(|row: &Row<'_>| row.1.attributable[0] as u64),
+    )
+    .column(
+        count("distinct_preventable", "", "different kinds of preventable failures: as `distinct_failures`, and whether the pedestrian was occluded")
+            .of(|row: &Row<'_>| row.1.preventable[1] as u64),
+    )
+    .column(
+        count("distinct_attributable", "", "different kinds of attributable failures")
+            .of(|row: &Row<'_>| row.1.attributable[1] as u64),
+    )
+    .column(
+        number(ATTRIBUTABLE_PER_MILLION, "", "attributable failures in a million of the ticks that the search used")
+            .of(|row: &Row<'_>| per_million(row.1.attributable[0], row.1.ticks)),
+    )
+    .column(
+        number(DISTINCT_PER_MILLION, "", "different kinds of attributable failures in a million of these ticks")
+            .of(|row: &Row<'_>| per_million(row.1.attributable[1], row.1.ticks)),
+    )
     .column(
         count(
             "evaluated_episodes",
@@ -294,6 +352,10 @@ pub fn search_cell_columns() -> Table<'static, SearchCell> {
     .columns(averaged(FAILURE_COUNT, |cell| cell.failures))
     .columns(averaged(FAILED_STARTS, |cell| cell.failed_starts))
     .columns(averaged(DISTINCT, |cell| cell.distinct))
+    .columns(averaged(PREVENTABLE, |cell| cell.preventable))
+    .columns(averaged(ATTRIBUTABLE, |cell| cell.attributable))
+    .columns(averaged(ATTRIBUTABLE_PER_MILLION, |cell| cell.attributable_per_million))
+    .columns(averaged(DISTINCT_PER_MILLION, |cell| cell.distinct_attributable_per_million))
     .columns(averaged(EVALUATED_RATE, |cell| cell.evaluated_rate))
 }
 
@@ -306,11 +368,15 @@ fn averaged(name: &'static str, value: fn(&SearchCell) -> Average) -> Vec<Entry<
 }
 
 /// A failure of a search with its number.
-pub type Found<'a> = (&'a SearchResult, &'a Failure, u64);
+pub type Found<'a> = (&'a SearchResult, &'a Failure, u64, Option<Verdict>);
 
 /// The failures of all searches as a table, one row each, in the order in which they were found.
 pub fn search_failures<'a>(results: &'a [SearchResult]) -> DataFrame {
-    let numbered = |result: &'a SearchResult| (0..).zip(&result.spent.failures).map(move |(k, each)| (result, each, k));
+    let numbered = |result: &'a SearchResult| {
+        let verdict = |number: usize| result.verdicts.get(number).copied().flatten();
+        let failures = result.spent.failures.iter().enumerate();
+        failures.map(move |(number, each)| (result, each, number as u64, verdict(number)))
+    };
     let rows: Vec<Found<'_>> = results.iter().flat_map(numbered).collect();
     failure_table().frame(&rows)
 }
@@ -334,6 +400,7 @@ pub fn failure_table<'a>() -> Table<'a, Found<'a>> {
         .column(COMMANDS.of(|row: &Row<'_>| commands(row.1)))
         .column(DIGEST.of(|row: &Row<'_>| format!("{:016x}", row.1.outcome.digest)))
         .column(STATE_HASHES.of(|row: &Row<'_>| row.1.outcome.state_hashes.to_string()))
+        .columns(verdict_columns(|row: &Row<'_>| row.3))
 }
 
 /// Commands as `heading@speed` (rad, m/s), with all digits that are needed to read the same numbers back.

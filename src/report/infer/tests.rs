@@ -48,6 +48,7 @@ fn run(controller: &str, reward: &str, run: u32, town: &str, word: &str) -> Data
                 state_hashes: Default::default(),
             },
             verdict: None,
+            false_alarms: None,
             near_miss: NearMiss { min_ttc: Some(episode as f64), pet: None },
             motion: Default::default(),
             weight: 1.0,

@@ -3,8 +3,9 @@ use std::ops::ControlFlow;
 
 use super::super::town::Scenery;
 use super::{ModeCard, Replay};
-use crate::campaign::{TrainingResult, watch};
-use crate::compile::{Campaign, ControllerKind, Evaluation};
+use crate::campaign::{Finished, TrainingResult, watch};
+use crate::compile::{Campaign, ControllerKind, Evaluation, Search};
+use crate::falsifier::follow;
 use crate::judge::judge;
 use crate::rl::ActorCritic;
 use crate::seed::Seed;
@@ -14,7 +15,7 @@ const PLAYERS: usize = 12;
 
 /// Puts the cards in the order of the page and repeats the examples of those with a player. Trained pedestrians come first: of these the
 /// most frequent kind of each cell, then the next of each.
-pub fn repeat_examples(cards: &mut [ModeCard], campaign: &Campaign, trainings: &[TrainingResult], seed: &Seed) {
+pub fn repeat_examples(cards: &mut [ModeCard], campaign: &Campaign, finished: &Finished, seed: &Seed) {
     cards.sort_by_key(|card| std::cmp::Reverse(card.failures));
     let mut seen: BTreeMap<(String, String), usize> = BTreeMap::new();
     cards.sort_by_cached_key(|card| {
@@ -23,8 +24,16 @@ pub fn repeat_examples(cards: &mut [ModeCard], campaign: &Campaign, trainings: &
         (!card.trained, *rank)
     });
     let mut scenery: BTreeMap<String, Scenery> = BTreeMap::new();
+    let trainings = &finished.trainings;
     for card in cards.iter_mut().take(PLAYERS) {
         let Some((run, episode)) = card.example.split_once(':') else { continue };
+        if let Some(search) = campaign.searches.iter().find(|planned| planned.key.id.to_string() == run) {
+            let town = &search.scenario.town;
+            let scenery = scenery.entry(search.key.town.clone()).or_insert_with(|| Scenery::new(town));
+            card.replay =
+                episode.parse().ok().and_then(|number| repeat_failure(search, finished, seed, number, scenery));
+            continue;
+        }
         let Some(evaluation) = campaign.evaluations.iter().find(|planned| planned.id.to_string() == run) else {
             continue;
         };
@@ -64,4 +73,20 @@ fn repeat(
         &mut |_| ControlFlow::Continue(()),
     );
     replays.into_iter().next()
+}
+
+/// Repeats a failure of a search for the player; none when it ends otherwise.
+fn repeat_failure(
+    search: &Search,
+    finished: &Finished,
+    seed: &Seed,
+    number: usize,
+    scenery: &Scenery,
+) -> Option<Replay> {
+    let result = finished.searches.iter().find(|result| result.key == search.key)?;
+    let failure = result.spent.failures.get(number)?;
+    let scenario = &search.scenario;
+    let (outcome, trace) = follow(scenario, search.starts(seed), failure.start, &failure.commands)?;
+    let verdict = result.verdicts.get(number).copied().flatten();
+    Some(Replay::new(scenario, scenery, &outcome, &trace, verdict.as_ref()))
 }

@@ -1,13 +1,15 @@
 use super::examples::repeat_examples;
 use super::identity::{Named, named};
 use super::{Contents, ModeCard, page};
-use crate::analysis::Impact;
+use crate::analysis::{Impact, Kind};
 use crate::campaign::Finished;
 use crate::compile::Campaign;
 use crate::record::CellKey;
 use crate::report::failure_modes::{CellModes, Mode};
 use crate::report::render::sections::{comparisons, published_section, search_section, transfer};
-use crate::report::{Cell, Gathered, Manifest, ReportFolder, WriteError, beside, search_cells};
+use crate::report::{
+    Cell, Gathered, Manifest, ReportFolder, SearchKind, WriteError, beside, search_cells, search_kinds,
+};
 use crate::seed::Seed;
 
 /// Writes the page of a report, and its figures as files.
@@ -27,7 +29,8 @@ pub fn write_page(
     let names = named(cells);
     let mut cards: Vec<ModeCard> =
         modes.iter().flat_map(|cell| cell.modes.iter().filter_map(|mode| card(&cell.key, mode, &names))).collect();
-    repeat_examples(&mut cards, campaign, &finished.trainings, &Seed::root(manifest.seed));
+    cards.extend(search_kinds(&finished.searches).iter().map(searched_card));
+    repeat_examples(&mut cards, campaign, finished, &Seed::root(manifest.seed));
     let published = beside(&campaign.published, cells);
     let searched = search_cells(&finished.searches);
     let searches = (!searched.is_empty()).then(|| search_section(&searched));
@@ -56,42 +59,59 @@ pub fn write_page(
 /// The card of a mode; none for cells without a row on the page.
 fn card(key: &CellKey, mode: &Mode, names: &[Named<'_>]) -> Option<ModeCard> {
     let named = names.iter().find(|named| named.cell.key == *key)?;
+    let [low, middle, high] = mode.mode.impact_speed;
+    let speed = format!("Half of them at {middle:.1} m/s or more, most between {low:.1} and {high:.1}");
     let example = mode.example_name();
     let mode = &mode.mode;
-    let kind = mode.kind;
+    Some(ModeCard {
+        place: named.place.clone(),
+        who: named.who.clone(),
+        trained: key.is_trained(),
+        failures: (mode.share * f64::from(named.cell.collisions)).round() as usize,
+        share: mode.share,
+        impact_speed: middle,
+        length: mode.length,
+        example,
+        ..of_kind(mode.kind, &speed, mode.length)
+    })
+}
+
+/// The card of a kind of failure that searches found.
+fn searched_card(found: &SearchKind) -> ModeCard {
+    let speed = format!("Half of them at {:.1} m/s or more", found.impact_speed);
+    ModeCard {
+        place: format!("{} · {}", found.key.town, found.key.policy),
+        who: format!("search: {}", found.key.falsifier),
+        failures: found.failures,
+        share: found.share,
+        impact_speed: found.impact_speed,
+        length: found.length,
+        example: found.example_name(),
+        ..of_kind(found.kind, &speed, found.length)
+    }
+}
+
+/// The words about a kind of collision, with a usual time of the contact (s).
+fn of_kind(kind: Kind, speed: &str, length: f64) -> ModeCard {
     let side = match kind.impact {
         Impact::Front => "the front",
         Impact::Left => "the left side",
         Impact::Right => "the right side",
         Impact::Rear => "the rear",
     };
-    let [low, middle, high] = mode.impact_speed;
-    let speed = if kind.moving {
-        format!("Half of them at {middle:.1} m/s or more, most between {low:.1} and {high:.1}")
-    } else {
-        "The car stood".into()
-    };
+    let speed = if kind.moving { speed } else { "The car stood" };
     let late = if kind.occluded { " The pedestrian came into sight too late for a careful human." } else { "" };
-    Some(ModeCard {
-        place: named.place.clone(),
-        who: named.who.clone(),
+    let mode = kind.mode.name().replace('_', " ");
+    ModeCard {
         title: if kind.moving {
             format!("Into {side} of the moving car")
         } else {
             format!("At {side} of the standing car")
         },
         about: format!(
-            "{speed}; contact after {:.1} s. At the last decision the driver’s mode was {}.{late}",
-            mode.length,
-            kind.mode.name().replace('_', " ")
+            "{speed}; contact after {length:.1} s. At the last decision the driver’s mode was {mode}.{late}"
         ),
-        trained: key.is_trained(),
         verdict: kind.verdict.name(),
-        failures: (mode.share * f64::from(named.cell.collisions)).round() as usize,
-        share: mode.share,
-        impact_speed: middle,
-        length: mode.length,
-        example,
-        replay: None,
-    })
+        ..ModeCard::default()
+    }
 }

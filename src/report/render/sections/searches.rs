@@ -12,6 +12,8 @@ pub fn search_section(cells: &[SearchCell]) -> Section {
         Column::text("failures of episodes").detail(),
         Column::text("failed starts"),
         Column::text("kinds of failures"),
+        Column::text("attributable failures"),
+        Column::text("kinds of these per million ticks"),
         Column::text("evaluated afterwards"),
     ]);
     let row = |cell: &SearchCell| {
@@ -25,6 +27,8 @@ pub fn search_section(cells: &[SearchCell]) -> Section {
             average(cell.failure_rate, 3),
             average(cell.failed_starts, 1),
             average(cell.distinct, 1),
+            average(cell.attributable, 1),
+            average(cell.distinct_attributable_per_million, 1),
             average(cell.evaluated_rate, 2),
         ]
     };
@@ -42,6 +46,7 @@ pub fn search_section(cells: &[SearchCell]) -> Section {
                 .into(),
             "A falsifier that leaves a start when it has failed spends few episodes on failures. So compare *failed starts* between \
              methods, not failures of episodes. A kind of failure is the side of the impact, whether the car moved, and what its driver was doing. \
+             A failure is *attributable* when both careful humans avoid it and the pedestrian moves as people do; its kind also says whether it was occluded. \
              *Evaluated afterwards* is the collision rate of the controller with which the falsifier ends, in fresh episodes; `–` if there is none."
                 .into(),
         ],
