@@ -6,14 +6,14 @@ use clap::Args;
 
 use super::console;
 use super::exit_code::ExitCode;
-use crate::report::{self, Gate, Judged, Suite};
+use crate::report::{self, Gate, Judged, SearchCell, Suite};
 use crate::session::{CampaignReport, RunReport};
 
 /// Options that make a run pass or fail.
 #[derive(Debug, Default, Args)]
 pub struct GateOptions {
     /// Fail (exit code 7) when this is true of a cell, as 'preventable_rate > 0.05' or 'collision_rate_wilson_low > 0.2 and town == village':
-    /// columns of the table `cells`; may be given several times.
+    /// columns of the table `cells`, or of `search_cells`, as 'attributable_failures > 0'; may be given several times.
     #[arg(long, value_name = "CONDITION")]
     pub fail_if: Vec<String>,
     /// Also write the results as JUnit XML, one test case for each cell.
@@ -42,6 +42,7 @@ impl GateOptions {
         let suite = |report: &CampaignReport| Suite {
             manifest: report.manifest.clone(),
             cells: report.cells.clone(),
+            searches: report.searches.clone(),
             gates: report.gates.clone(),
         };
         let suites: Vec<Suite> = run.reports().map(suite).collect();
@@ -56,8 +57,13 @@ impl GateOptions {
 pub fn show(report: &CampaignReport) {
     let campaign = &report.manifest.campaign;
     for (gate, judged) in &report.gates {
-        for (cell, judged) in report.cells.iter().zip(judged) {
-            let cell = format!("{campaign}, {}", cell.key.in_full());
+        let names: Vec<String> = if gate.is_about_searches() {
+            report.searches.iter().map(SearchCell::in_full).collect()
+        } else {
+            report.cells.iter().map(|cell| cell.key.in_full()).collect()
+        };
+        for (name, judged) in names.iter().zip(judged) {
+            let cell = format!("{campaign}, {name}");
             match judged {
                 Judged::Broken(values) => {
                     console::fail(&format!("--fail-if {}: {} in {cell}", gate.text(), report::shown(values)));

@@ -49,7 +49,7 @@ pub struct CampaignReport {
     pub cells: Vec<Cell>,
     /// Means of the searches, in the order of the table `search_cells`.
     pub searches: Vec<SearchCell>,
-    /// The gates, each with its judgement of each cell.
+    /// The gates, each with its judgement of each row of the table that it is about.
     pub gates: Vec<(Gate, Vec<Judged>)>,
     /// Whether a training or a search failed.
     pub failed: bool,

@@ -135,8 +135,10 @@ impl Session {
         let failed = |source| WriteError::Table { name: "cells".into(), source };
         let metrics = Metrics::of_runs(gathered.runs).map_err(failed)?;
         let cells = metrics.cells().map_err(failed)?;
-        let gates = options.gates.iter().map(|gate| (gate.clone(), gate.judge(&metrics.cells))).collect();
         let searches = report::search_cells(&finished.searches);
+        let searched = report::search_cell_table(&searches);
+        let table = |gate: &report::Gate| if gate.is_about_searches() { &searched } else { &metrics.cells };
+        let gates = options.gates.iter().map(|gate| (gate.clone(), gate.judge(table(gate)))).collect();
         let failed = has_failed(&finished);
         Ok(CampaignOutcome::Reported(Box::new(CampaignReport {
             name,

@@ -110,6 +110,15 @@ pub struct SearchCell {
     pub evaluated_rate: Average,
 }
 
+impl SearchCell {
+    /// Its name, for people.
+    pub fn in_full(&self) -> String {
+        let key = &self.key;
+        let block = if key.block == 0 { String::new() } else { format!(" #{}", key.block) };
+        format!("{}{block} in {} against {}", key.falsifier, key.town, key.policy)
+    }
+}
+
 /// A mean over runs with Student's 95 % interval. The mean is none without a value, the interval with fewer than two values.
 pub type Average = (Option<f64>, Option<(f64, f64)>);
 

@@ -2,12 +2,14 @@ use polars::prelude::{AnyValue, DataFrame};
 
 use crate::record::metric::MEAN;
 use crate::record::{ColumnReference, metrics};
-use crate::report::aggregate::references;
+use crate::report::aggregate::{references, search_cell_columns};
 
-/// A condition on the tables of cells under which a run fails, as `preventable_rate > 0.05 and town == village`.
+/// A condition under which a run fails, as `preventable_rate > 0.05 and town == village`. It is about the table `cells`, or about `search_cells`
+/// when it names a column that only that table has.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gate {
     text: String,
+    about_searches: bool,
     conditions: Vec<Condition>,
 }
 
@@ -102,15 +104,25 @@ impl Comparison {
 }
 
 impl Gate {
-    /// Parses a gate. Its columns are looked up in the table of cells, which is the same for all campaigns.
+    /// Parses a gate. Its columns are looked up in the tables of cells and of searches, which are the same for all campaigns.
     ///
     /// # Errors
     /// It has another form, or names no column.
     pub fn parse(text: &str) -> Result<Self, GateError> {
         let [_, cells] = references(&metrics());
-        let conditions =
-            text.split(" and ").map(|part| Condition::parse(part, &cells.columns)).collect::<Result<_, _>>()?;
-        Ok(Self { text: text.trim().to_string(), conditions })
+        let parse = |columns: &[ColumnReference]| -> Result<Vec<Condition>, GateError> {
+            text.split(" and ").map(|part| Condition::parse(part, columns)).collect()
+        };
+        let gate = |conditions, about_searches| Self { text: text.trim().to_string(), about_searches, conditions };
+        match parse(&cells.columns) {
+            Ok(conditions) => Ok(gate(conditions, false)),
+            Err(error @ GateError::Column { .. }) => match parse(&search_cell_columns().reference().columns) {
+                Ok(conditions) => Ok(gate(conditions, true)),
+                Err(GateError::Column { .. }) => Err(error),
+                Err(other) => Err(other),
+            },
+            Err(error) => Err(error),
+        }
     }
 
     /// Its text.
@@ -118,7 +130,12 @@ impl Gate {
         &self.text
     }
 
-    /// Judges every cell of a table, in its order.
+    /// Whether it is about the table `search_cells`.
+    pub fn is_about_searches(&self) -> bool {
+        self.about_searches
+    }
+
+    /// Judges every cell of the table that it is about, in its order.
     pub fn judge(&self, cells: &DataFrame) -> Vec<Judged> {
         (0..cells.height()).map(|row| self.judge_cell(cells, row)).collect()
     }
@@ -191,6 +208,17 @@ fn unknown(name: &str, columns: &[ColumnReference]) -> GateError {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_column_of_searches_alone_makes_a_gate_about_searches() {
+        let about = |text: &str| Gate::parse(text).map(|gate| gate.is_about_searches());
+        assert_eq!(about("attributable_failures > 0 and town == village"), Ok(true));
+        assert_eq!(about("preventable_rate > 0 and town == village"), Ok(false));
+        assert_eq!(about("town == village"), Ok(false), "a column of both");
+        assert!(matches!(about("attributable_failures > much"), Err(GateError::Kind { .. })));
+        let mixed = about("attributable_failures > 0 and preventable_rate > 0");
+        assert!(matches!(mixed, Err(GateError::Column { name, .. }) if name == "attributable_failures"));
+    }
     use polars::prelude::{Column, NamedFrom, Series};
 
     fn cells() -> DataFrame {
@@ -218,7 +246,7 @@ mod tests {
         };
         let columns: Vec<ColumnReference> = cells().columns().iter().map(said).collect();
         let conditions = text.split(" and ").map(|part| Condition::parse(part, &columns).unwrap()).collect();
-        Gate { text: text.into(), conditions }.judge(&cells()).iter().map(letter).collect()
+        Gate { text: text.into(), about_searches: false, conditions }.judge(&cells()).iter().map(letter).collect()
     }
 
     #[test]

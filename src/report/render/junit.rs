@@ -1,6 +1,6 @@
 use std::fmt::Write;
 
-use super::super::{Cell, Gate, Judged, Manifest};
+use super::super::{Cell, Gate, Judged, Manifest, SearchCell};
 
 /// The results of a campaign for a server of continuous integration.
 #[derive(Debug, Clone)]
@@ -9,11 +9,13 @@ pub struct Suite {
     pub manifest: Manifest,
     /// Its cells, in the order of their table.
     pub cells: Vec<Cell>,
-    /// The gates, each with its result for each cell.
+    /// The cells of its searches, in the order of their table.
+    pub searches: Vec<SearchCell>,
+    /// The gates, each with its result for each row of the table that it is about.
     pub gates: Vec<(Gate, Vec<Judged>)>,
 }
 
-/// Writes campaigns as JUnit XML: a test suite for each campaign, a test case for each cell and for each training that failed.
+/// Writes campaigns as JUnit XML: a test suite for each campaign, a test case for each cell, each cell of searches and each training that failed.
 ///
 /// A cell fails when a gate is broken, and is skipped when a gate finds no value. It is in error when a driver failed as a program. Its
 /// figures are properties of the suite, `CELL / FIGURE`.
@@ -62,6 +64,9 @@ fn one(page: &mut String, suite: &Suite, [tests, failures, errors, skipped]: &[u
     for (row, cell) in suite.cells.iter().enumerate() {
         case(page, &manifest.campaign, &cell.key.in_full(), &findings(suite, row));
     }
+    for (row, cell) in suite.searches.iter().enumerate() {
+        case(page, &manifest.campaign, &cell.in_full(), &of_gates(suite, true, row));
+    }
     for training in manifest.trainings.iter().filter(|training| !training.error.is_empty()) {
         let name = format!(
             "training of {} in {} against {}, run {}",
@@ -75,9 +80,10 @@ fn one(page: &mut String, suite: &Suite, [tests, failures, errors, skipped]: &[u
 /// Numbers of tests, failures, errors and skipped tests of a campaign.
 fn counts(suite: &Suite) -> [usize; 4] {
     let failed = suite.manifest.trainings.iter().filter(|training| !training.error.is_empty()).count();
-    let all: Vec<Vec<Finding>> = (0..suite.cells.len()).map(|row| findings(suite, row)).collect();
+    let mut all: Vec<Vec<Finding>> = (0..suite.cells.len()).map(|row| findings(suite, row)).collect();
+    all.extend((0..suite.searches.len()).map(|row| of_gates(suite, true, row)));
     let of = |kind: &str| all.iter().filter(|found| found.iter().any(|finding| finding.0 == kind)).count();
-    [suite.cells.len() + failed, of("failure"), of("error") + failed, of("skipped")]
+    [all.len() + failed, of("failure"), of("error") + failed, of("skipped")]
 }
 
 /// The element, its type and its message.
@@ -90,7 +96,13 @@ fn findings(suite: &Suite, row: usize) -> Vec<Finding> {
         let all = cell.errors + cell.episodes;
         return vec![("error", "driver", format!("the driver failed in {} of {all} episodes", cell.errors))];
     }
-    let judged = || suite.gates.iter().filter_map(|(gate, cells)| Some((gate.text(), cells.get(row)?)));
+    of_gates(suite, false, row)
+}
+
+/// The elements that the gates on a row of `cells` or of `search_cells` make.
+fn of_gates(suite: &Suite, searches: bool, row: usize) -> Vec<Finding> {
+    let about = suite.gates.iter().filter(move |(gate, _)| gate.is_about_searches() == searches);
+    let judged = || about.clone().filter_map(|(gate, rows)| Some((gate.text(), rows.get(row)?)));
     let broken: Vec<Finding> = judged().filter_map(|(gate, judged)| broken(gate, judged)).collect();
     if !broken.is_empty() {
         return broken;
