@@ -69,7 +69,11 @@ pub fn notice(notice: &Notice) {
         Notice::ProgramsNotAllowed => {
             console::warn("scenarios might start programs in that run; give --allow-external if they may again");
         }
-        Notice::Store { .. } | Notice::UnreadableReport(_) | Notice::OtherVersion { .. } | Notice::Changed(_) => {
+        Notice::Store { .. }
+        | Notice::DoubtfulTraining { .. }
+        | Notice::UnreadableReport(_)
+        | Notice::OtherVersion { .. }
+        | Notice::Changed(_) => {
             console::warn(&notice.to_string());
         }
     }

@@ -251,9 +251,13 @@ impl Observer for RunReporter {
 
     fn notice(&self, notice: &Notice) {
         failure::notice(notice);
-        if let (Output::Json, Notice::Unpaid { campaign, .. } | Notice::EpisodesInError { campaign, .. }) =
-            (self.output, notice)
-        {
+        let (Notice::Unpaid { campaign, .. }
+        | Notice::EpisodesInError { campaign, .. }
+        | Notice::DoubtfulTraining { campaign, .. }) = notice
+        else {
+            return;
+        };
+        if self.output == Output::Json {
             Event::Warning { campaign, message: &notice.to_string() }.tell();
         }
     }

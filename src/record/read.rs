@@ -3,10 +3,10 @@
 use polars::prelude::{BooleanChunked, DataFrame, Float64Chunked, PolarsResult, StringChunked, UInt32Chunked};
 
 use super::columns::{
-    ADVERSARY, AVOIDS, BLOCK, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE,
-    EPISODE_LENGTH, EPISODE_REWARD, ERROR, FRONT, IMPACT_BEARING, IMPACT_SPEED, IN_SIGHT, LEAST_GAP, MIN_TTC, MOVING,
-    OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, REWARD, RUN, RUN_ID, STATE_HASHES, TICKS, TOWN,
-    TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT, WEIGHT,
+    ADVERSARY, ATTRIBUTABLE, AVOIDS, BLOCK, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW,
+    EPISODE, EPISODE_LENGTH, EPISODE_REWARD, ERROR, FRONT, IMPACT_BEARING, IMPACT_SPEED, IN_SIGHT, LEAST_GAP, MIN_TTC,
+    MOVING, OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, REWARD, RUN, RUN_ID, STATE_HASHES, TICKS,
+    TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT, WEIGHT,
 };
 use super::episodes::named;
 use super::{CellKey, RunKey};
@@ -78,6 +78,7 @@ pub struct EpisodeTable<'a> {
     error: &'a StringChunked,
     front: &'a BooleanChunked,
     moving: &'a BooleanChunked,
+    attributable: &'a BooleanChunked,
     impact_speed: &'a Float64Chunked,
     impact_bearing: &'a Float64Chunked,
     reward: &'a Float64Chunked,
@@ -114,6 +115,7 @@ impl<'a> EpisodeTable<'a> {
             error: ERROR.read(table)?,
             front: FRONT.read(table)?,
             moving: MOVING.read(table)?,
+            attributable: ATTRIBUTABLE.read(table)?,
             impact_speed: IMPACT_SPEED.read(table)?,
             impact_bearing: IMPACT_BEARING.read(table)?,
             reward: EPISODE_REWARD.read(table)?,
@@ -178,6 +180,11 @@ impl<'a> EpisodeTable<'a> {
     /// Whether it is a collision with a moving car.
     pub fn is_moving(&self, row: usize) -> bool {
         self.moving.get(row).unwrap_or_default()
+    }
+
+    /// Whether it counts against the driver: preventable, with a foreseeable pedestrian.
+    pub fn is_attributable(&self, row: usize) -> bool {
+        self.attributable.get(row).unwrap_or_default()
     }
 
     /// Speed of the car at the touch (m/s).

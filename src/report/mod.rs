@@ -23,7 +23,10 @@ pub use aggregate::{
 pub use catalogue::{catalogue, column_reference};
 pub use failure_modes::FailureModes;
 pub use folder::{Formats, ReportFolder, WriteError, write_csv, write_file, write_table};
-pub use infer::{CellEvidence, Change, Comparison, Evidence, Figure, Gathering, Quantiles, Test, Transfer};
+pub use infer::{
+    CellEvidence, Change, Comparison, Doubt, Evidence, Figure, Gathering, Learning, Learnt, Quantiles, Reason,
+    RewardDifference, Test, Transfer, doubts, evident_cells,
+};
 pub use manifest::{Call, FileRecord, Manifest, TrainingRecord};
 pub use read::{
     Difference, Gate, GateError, Judged, ReadError, StoredFailure, StoredReport, differences, divergence, failure,

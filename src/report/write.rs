@@ -37,7 +37,7 @@ pub fn write(
     let metrics = Metrics::of_runs(gathered.runs.clone()).map_err(failed(CELLS))?;
     folder.table(RUNS, &metrics.runs)?;
     let evidence = &gathered.evidence;
-    let cells = metrics.cells.hstack(&infer::cell_columns(&evidence.cells)).map_err(failed(CELLS))?;
+    let cells = infer::evident_cells(&metrics.cells, &evidence.cells).map_err(failed(CELLS))?;
     folder.table(CELLS, &cells)?;
     folder.table("comparisons", &infer::comparison_table(&evidence.comparisons))?;
     folder.table("transfer", &infer::transfer_table(&evidence.transfers))?;

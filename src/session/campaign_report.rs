@@ -1,7 +1,7 @@
 use std::path::PathBuf;
 
 use crate::campaign::Shard;
-use crate::report::{Cell, Gate, Judged, Manifest, SearchCell};
+use crate::report::{Cell, Doubt, Gate, Judged, Manifest, SearchCell};
 
 /// The result of a run of campaigns.
 #[derive(Debug)]
@@ -49,6 +49,8 @@ pub struct CampaignReport {
     pub cells: Vec<Cell>,
     /// Means of the searches, in the order of the table `search_cells`.
     pub searches: Vec<SearchCell>,
+    /// The doubts about its trainings.
+    pub doubts: Vec<Doubt>,
     /// The gates, each with its judgement of each row of the table that it is about.
     pub gates: Vec<(Gate, Vec<Judged>)>,
     /// Whether a training or a search failed.

@@ -4,7 +4,7 @@ use super::{CampaignOutcome, Change, Incomplete, ShardReport};
 use crate::campaign::{self, Task};
 use crate::compile::Campaign;
 use crate::diagnostic::{Diagnostic, Sources};
-use crate::report::ReadError;
+use crate::report::{Doubt, ReadError};
 
 /// Observes a call of a session. All methods do nothing by default. They may be called from several threads.
 pub trait Observer: Send + Sync {
@@ -80,6 +80,14 @@ pub enum Notice {
         untried: u64,
         /// The first of them, with its error.
         first: String,
+    },
+    /// Trainings of a campaign may have learnt nothing, or disagree.
+    #[error("{doubt}")]
+    DoubtfulTraining {
+        /// The name of the report.
+        campaign: String,
+        /// The reason, and what to try.
+        doubt: Doubt,
     },
     /// A folder to merge from holds no tasks.
     #[error("there are no tasks in `{folder}`", folder = folder.display())]

@@ -119,6 +119,10 @@ impl Session {
             return Ok(CampaignOutcome::Empty { name, interrupted: finished.interrupted });
         }
         self.notice_errors(&gathered, &name);
+        let doubts = if options.smoke { Vec::new() } else { report::doubts(&gathered.evidence.cells) };
+        for doubt in &doubts {
+            self.observer.notice(&Notice::DoubtfulTraining { campaign: name.clone(), doubt: doubt.clone() });
+        }
         let times = Times { trainings: results.training_seconds(), run: began.elapsed().as_secs_f64() };
         let manifest = self.manifest(campaign, options, files, &finished, &gathered, &times);
         report::write(&folder, campaign, &finished, &gathered, modes, &manifest).map_err(written)?;
@@ -132,12 +136,13 @@ impl Session {
             folder.finish(manifest.complete)
         });
         let folder = folder.map_err(written)?;
-        let failed = |source| WriteError::Table { name: "cells".into(), source };
+        let failed = |source| options.keep(WriteError::Table { name: "cells".into(), source });
         let metrics = Metrics::of_runs(gathered.runs).map_err(failed)?;
         let cells = metrics.cells().map_err(failed)?;
+        let evident = report::evident_cells(&metrics.cells, &gathered.evidence.cells).map_err(failed)?;
         let searches = report::search_cells(&finished.searches);
         let searched = report::search_cell_table(&searches);
-        let table = |gate: &report::Gate| if gate.is_about_searches() { &searched } else { &metrics.cells };
+        let table = |gate: &report::Gate| if gate.is_about_searches() { &searched } else { &evident };
         let gates = options.gates.iter().map(|gate| (gate.clone(), gate.judge(table(gate)))).collect();
         let failed = has_failed(&finished);
         Ok(CampaignOutcome::Reported(Box::new(CampaignReport {
@@ -146,6 +151,7 @@ impl Session {
             manifest,
             cells,
             searches,
+            doubts,
             gates,
             failed,
         })))

@@ -58,6 +58,14 @@ pub struct Cell {
     pub preventable_share: Spread,
     /// Wilson's interval of that, over all collisions.
     pub preventable_share_interval: (f64, f64),
+    /// Preventable collisions with a foreseeable pedestrian of all episodes.
+    pub attributable: Spread,
+    /// Wilson's interval of that, over all episodes.
+    pub attributable_interval: (f64, f64),
+    /// The same of all collisions.
+    pub attributable_share: Spread,
+    /// Collisions with a foreseeable pedestrian of all episodes.
+    pub foreseeable_rate: Spread,
     /// The number of collisions with each label, in the order of [`Label::ALL`].
     pub labels: [u32; Label::COUNT],
     /// The number of collisions with a foreseeable pedestrian.
@@ -264,6 +272,10 @@ impl Metrics {
                 preventable_interval: interval(metric::PREVENTABLE_RATE, row)?,
                 preventable_share: spread(metric::PREVENTABLE_SHARE.name, row)?,
                 preventable_share_interval: interval(metric::PREVENTABLE_SHARE, row)?,
+                attributable: spread(metric::ATTRIBUTABLE_RATE.name, row)?,
+                attributable_interval: interval(metric::ATTRIBUTABLE_RATE, row)?,
+                attributable_share: spread(metric::ATTRIBUTABLE_SHARE.name, row)?,
+                foreseeable_rate: spread(metric::FORESEEABLE_RATE.name, row)?,
                 labels,
                 foreseeable: count(metric::FORESEEABLE_COLLISIONS, row)?,
                 walked_into: count(metric::WALKED_INTO_COLLISIONS, row)?,
@@ -369,6 +381,9 @@ mod tests {
         near(cell.preventable_share, 0.75, 0.25 * 2.0_f64.sqrt());
         assert_eq!((cell.preventable_interval, cell.preventable_share_interval), (wilson(2, 8), wilson(2, 3)));
         assert_eq!((cell.collisions, cell.labels, cell.foreseeable), (3, [2, 0, 0, 0, 1], 2));
+        // Every preventable collision of these is foreseeable, and no other one is.
+        assert_eq!((cell.attributable, cell.attributable_interval), (cell.preventable, cell.preventable_interval));
+        assert_eq!((cell.attributable_share, cell.foreseeable_rate), (cell.preventable_share, cell.preventable));
     }
 
     #[test]

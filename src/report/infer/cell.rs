@@ -1,6 +1,6 @@
-use super::Figure;
 use super::place::{Measured, Place};
 use super::tried::Tried;
+use super::{Figure, Learning};
 use crate::judge::Reference;
 use crate::record::CellKey;
 use crate::seed::Seed;
@@ -45,7 +45,7 @@ pub struct CellEvidence {
     /// Collisions of all runs.
     pub collisions: Weighted,
     /// In the order of [`Figure::ALL`].
-    pub between: [AcrossRuns; 5],
+    pub between: [AcrossRuns; 6],
     /// Median, 90th and 99th percentile of the impact speeds (m/s).
     pub impact_speed: Quantiles,
     /// 1st and 10th percentile and median of the least times to collision of episodes without a collision (s).
@@ -54,8 +54,10 @@ pub struct CellEvidence {
     pub pet: Quantiles,
     /// The number of collisions that each reference driver avoids, in the order of [`Reference::ALL`].
     pub avoided: [Weighted; Reference::COUNT],
+    /// Whether its trainings learnt; none for an untrained controller.
+    pub learning: Option<Learning>,
     /// The samples of [`Figure::COMPARED`] with the numbers of their runs, for transfer gaps.
-    pub(super) samples: [Option<(Vec<u32>, Sample)>; 3],
+    pub(super) samples: [Option<(Vec<u32>, Sample)>; 4],
 }
 
 impl CellEvidence {
@@ -72,6 +74,7 @@ impl CellEvidence {
             min_ttc: Quantiles::new(all(|run| &run.min_ttc), [0.01, 0.1, 0.5]),
             pet: Quantiles::new(all(|run| &run.pet), [0.01, 0.1, 0.5]),
             avoided: std::array::from_fn(|driver| runs.iter().map(|run| run.avoided[driver]).sum()),
+            learning: None,
             samples: Default::default(),
         }
     }
@@ -92,6 +95,9 @@ impl CellEvidence {
             student: if known.is_empty() { None } else { mean_interval(&known).1.map(cut) },
             by_run,
         };
+        if figure == Figure::Reward {
+            self.learning = Learning::new(place, measured, cell);
+        }
         if let Some(slot) = Figure::COMPARED.iter().position(|compared| *compared == figure) {
             let numbers = runs.filter(|run| measured.runs[*run].is_some()).map(|run| place.tried[run].run);
             self.samples[slot] = sample.map(|sample| (numbers.collect(), sample));

@@ -11,7 +11,7 @@ pub enum Test {
     Student,
     /// McNemar's exact test on pairs of episodes. It generalises to further episodes of these two pedestrians.
     McNemar,
-    /// No method applies: one training against several.
+    /// No test: one training against several, or no event in either cell.
     None,
 }
 
@@ -84,7 +84,11 @@ pub fn compare(place: &Place, measured: &Measured, (first, second): (usize, usiz
     let cut = |(low, high): (f64, f64)| (low.clamp(-1.0, 1.0), high.clamp(-1.0, 1.0));
     let plain = ours.episodes().is_plain() && theirs.episodes().is_plain();
     // An exact test counts pairs; there is none for pairs of different weights.
-    let (test, p, student) = if plain && a.len() == 1 && b.len() == 1 {
+    let has_events = sample.values.iter().any(|value| *value != 0.0);
+    let (test, p, student) = if !has_events {
+        // Neither could be significant, so it is no test and costs the others nothing.
+        (Test::None, None, sample.student().map(|found| cut((found.low, found.high))))
+    } else if plain && a.len() == 1 && b.len() == 1 {
         let (only_first, only_second) = ours.discordant(theirs, figure);
         (Test::McNemar, Some(mcnemar(only_first, only_second)), None)
     } else {

@@ -11,15 +11,18 @@ pub enum Figure {
     Moving,
     /// Preventable collisions of all episodes.
     Preventable,
+    /// Preventable collisions with a foreseeable pedestrian of all episodes.
+    Attributable,
     /// Reward of an episode.
     Reward,
 }
 
 impl Figure {
     /// All of them, in the order of the tables.
-    pub const ALL: [Self; 5] = [Self::Collision, Self::Front, Self::Moving, Self::Preventable, Self::Reward];
+    pub const ALL: [Self; 6] =
+        [Self::Collision, Self::Front, Self::Moving, Self::Preventable, Self::Attributable, Self::Reward];
     /// The figures in which pedestrians are compared: rates of all episodes.
-    pub const COMPARED: [Self; 3] = [Self::Collision, Self::Moving, Self::Preventable];
+    pub const COMPARED: [Self; 4] = [Self::Collision, Self::Moving, Self::Preventable, Self::Attributable];
 
     /// The prefix of its columns.
     pub fn name(self) -> &'static str {
@@ -28,6 +31,7 @@ impl Figure {
             Self::Front => metric::FRONT_RATE.name,
             Self::Moving => metric::MOVING_RATE.name,
             Self::Preventable => metric::PREVENTABLE_RATE.name,
+            Self::Attributable => metric::ATTRIBUTABLE_RATE.name,
             Self::Reward => metric::EPISODE_REWARD.name,
         }
     }

@@ -1,11 +1,11 @@
 use polars::prelude::{DataFrame, PolarsResult};
 
-use super::Figure;
 use super::cell::CellEvidence;
 use super::comparison::{Comparison, adjust, compare, pairs};
 use super::place::Place;
 use super::transfer::{Transfer, transfers};
 use super::tried::{KEPT, Tried};
+use super::{Figure, learning};
 use crate::seed::Seed;
 
 /// The evidence of a campaign's results, in addition to means.
@@ -60,6 +60,7 @@ impl Gathering {
     pub fn finish(mut self) -> Evidence {
         self.found.add(self.here, &self.seed);
         adjust(&mut self.found.comparisons);
+        learning::adjust(&mut self.found.cells);
         self.found.transfers = transfers(&self.found.cells, &self.seed.child("transfer"));
         self.found
     }

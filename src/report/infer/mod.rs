@@ -9,6 +9,7 @@ mod place;
 mod cell;
 mod comparison;
 mod transfer;
+mod learning;
 mod gather;
 mod tables;
 #[cfg(test)]
@@ -18,5 +19,6 @@ pub use cell::{CellEvidence, Quantiles};
 pub use comparison::{Comparison, Test};
 pub use figure::Figure;
 pub use gather::{Evidence, Gathering};
-pub use tables::{cell_columns, cell_table, comparison_columns, comparison_table, transfer_columns, transfer_table};
+pub use learning::{Doubt, Learning, Learnt, Reason, RewardDifference, doubts};
+pub use tables::{cell_table, comparison_columns, comparison_table, evident_cells, transfer_columns, transfer_table};
 pub use transfer::{Change, Transfer};

@@ -1,4 +1,4 @@
-use polars::prelude::{Column as Values, DataFrame};
+use polars::prelude::{Column as Values, DataFrame, PolarsResult};
 
 use super::{CellEvidence, Comparison, Figure, Quantiles, Transfer};
 use crate::judge::Reference;
@@ -15,8 +15,11 @@ const OTHER_CONTROLLER: Column<String> =
 /// Its reward.
 const OTHER_REWARD: Column<String> = Column::new("other_reward", "", "reward of that cell");
 /// The compared figure.
-const FIGURE: Column<String> =
-    Column::new("figure", "", "`collision_rate`, `moving_rate` or `preventable_rate`: what is compared");
+const FIGURE: Column<String> = Column::new(
+    "figure",
+    "",
+    "`collision_rate`, `moving_rate`, `preventable_rate` or `attributable_rate`: what is compared",
+);
 /// Value of the first cell.
 const VALUE: Column<f64> = Column::new("value", "", "mean over the runs of the cell");
 /// Value of the other cell.
@@ -87,8 +90,33 @@ const REST: Family<f64> = Family::new(
      are not run again, so it never is above `collision_rate`",
 );
 
+/// Whether the trainings learnt.
+const LEARNT: Column<String> = Column::new(
+    "learnt",
+    "",
+    "whether the trainings of the cell learnt, by the mean reward of an episode: `no` where it is significantly below that of an untrained \
+     controller with the same reward and starts, `yes` where it is significantly above one and below none, else `unclear`. About these \
+     trainings: normal test over common episodes, at 5 % after Holm's correction for all such pairs of the campaign. Missing for untrained \
+     controllers",
+);
+/// Whether the trainings disagree.
+const TRAININGS_DISAGREE: Column<String> = Column::new(
+    "trainings_disagree",
+    "",
+    "`yes` where the standard deviation of the trainings' mean rewards is more than twice what the draw of episodes explains and more than \
+     half of their mean gain over `random` (over 0 without it), else `no`. Missing for untrained controllers and for a single training",
+);
+
+/// The table of cells with all its columns: its metrics, and those of the evidence.
+///
+/// # Errors
+/// The evidence is of other cells.
+pub fn evident_cells(metrics: &DataFrame, evidence: &[CellEvidence]) -> PolarsResult<DataFrame> {
+    metrics.hstack(&cell_columns(evidence))
+}
+
 /// The columns that the table of cells has in addition to its metrics, in the order of the cells.
-pub fn cell_columns(cells: &[CellEvidence]) -> Vec<Values> {
+fn cell_columns(cells: &[CellEvidence]) -> Vec<Values> {
     cell_table().values(cells)
 }
 
@@ -128,7 +156,13 @@ pub fn cell_table() -> Table<'static, CellEvidence> {
                 move |cell: &CellEvidence| Some(wilson(rest(cell), cell.episodes)),
             ));
     }
-    table
+    let learning = |cell: &CellEvidence| cell.learning.clone();
+    table.column(LEARNT.of(move |cell| learning(cell).map(|learning| learning.learnt().name()))).column(
+        TRAININGS_DISAGREE.of(move |cell| {
+            let disagree = learning(cell)?.disagree()?;
+            Some(if disagree { "yes" } else { "no" })
+        }),
+    )
 }
 
 /// The two ends of an interval whose name is computed.
@@ -203,7 +237,7 @@ pub fn comparison_columns() -> Table<'static, Comparison> {
         )
         .of(|row: &Comparison| row.test.name()),
     )
-    .column(number("p", "", "two-sided p-value").of(|row: &Comparison| row.p))
+    .column(number("p", "", "two-sided p-value; missing without a test, as where neither cell has such a collision").of(|row: &Comparison| row.p))
     .column(P_HOLM.of(|row: &Comparison| row.holm))
     .column(
         number(

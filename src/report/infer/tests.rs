@@ -3,7 +3,7 @@ use crate::av::DrivingMode;
 use crate::env::{Ending, Outcome, Spawn};
 use crate::geometry::Pose;
 use crate::judge::NearMiss;
-use crate::record::columns::WEIGHT;
+use crate::record::columns::{EPISODE_REWARD, WEIGHT};
 use crate::record::{CellKey, EpisodeRow, RunKey, episodes};
 use crate::seed::Seed;
 use polars::prelude::{Column, DataFrame};
@@ -143,14 +143,22 @@ fn transfer_is_home_less_away_for_the_same_trainings() {
     // Both gaps are 0.5, with no spread between trainings, so the interval is that of the episodes.
     assert_eq!(gap.student, Some((0.5, 0.5)));
     assert!(gap.bootstrap.0 < 0.4 && gap.bootstrap.1 > 0.6, "{gap:?}");
-    assert_eq!(found.transfers.len(), 3, "collision, moving, preventable; the random one is at home nowhere");
+    assert_eq!(
+        found.transfers.len(),
+        4,
+        "collision, moving, preventable, attributable; the random one is at home nowhere"
+    );
 }
 
 #[test]
 fn other_cells_change_no_interval() {
     let some = || vec![run("trained", "r1", 0, "a", "xx.x.."), run("trained", "r1", 1, "a", "x..x..")];
     let more = some().into_iter().chain([run("random", "r1", 0, "a", "x.....")]).collect();
-    assert_eq!(gather(some()).cells[0], gather(more).cells[0]);
+    let mut with_more = gather(more).cells.remove(0);
+    let alone = gather(some()).cells.remove(0);
+    // Whether it learnt is a comparison with the other cells.
+    with_more.learning.clone_from(&alone.learning);
+    assert_eq!(alone, with_more);
 }
 
 #[test]
@@ -200,4 +208,95 @@ fn episodes_count_by_their_weights() {
     assert!(width(&heavy) > width(&plain), "unequal weights say less");
     // The mean of a reward is weighted too, and other figures follow.
     assert_eq!(heavy.between(Figure::Reward).by_run, [Some(0.0)]);
+}
+
+/// A run whose reward is 1 for each collision.
+fn rewarded(controller: &str, number: u32, town: &str, word: &str) -> DataFrame {
+    let mut run = run(controller, "r1", number, town, word);
+    let rewards: Vec<f64> = word.chars().map(|letter| if letter == 'x' { 1.0 } else { 0.0 }).collect();
+    run.with_column(Column::new(EPISODE_REWARD.name.into(), rewards)).unwrap();
+    run
+}
+
+/// A word of `size` episodes, the first `hits` of which are collisions.
+fn word(hits: usize, size: usize) -> String {
+    "x".repeat(hits) + &".".repeat(size - hits)
+}
+
+/// Whether trainings with these hits of 200 learnt and disagree, with the reasons to doubt them. `random` hits 10 times and `intercept` 80 times.
+fn learning(hits: &[usize]) -> (Learnt, Option<bool>, Vec<Reason>) {
+    let trained = hits.iter().zip(0..).map(|(hits, run)| rewarded("trained", run, "a", &word(*hits, 200)));
+    let others = [rewarded("random", 0, "a", &word(10, 200)), rewarded("intercept", 0, "a", &word(80, 200))];
+    let found = gather(trained.chain(others).collect());
+    let learning = found.cells[0].learning.as_ref().unwrap();
+    assert!(found.cells[1].learning.is_none(), "an untrained controller learns nothing");
+    (learning.learnt(), learning.disagree(), doubts(&found.cells).into_iter().map(|doubt| doubt.reason).collect())
+}
+
+#[test]
+fn trainings_learnt_if_they_are_above_an_untrained_controller_and_below_none() {
+    let (learnt, disagree, reasons) = learning(&[120, 124, 116]);
+    assert_eq!((learnt, disagree, reasons.len()), (Learnt::Yes, Some(false), 0));
+    let (learnt, _, reasons) = learning(&[40, 44, 36]);
+    assert_eq!(learnt, Learnt::No, "above random and below intercept");
+    let [Reason::Below { ours, controller, theirs }] = &reasons[..] else { panic!("{reasons:?}") };
+    assert!((ours - 0.2).abs() < 1e-12 && (theirs - 0.4).abs() < 1e-12 && controller == "intercept");
+    let (learnt, disagree, reasons) = learning(&[80]);
+    assert_eq!((learnt, disagree, reasons.len()), (Learnt::Yes, None, 0), "as good as intercept");
+    let (learnt, _, reasons) = learning(&[0]);
+    assert_eq!(learnt, Learnt::No);
+    assert!(matches!(&reasons[..], [Reason::Below { controller, .. }] if controller == "intercept"), "{reasons:?}");
+}
+
+#[test]
+fn trainings_that_differ_by_more_than_their_episodes_and_half_their_gain_disagree() {
+    // The first two are the rates of the audit that it calls a wild disagreement.
+    for (hits, wanted) in
+        [(&[6, 146, 98], true), (&[28, 116, 30], true), (&[120, 140, 100], false), (&[11, 12, 9], false)]
+    {
+        let (_, disagree, reasons) = learning(hits);
+        assert_eq!(disagree, Some(wanted), "{hits:?}");
+        let said = reasons.iter().any(|reason| matches!(reason, Reason::Disagree { .. }));
+        assert_eq!(said, wanted, "{reasons:?}");
+    }
+}
+
+#[test]
+fn without_an_untrained_controller_learning_is_unclear_and_silent() {
+    let found = gather(vec![rewarded("trained", 0, "a", &word(3, 50)), rewarded("trained", 1, "a", &word(2, 50))]);
+    assert!(found.cells.iter().all(|cell| cell.learning.as_ref().unwrap().learnt() == Learnt::Unclear));
+    assert_eq!(doubts(&found.cells), []);
+    let equal = gather(vec![rewarded("trained", 0, "a", &word(0, 50)), rewarded("random", 0, "a", &word(0, 50))]);
+    let found = doubts(&equal.cells);
+    let [doubt] = &found[..] else { panic!("{found:?}") };
+    assert_eq!(doubt.reason, Reason::NotAbove { ours: 0.0, controller: "random".into(), theirs: 0.0 });
+    let text = doubt.to_string();
+    assert!(text.contains("no sign of learning") && text.contains("train for more `steps`"), "{text}");
+}
+
+#[test]
+fn trainings_are_doubted_where_they_were_trained() {
+    let place = |town: &str, hits: usize| {
+        vec![rewarded("trained", 0, town, &word(hits, 200)), rewarded("random", 0, town, &word(40, 200))]
+    };
+    let both = gather([place("a", 150), place("b", 5)].concat());
+    let learnt: Vec<_> = both.cells.iter().filter_map(|cell| Some(cell.learning.as_ref()?.learnt())).collect();
+    assert_eq!((learnt, doubts(&both.cells).len()), (vec![Learnt::Yes, Learnt::No], 0), "it was trained in a");
+    assert_eq!(doubts(&gather(place("b", 5)).cells).len(), 1, "it was evaluated nowhere else");
+}
+
+#[test]
+fn differences_in_reward_are_adjusted_for_their_number() {
+    let place =
+        |town: &str| vec![rewarded("trained", 0, town, &word(16, 100)), rewarded("random", 0, town, &word(10, 100))];
+    let one = gather(place("a")).cells.remove(0).learning.unwrap().differences.remove(0);
+    assert!((one.difference - 0.06).abs() < 1e-12 && (one.theirs - 0.1).abs() < 1e-12);
+    // Six of a hundred pairs differ: the standard error is the root of 0.06 (1 - 0.06) / 100.
+    let error = (0.06_f64 * 0.94 / 100.0).sqrt();
+    assert!((one.interval.1 - one.interval.0 - 2.0 * 1.959_964 * error).abs() < 1e-4, "{one:?}");
+    assert!(one.p < 0.02 && one.holm == one.p);
+    let two = gather([place("a"), place("b")].concat());
+    let holm: Vec<f64> =
+        two.cells.iter().filter_map(|cell| Some(cell.learning.as_ref()?.differences[0].holm)).collect();
+    assert_eq!(holm, [2.0 * one.p, 2.0 * one.p]);
 }

@@ -31,7 +31,8 @@ mod is {
     pub const FRONT: u8 = 4;
     pub const MOVING: u8 = 8;
     pub const PREVENTABLE: u8 = 16;
-    pub const ALL: [u8; 5] = [VALID, COLLISION, FRONT, MOVING, PREVENTABLE];
+    pub const ATTRIBUTABLE: u8 = 32;
+    pub const ALL: [u8; 6] = [VALID, COLLISION, FRONT, MOVING, PREVENTABLE, ATTRIBUTABLE];
 }
 
 /// The part of one run's episodes that inference needs.
@@ -52,7 +53,7 @@ pub struct Tried {
     /// The number of episodes, errors included.
     size: usize,
     /// The number of episodes with each flag, over all episodes.
-    counts: [Weighted; 5],
+    counts: [Weighted; 6],
     /// Sum of the rewards of all episodes, each times its weight.
     reward: f64,
     /// Rewards of the kept episodes.
@@ -94,7 +95,8 @@ impl Tried {
                 | flag(collision, is::COLLISION)
                 | flag(table.is_front(row), is::FRONT)
                 | flag(table.is_moving(row), is::MOVING)
-                | flag(table.label(row) == Some(Label::Preventable), is::PREVENTABLE);
+                | flag(table.label(row) == Some(Label::Preventable), is::PREVENTABLE)
+                | flag(table.is_attributable(row), is::ATTRIBUTABLE);
             let reward = table.reward(row).unwrap_or_default();
             let weight = table.weight(row);
             for (count, _) in tried.counts.iter_mut().zip(is::ALL).filter(|(_, flag)| known & flag != 0) {
@@ -188,5 +190,6 @@ fn part(figure: Figure) -> u8 {
         Figure::Front => is::FRONT,
         Figure::Moving => is::MOVING,
         Figure::Preventable => is::PREVENTABLE,
+        Figure::Attributable => is::ATTRIBUTABLE,
     }
 }

@@ -1,11 +1,16 @@
 use polars::prelude::{AnyValue, DataFrame};
 
+use crate::record::columns::{ADVERSARY, BLOCK, POLICY, TOWN, VEHICLE};
 use crate::record::metric::MEAN;
 use crate::record::{ColumnReference, metrics};
 use crate::report::aggregate::{references, search_cell_columns};
+use crate::report::infer::cell_table;
 
 /// A condition under which a run fails, as `preventable_rate > 0.05 and town == village`. It is about the table `cells`, or about `search_cells`
 /// when it names a column that only that table has.
+///
+/// Conditions on words of a cell's key choose the cells. All others must be true for the gate to be broken. With `max over controllers` or
+/// `min over controllers` before a column, a gate judges one cell of each place: that of the controller with the greatest or least value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gate {
     text: String,
@@ -17,7 +22,9 @@ pub struct Gate {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum GateError {
     /// It is not of the form `COLUMN < NUMBER`.
-    #[error("`{text}` is no condition: write COLUMN, one of < <= > >= == !=, and a number; `and` joins several")]
+    #[error(
+        "`{text}` is no condition: write COLUMN, one of < <= > >= == !=, and a number; `and` joins several, `max over controllers COLUMN` takes the greatest of a place"
+    )]
     Form {
         /// Its text.
         text: String,
@@ -31,6 +38,14 @@ pub enum GateError {
         nearest: Option<String>,
         /// All columns.
         columns: Vec<String>,
+    },
+    /// Several columns are taken over controllers.
+    #[error(
+        "`{text}` has `over controllers` more than once: which controller would the others be about? Write several gates"
+    )]
+    Extremes {
+        /// Its text.
+        text: String,
     },
     /// A number is compared with a word, or words with an order.
     #[error("`{name}` holds {holds}: {advice}")]
@@ -49,8 +64,8 @@ pub enum GateError {
 pub enum Judged {
     /// The condition is false.
     Passed,
-    /// The condition is true; the values that it used.
-    Broken(Vec<(String, f64)>),
+    /// The condition is true; the columns that it used, with their values.
+    Broken(Vec<(String, String)>),
     /// A column has no value there, so the condition cannot be evaluated.
     Missing(String),
     /// The gate is about other cells.
@@ -59,9 +74,25 @@ pub enum Judged {
 
 #[derive(Debug, Clone, PartialEq)]
 struct Condition {
+    /// Whether the cell is that of the greatest or least value of the column in its place.
+    over: Option<Extreme>,
     column: String,
     comparison: Comparison,
     bound: Bound,
+    /// Whether it chooses cells by a word of their key, instead of judging a result.
+    chooses: bool,
+}
+
+/// Which controller of a place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Extreme {
+    Max,
+    Min,
+}
+
+impl Extreme {
+    /// What comes before the column.
+    const WORDS: [(&str, Self); 2] = [("max over controllers ", Self::Max), ("min over controllers ", Self::Min)];
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -110,19 +141,26 @@ impl Gate {
     /// It has another form, or names no column.
     pub fn parse(text: &str) -> Result<Self, GateError> {
         let [_, cells] = references(&metrics());
-        let parse = |columns: &[ColumnReference]| -> Result<Vec<Condition>, GateError> {
-            text.split(" and ").map(|part| Condition::parse(part, columns)).collect()
-        };
-        let gate = |conditions, about_searches| Self { text: text.trim().to_string(), about_searches, conditions };
-        match parse(&cells.columns) {
-            Ok(conditions) => Ok(gate(conditions, false)),
-            Err(error @ GateError::Column { .. }) => match parse(&search_cell_columns().reference().columns) {
-                Ok(conditions) => Ok(gate(conditions, true)),
-                Err(GateError::Column { .. }) => Err(error),
-                Err(other) => Err(other),
-            },
-            Err(error) => Err(error),
+        match Self::of_columns(text, &[cells.columns, cell_table().reference().columns].concat()) {
+            Err(error @ GateError::Column { .. }) => {
+                match Self::of_columns(text, &search_cell_columns().reference().columns) {
+                    Ok(gate) => Ok(Self { about_searches: true, ..gate }),
+                    Err(GateError::Column { .. }) => Err(error),
+                    Err(other) => Err(other),
+                }
+            }
+            parsed => parsed,
         }
+    }
+
+    fn of_columns(text: &str, columns: &[ColumnReference]) -> Result<Self, GateError> {
+        let text = text.trim().to_string();
+        let conditions: Vec<Condition> =
+            text.split(" and ").map(|part| Condition::parse(part, columns)).collect::<Result<_, _>>()?;
+        if conditions.iter().filter(|condition| condition.over.is_some()).count() > 1 {
+            return Err(GateError::Extremes { text });
+        }
+        Ok(Self { text, about_searches: false, conditions })
     }
 
     /// Its text.
@@ -137,28 +175,68 @@ impl Gate {
 
     /// Judges every cell of the table that it is about, in its order.
     pub fn judge(&self, cells: &DataFrame) -> Vec<Judged> {
-        (0..cells.height()).map(|row| self.judge_cell(cells, row)).collect()
+        let rows = || (0..cells.height()).filter(|row| self.is_about(cells, *row));
+        let mut judged = vec![Judged::Elsewhere; cells.height()];
+        let Some((over, column)) = self.conditions.iter().find_map(|each| Some((each.over?, &each.column))) else {
+            rows().for_each(|row| judged[row] = self.judge_cell(cells, row));
+            return judged;
+        };
+        let mut places: Vec<(Vec<String>, Vec<usize>)> = Vec::new();
+        for row in rows() {
+            let place = PLACE.iter().map(|column| value(cells, column, row).to_string()).collect();
+            match places.iter_mut().find(|(known, _)| *known == place) {
+                Some((_, members)) => members.push(row),
+                None => places.push((place, vec![row])),
+            }
+        }
+        for (_, members) in places {
+            let known = members.iter().filter_map(|row| Some((number(&value(cells, column, *row))?, *row)));
+            let extreme = known.reduce(|first, next| match over {
+                Extreme::Max if next.0 > first.0 => next,
+                Extreme::Min if next.0 < first.0 => next,
+                _ => first,
+            });
+            match extreme {
+                Some((_, row)) => judged[row] = self.judge_cell(cells, row),
+                None => judged[members[0]] = Judged::Missing(column.clone()),
+            }
+        }
+        judged
+    }
+
+    /// Whether its words choose a cell.
+    fn is_about(&self, cells: &DataFrame, row: usize) -> bool {
+        self.conditions.iter().all(|condition| match &condition.bound {
+            Bound::Word(word) => match value(cells, &condition.column, row).get_str() {
+                Some(found) => !condition.chooses || condition.is_true_of(found, word),
+                None => false,
+            },
+            Bound::Number(_) => true,
+        })
     }
 
     fn judge_cell(&self, cells: &DataFrame, row: usize) -> Judged {
-        let value = |column: &str| cells.column(column).and_then(|column| column.get(row)).unwrap_or(AnyValue::Null);
         let (mut looked_at, mut missing, mut holds) = (Vec::new(), None, true);
-        for condition in &self.conditions {
-            match (&condition.bound, value(&condition.column)) {
-                (Bound::Word(word), found) => {
-                    let equal = found.get_str() == Some(word);
-                    if equal != (condition.comparison == Comparison::Equal) {
-                        return Judged::Elsewhere;
-                    }
+        for condition in self.conditions.iter().filter(|condition| !condition.chooses) {
+            let found = value(cells, &condition.column, row);
+            let text = match &condition.bound {
+                Bound::Word(word) => {
+                    let found = found.get_str().unwrap_or_default();
+                    holds &= condition.is_true_of(found, word);
+                    found.to_string()
                 }
-                (Bound::Number(bound), found) => match found.extract::<f64>().filter(|number| !number.is_nan()) {
+                Bound::Number(bound) => match number(&found) {
                     Some(number) => {
                         holds &= condition.comparison.holds(number, *bound);
-                        looked_at.push((condition.column.clone(), number));
+                        ((number * 1e6).round() / 1e6).to_string()
                     }
-                    None => missing = missing.or(Some(condition.column.clone())),
+                    None => {
+                        missing = missing.or(Some(condition.column.clone()));
+                        continue;
+                    }
                 },
-            }
+            };
+            looked_at.push((condition.column.clone(), text));
         }
         match missing {
             _ if !holds => Judged::Passed,
@@ -168,13 +246,32 @@ impl Gate {
     }
 }
 
+/// The columns that name a place: its controllers have the same starts.
+const PLACE: [&str; 5] = [TOWN.name, POLICY.name, VEHICLE.name, ADVERSARY.name, BLOCK.name];
+
+fn value<'a>(cells: &'a DataFrame, column: &str, row: usize) -> AnyValue<'a> {
+    cells.column(column).and_then(|column| column.get(row)).unwrap_or(AnyValue::Null)
+}
+
+fn number(value: &AnyValue<'_>) -> Option<f64> {
+    value.extract::<f64>().filter(|number| !number.is_nan())
+}
+
 impl Condition {
+    /// Whether a word is as the condition says.
+    fn is_true_of(&self, found: &str, word: &str) -> bool {
+        (found == word) == (self.comparison == Comparison::Equal)
+    }
+
     fn parse(text: &str, columns: &[ColumnReference]) -> Result<Self, GateError> {
         let form = || GateError::Form { text: text.trim().to_string() };
+        let over =
+            Extreme::WORDS.iter().find_map(|(words, over)| Some((text.trim_start().strip_prefix(words)?, *over)));
+        let (text, over) = over.map_or((text, None), |(rest, over)| (rest, Some(over)));
         let at = text.find(['<', '>', '=', '!']).ok_or_else(form)?;
         let (sign, comparison) = SIGNS.into_iter().find(|(sign, _)| text[at..].starts_with(sign)).ok_or_else(form)?;
         let (name, bound) = (text[..at].trim(), text[at + sign.len()..].trim());
-        if name.is_empty() || bound.is_empty() {
+        if name.is_empty() || bound.is_empty() || name.contains(' ') {
             return Err(form());
         }
         // Metrics of runs have their mean in the table of cells.
@@ -186,12 +283,17 @@ impl Condition {
             if !matches!(comparison, Comparison::Equal | Comparison::Unequal) {
                 return Err(kind("words", "compare it by == or !="));
             }
+            if over.is_some() {
+                return Err(kind("words", "only numbers have a greatest or least value"));
+            }
             Bound::Word(bound.trim_matches(['"', '\'']).to_string())
         } else {
             let number = bound.parse().ok().filter(|number: &f64| number.is_finite());
             Bound::Number(number.ok_or_else(|| kind("numbers", "compare it with a number, without a unit"))?)
         };
-        Ok(Self { column: column.name.to_string(), comparison, bound })
+        let is_result = || cell_table().reference().columns.iter().any(|result| result.name == column.name);
+        let chooses = matches!(bound, Bound::Word(_)) && !is_result();
+        Ok(Self { over, column: column.name.to_string(), comparison, bound, chooses })
     }
 }
 
@@ -208,6 +310,7 @@ fn unknown(name: &str, columns: &[ColumnReference]) -> GateError {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use polars::prelude::{Column, NamedFrom, Series};
 
     #[test]
     fn a_column_of_searches_alone_makes_a_gate_about_searches() {
@@ -219,12 +322,14 @@ mod tests {
         let mixed = about("attributable_failures > 0 and preventable_rate > 0");
         assert!(matches!(mixed, Err(GateError::Column { name, .. }) if name == "attributable_failures"));
     }
-    use polars::prelude::{Column, NamedFrom, Series};
 
     fn cells() -> DataFrame {
         let rates: Vec<Option<f64>> = vec![Some(0.04), Some(0.06), None];
+        let learnt: Vec<Option<&str>> = vec![Some("yes"), Some("no"), None];
         let columns: Vec<Column> = vec![
             Series::new("town".into(), ["harbour", "village", "village"]).into(),
+            Series::new("controller".into(), ["trained", "trained", "random"]).into(),
+            Series::new("learnt".into(), learnt).into(),
             Series::new("preventable_rate".into(), rates).into(),
             Series::new("errors".into(), [0_u32, 0, 3]).into(),
         ];
@@ -232,6 +337,11 @@ mod tests {
     }
 
     fn judged(text: &str) -> String {
+        letters(&cells(), text)
+    }
+
+    /// How a gate judges each cell, as letters.
+    fn letters(cells: &DataFrame, text: &str) -> String {
         let letter = |judged: &Judged| match judged {
             Judged::Passed => 'p',
             Judged::Broken(_) => 'b',
@@ -244,9 +354,8 @@ mod tests {
             doc: "".into(),
             holds: column.dtype().clone(),
         };
-        let columns: Vec<ColumnReference> = cells().columns().iter().map(said).collect();
-        let conditions = text.split(" and ").map(|part| Condition::parse(part, &columns).unwrap()).collect();
-        Gate { text: text.into(), about_searches: false, conditions }.judge(&cells()).iter().map(letter).collect()
+        let columns: Vec<ColumnReference> = cells.columns().iter().map(said).collect();
+        Gate::of_columns(text, &columns).unwrap().judge(cells).iter().map(letter).collect()
     }
 
     #[test]
@@ -269,6 +378,44 @@ mod tests {
     }
 
     #[test]
+    fn words_of_the_key_choose_cells_and_other_words_are_judged() {
+        for (text, wanted) in [
+            ("learnt != yes", "pbe"),
+            ("learnt == yes", "bpe"),
+            ("learnt != yes and town == harbour", "pee"),
+            ("learnt != yes and preventable_rate > 0.05", "pbe"),
+            ("controller == random and town == harbour", "eee"),
+            ("controller == random", "eeb"),
+        ] {
+            assert_eq!(judged(text), wanted, "{text}");
+        }
+        let gate = Gate::parse("learnt != yes").unwrap();
+        assert_eq!(gate.judge(&cells())[1], Judged::Broken(vec![("learnt".into(), "no".into())]));
+    }
+
+    #[test]
+    fn a_gate_over_controllers_judges_one_cell_of_each_place() {
+        let rates: Vec<Option<f64>> = vec![Some(0.02), Some(0.15), Some(0.15), Some(0.03), None, None];
+        let columns: Vec<Column> = vec![
+            Series::new("town".into(), ["harbour", "harbour", "harbour", "village", "village", "quay"]).into(),
+            Series::new("controller".into(), ["trained", "intercept", "homing", "trained", "random", "random"]).into(),
+            Series::new("preventable_rate".into(), rates).into(),
+            Series::new("errors".into(), [0_u32, 2, 0, 0, 0, 0]).into(),
+        ];
+        let cells = DataFrame::new(6, columns).unwrap();
+        for (text, wanted) in [
+            // A trained row that learnt nothing hides nothing.
+            ("max over controllers preventable_rate > 0.05", "ebepem"),
+            ("min over controllers preventable_rate < 0.025", "beepem"),
+            ("max over controllers preventable_rate > 0.05 and controller != intercept", "eebpem"),
+            ("max over controllers preventable_rate > 0.05 and errors < 1", "epepem"),
+            ("max over controllers preventable_rate > 0.05 and town == harbour", "ebeeee"),
+        ] {
+            assert_eq!(letters(&cells, text), wanted, "{text}");
+        }
+    }
+
+    #[test]
     fn what_makes_no_sense_is_refused_and_the_column_meant_is_named() {
         let said = |text: &str| Gate::parse(text).unwrap_err().to_string();
         assert!(Gate::parse("preventable_rate_wilson_low > 0.05 and town == village").is_ok());
@@ -280,5 +427,12 @@ mod tests {
         }
         assert!(said("preventable_rate > 5 %").contains("without a unit"));
         assert!(said("town > a").contains("== or !="));
+        assert!(said("max over controllers town == a").contains("only numbers"));
+        let twice = "max over controllers moving_rate > 0 and min over controllers moving_rate > 0";
+        assert!(matches!(Gate::parse(twice), Err(GateError::Extremes { .. })));
+        for text in ["max over towns moving_rate > 0", "max over controllers > 0", "maximum moving_rate > 0"] {
+            assert!(matches!(Gate::parse(text), Err(GateError::Form { .. })), "{text}");
+        }
+        assert!(Gate::parse("max over controllers preventable_rate_bootstrap_low > 0.05 and learnt == yes").is_ok());
     }
 }

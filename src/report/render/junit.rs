@@ -120,8 +120,8 @@ fn broken(gate: &str, judged: &Judged) -> Option<Finding> {
 }
 
 /// The values that a gate used, for people.
-pub fn shown(values: &[(String, f64)]) -> String {
-    let each = values.iter().map(|(column, value)| format!("{column} is {}", (value * 1e6).round() / 1e6));
+pub fn shown(values: &[(String, String)]) -> String {
+    let each = values.iter().map(|(column, value)| format!("{column} is {value}"));
     each.collect::<Vec<_>>().join(", ")
 }
 
@@ -155,6 +155,8 @@ fn figures(cell: &Cell) -> Vec<(&'static str, String)> {
         ("moving_rate_mean", cell.moving.mean),
         ("preventable_rate_mean", cell.preventable.mean),
         ("preventable_share_mean", cell.preventable_share.mean),
+        ("attributable_rate_mean", cell.attributable.mean),
+        ("attributable_share_mean", cell.attributable_share.mean),
     ];
     all.extend(rates.into_iter().filter_map(|(name, rate)| Some((name, format!("{:.6}", rate?)))));
     all

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use super::sections::{conclusions, errors, results};
 use super::table::Section;
 use crate::compile::{Campaign, Driver};
-use crate::report::{Cell, Evidence, Manifest};
+use crate::report::{Cell, Evidence, Manifest, doubts};
 
 /// The limits of the simulator, for every summary.
 pub const LEFT_OUT: &str = "\
@@ -33,6 +33,9 @@ pub fn summary(
     }
     if !manifest.complete {
         let _ = writeln!(page, "**{INCOMPLETE}**\n");
+    }
+    if !manifest.smoke && !doubts(&evidence.cells).is_empty() {
+        let _ = writeln!(page, "**{DOUBTFUL}**\n");
     }
     if !cells.is_empty() {
         page.push_str(&results(cells).to_markdown());
@@ -84,6 +87,10 @@ pub const SMOKE: &str = "A smoke run: it shows that everything works. Its number
 /// A notice for readers of an incomplete report.
 pub const INCOMPLETE: &str = "Incomplete: the run was stopped, something failed or reached its limit, or a reward was not a number. \
 The manifest says which.";
+
+/// A notice for readers of a report with doubtful trainings.
+pub const DOUBTFUL: &str = "Some trainings may have learned nothing, or disagree: see \"Did the trainings learn?\". A low rate of their rows \
+says little about the driver.";
 
 /// The scenario's documentation of the names above.
 fn words(campaign: &Campaign) -> String {

@@ -4,7 +4,7 @@ use super::{ModeCard, Tally};
 use crate::campaign::TrainingResult;
 use crate::compile::Campaign;
 use crate::report::render::table::Section;
-use crate::report::{Cell, Manifest, PublishedComparison};
+use crate::report::{Cell, Doubt, Manifest, PublishedComparison};
 
 /// The data of a page.
 #[derive(Debug, Clone)]
@@ -25,6 +25,8 @@ pub struct Contents<'a> {
     pub modes: &'a [ModeCard],
     /// Tables that the summary has, too, each a section.
     pub sections: &'a [Section],
+    /// The doubts about the trainings.
+    pub doubts: &'a [Doubt],
     /// Tables that are also in the summary, each as a section.
     pub published_section: Option<Section>,
     /// The published figures, for the diamonds in the results.

@@ -88,6 +88,8 @@ pub fn page(contents: &Contents<'_>) -> PolarsResult<Page> {
     Ok(Page { html: html.into_string() + "\n", figures: parts.into_iter().flat_map(|part| part.figures).collect() })
 }
 
+/// The most doubts at the top of the page; the section on learning has all.
+const DOUBTS: usize = 3;
 const VERDICTS: &str = "Each collision was run again with reference drivers at the brake, from the instant at which the danger starts. The path is the \
 same, the pedestrian is at the same places at the same times, and no driver steers. The careful human is that of UN R157, in both readings. R157 is not written \
 for roads with pedestrians, so read the labels as a comparison.";
@@ -125,6 +127,10 @@ fn head(contents: &Contents<'_>) -> Markup {
             @if !campaign.docs.is_empty() { p.lead { (prose(&campaign.docs.join("\n"))) } }
             @if manifest.smoke { p.warn { (SMOKE) } }
             @if !manifest.complete { p.warn { (INCOMPLETE) } }
+            @for doubt in contents.doubts.iter().take(DOUBTS) { p.warn { (doubt) "." } }
+            @if contents.doubts.len() > DOUBTS {
+                p.warn { a href="#learnt" { (contents.doubts.len() - DOUBTS) " more doubts about trainings" } }
+            }
             p.meta {
                 "seed " (manifest.seed) " · falsify " (manifest.version)
                 @for setting in &manifest.settings { " · " code { (setting) } }
@@ -154,6 +160,11 @@ fn key_numbers(contents: &Contents<'_>, cells: &[Named<'_>]) -> Markup {
         let (low, high) = named.cell.preventable_interval;
         let interval = format!("{} to {}", percent(low), percent(high));
         tiles.push((percent(rate), format!("highest preventable rate ({interval}): {}", at(named))));
+    }
+    if let Some((rate, named)) = most(|named| named.cell.attributable.mean).filter(|(rate, _)| *rate > 0.0) {
+        let (low, high) = named.cell.attributable_interval;
+        let interval = format!("{} to {}", percent(low), percent(high));
+        tiles.push((percent(rate), format!("highest attributable rate ({interval}): {}", at(named))));
     }
     if let Some((speed, named)) = most(|named| named.cell.impact_speed.mean) {
         tiles.push((format!("{speed:.1} m/s"), format!("fastest mean impact: {}", at(named))));

@@ -28,7 +28,7 @@ pub fn results(contents: &Contents<'_>, cells: &[Named<'_>], rates: &BTreeMap<Ce
                         tr {
                             th scope="col" { "controller" }
                             th.number scope="col" { "runs × episodes" }
-                            @for name in ["any collision", "with a moving car", "preventable"] { th scope="col" { (name) } }
+                            @for name in ["any collision", "with a moving car", "preventable", "attributable"] { th scope="col" { (name) } }
                             @for name in ["impact speed", "length"] { th.number scope="col" { (name) } }
                         }
                         tr.scale {
@@ -39,7 +39,7 @@ pub fn results(contents: &Contents<'_>, cells: &[Named<'_>], rates: &BTreeMap<Ce
                     }
                     @for (place, members) in places(cells) {
                         tbody {
-                            tr { th colspan="7" scope="rowgroup" { (place) } }
+                            tr { th colspan="8" scope="rowgroup" { (place) } }
                             @for named in members { (row(contents, named, rates.get(&named.cell.key).unwrap_or(&empty))) }
                         }
                     }
@@ -52,7 +52,9 @@ pub fn results(contents: &Contents<'_>, cells: &[Named<'_>], rates: &BTreeMap<Ce
                      The bar is Wilson's 95 % interval over the episodes of all runs. It shows what more episodes of these trainings would show, \
                      not what more trainings would show. “±” is the standard deviation over runs. "
                     em { "Preventable" }
-                    ": both careful human drivers would have avoided it. Controllers of a place meet the same starts. \
+                    ": both careful human drivers would have avoided it. "
+                    em { "Attributable" }
+                    ": preventable, and the pedestrian moved as people do. Controllers of a place meet the same starts. \
                      Untrained controllers do the same for every reward, so they are here once."
                     @if !contents.published.is_empty() { " A hollow diamond is a published figure." }
                 }
@@ -75,10 +77,10 @@ fn row(contents: &Contents<'_>, named: &Named<'_>, rates: &RunRates) -> Markup {
                 (cell.runs) " × " (count((cell.episodes / cell.runs.max(1)).into()))
                 @if cell.errors > 0 { " " em.warn { (cell.errors) " in error" } }
             }
-            @for (number, rate) in [cell.collision, cell.moving, cell.preventable].into_iter().enumerate() {
+            @for (number, rate) in [cell.collision, cell.moving, cell.preventable, cell.attributable].into_iter().enumerate() {
                 td {
                     div.rate {
-                        @let colour = if number == 2 { "v0".to_string() } else { format!("f{}", named.colour) };
+                        @let colour = if number >= 2 { "v0".to_string() } else { format!("f{}", named.colour) };
                         @let interval = wilson(rates.failures[number], rates.episodes);
                         (picture(&colour, rate, interval, &rates.rates[number], published(RATES[number].name)))
                         span { (Value::Spread(rate).to_string()) }

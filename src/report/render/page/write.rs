@@ -6,9 +6,9 @@ use crate::campaign::Finished;
 use crate::compile::Campaign;
 use crate::record::CellKey;
 use crate::report::failure_modes::{CellModes, Mode};
-use crate::report::render::sections::{comparisons, published_section, search_section, transfer};
+use crate::report::render::sections::{comparisons, learnt, published_section, search_section, transfer};
 use crate::report::{
-    Cell, Gathered, Manifest, ReportFolder, SearchKind, WriteError, beside, search_cells, search_kinds,
+    Cell, Gathered, Manifest, ReportFolder, SearchKind, WriteError, beside, doubts, search_cells, search_kinds,
 };
 use crate::seed::Seed;
 
@@ -35,7 +35,11 @@ pub fn write_page(
     let searched = search_cells(&finished.searches);
     let searches = (!searched.is_empty()).then(|| search_section(&searched));
     let sections: Vec<_> =
-        [searches, comparisons(&gathered.evidence), transfer(&gathered.evidence)].into_iter().flatten().collect();
+        [searches, learnt(cells, &gathered.evidence), comparisons(&gathered.evidence), transfer(&gathered.evidence)]
+            .into_iter()
+            .flatten()
+            .collect();
+    let doubts = if manifest.smoke { Vec::new() } else { doubts(&gathered.evidence.cells) };
     let page = page(&Contents {
         campaign,
         manifest,
@@ -47,6 +51,7 @@ pub fn write_page(
         published: &published,
         published_section: published_section(&published),
         sections: &sections,
+        doubts: &doubts,
         files: &folder.names()?,
     })
     .map_err(failed)?;

@@ -13,10 +13,12 @@ const READING: [&str; 4] = [
      - **by machine**: no human and no rule avoids it, but an ideal emergency brake or the physical limit does.\n\
      - **unpreventable**: braking at once with 0.85 g does not avoid it.\n\
      - **standing**: the car stood (at most 0.1 m/s) when the pedestrian walked into it. It says little about the driver.",
-    "Two more shares say what else was true of a collision, whatever its verdict. *Into the side*: the front had passed, and the pedestrian \
-     walked into the side or the rear. *Foreseeable*: the pedestrian never walked faster than 8 km/h and never sped up by more than 1.65 m/s², as in \
-     Euro NCAP's tests. A pedestrian without inertia is never foreseeable. *Expected* is the share of drivers who would have avoided it, summed \
-     over the collisions and divided by the episodes: reaction times are lognormal with a mean of 1.21 s.",
+    "*Attributable* is preventable and foreseeable: these failures count against the driver under test. Two more shares say what else was true of a \
+     collision, whatever its verdict. *Into the side*: the front had passed, and the pedestrian walked into the side or the rear. *Foreseeable*: the \
+     pedestrian never walked faster than 8 km/h, never accelerated by more than 2.12 m/s² within a tick, and its velocity changed by at most 1.65 m/s \
+     within any second, as in Euro NCAP's tests and recorded walking. Turns and stops count. A pedestrian without inertia is never foreseeable; \
+     `std/pedestrians.scn` has pedestrians that are. *Expected* is the share of drivers who would have avoided it, summed over the collisions and \
+     divided by the episodes: reaction times are lognormal with a mean of 1.21 s.",
     "The careful human is that of UN R157. It notices a pedestrian who is on course into the car's path when the time to collision is at most 2 s, \
      and must avoid the collision in both readings: braking 1.15 s after that, and 0.75 s after that, each time with 0.6 s to reach 0.774 g. The others are the \
      Fuzzy Safety Model (0.75 s, up to 6 m/s²), RSS (ad-rss-lib's parameters, 4 m/s²), an ideal emergency brake (0.35 s, 0.6 s to reach 0.85 g) and \
@@ -31,7 +33,16 @@ pub fn avoidable(cells: &[Cell]) -> Option<Section> {
     let mut columns = head();
     let names_of_shares = ["contested", "by machine", "unpreventable", "standing", "into the side", "foreseeable"];
     columns.extend(
-        ["collisions", "preventable, of all episodes", "95 %", "expected", "preventable (95 %)"].map(Column::number),
+        [
+            "collisions",
+            "preventable, of all episodes",
+            "95 %",
+            "attributable, of all episodes",
+            "95 %",
+            "expected",
+            "preventable (95 %)",
+        ]
+        .map(Column::number),
     );
     columns.extend(names_of_shares.map(Column::number));
     let row = |cell: &Cell| {
@@ -42,6 +53,8 @@ pub fn avoidable(cells: &[Cell]) -> Option<Section> {
             Value::Of(cell.collisions.into(), cell.episodes.into()),
             cell.preventable.into(),
             Value::Interval(Some(cell.preventable_interval)),
+            cell.attributable.into(),
+            Value::Interval(Some(cell.attributable_interval)),
             cell.expected_preventable.into(),
             Value::Estimate(share(preventable), Some(cell.preventable_share_interval), 2),
         ]);

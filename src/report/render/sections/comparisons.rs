@@ -8,7 +8,7 @@ pub fn comparisons(evidence: &Evidence) -> Option<Section> {
     }
     let mut head: Vec<Column> =
         ["controller", "reward", "trained in, against", "town", "policy", "less"].map(Column::text).into();
-    for rate in ["collisions", "with a moving car", "preventable"] {
+    for rate in ["collisions", "with a moving car", "preventable", "attributable"] {
         head.extend([Column::number(format!("{rate} (95 %)")), Column::number("p")]);
     }
     let (columns, mut rows) = (head.len(), Vec::<Vec<Value>>::new());

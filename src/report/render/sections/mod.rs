@@ -4,6 +4,7 @@ mod names;
 mod results;
 mod avoidable;
 mod further_trainings;
+mod learnt;
 mod comparisons;
 mod transfer;
 mod severity;
@@ -13,6 +14,7 @@ mod searches;
 mod trainings;
 
 pub use comparisons::comparisons;
+pub use learnt::learnt;
 pub use names::{place, training};
 pub use published::published_section;
 pub use results::{errors, results};
@@ -39,6 +41,7 @@ pub fn conclusions(cells: &[Cell], evidence: &Evidence) -> Vec<Section> {
     let both: Vec<_> = cells.iter().zip(&evidence.cells).collect();
     let all = [
         avoidable::avoidable(cells),
+        learnt(cells, evidence),
         further_trainings::further_trainings(cells, &both),
         comparisons(evidence),
         transfer(evidence),

@@ -16,8 +16,10 @@ pub fn results(cells: &[Cell]) -> Table {
     columns.extend([
         Column::text("collision rate"),
         Column::text("95 % of episodes").detail(),
-        Column::text("front"),
+        Column::text("front").detail(),
         Column::text("moving"),
+        Column::text("preventable"),
+        Column::text("attributable"),
         Column::text("mean reward"),
         Column::text("length (s)").detail(),
         Column::text("impact speed (m/s)").detail(),
@@ -33,6 +35,8 @@ pub fn results(cells: &[Cell]) -> Table {
             Value::Interval(Some(cell.interval)),
             cell.front.into(),
             cell.moving.into(),
+            cell.preventable.into(),
+            cell.attributable.into(),
             cell.reward_sum.into(),
             cell.length.into(),
             cell.impact_speed.into(),
@@ -46,7 +50,8 @@ pub fn results(cells: &[Cell]) -> Table {
             "\"±\" is the standard deviation over runs. Each run is a training of its own, or for an untrained controller a seed of its own. \
              The interval is Wilson's over the episodes of all runs. It does not say what further trainings would show. \
              *Front*: share of the collisions that are in the front sector. *Moving*: share of the episodes that end in a collision \
-             with a moving car. All controllers of a town and a policy meet the same starts, within one `evaluate` block."
+             with a moving car. *Preventable*: share of the episodes that end in a collision that a careful human would have avoided. \
+             *Attributable*: those of them in which the pedestrian moved as people do. All controllers of a town and a policy meet the same starts, within one `evaluate` block."
                 .into(),
         ],
         ..Table::default()

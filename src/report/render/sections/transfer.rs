@@ -8,7 +8,8 @@ pub fn transfer(evidence: &Evidence) -> Option<Section> {
     }
     let mut head: Vec<Column> =
         ["controller", "reward", "trained in, against", "evaluated in", "against"].map(Column::text).into();
-    head.extend(["gap of collisions (95 %)", "with a moving car (95 %)", "preventable (95 %)"].map(Column::number));
+    let rates = ["gap of collisions", "with a moving car", "preventable", "attributable"];
+    head.extend(rates.map(|rate| Column::number(format!("{rate} (95 %)"))));
     let (columns, mut rows) = (head.len(), Vec::<Vec<Value>>::new());
     for found in &evidence.transfers {
         let names = names(found);

@@ -1,0 +1,64 @@
+use super::names::{head, names};
+use crate::report::render::table::{Column, Section, Table, Value};
+use crate::report::{Cell, Evidence, Learnt, doubts};
+
+/// Whether the trainings learnt; none when no trained controller was evaluated.
+pub fn learnt(cells: &[Cell], evidence: &Evidence) -> Option<Section> {
+    let both = cells.iter().zip(&evidence.cells);
+    let judged: Vec<_> = both.filter_map(|(cell, found)| Some((cell, found.learning.as_ref()?))).collect();
+    if judged.is_empty() {
+        return None;
+    }
+    let mut untrained: Vec<&str> = Vec::new();
+    for difference in judged.iter().flat_map(|(_, learning)| &learning.differences) {
+        if !untrained.contains(&difference.controller.as_str()) {
+            untrained.push(&difference.controller);
+        }
+    }
+    let mut columns = head();
+    columns.push(Column::text("reward of each training"));
+    columns.extend(untrained.iter().map(|other| Column::number(format!("less {other} (95 %)"))));
+    columns.extend(["learnt", "trainings"].map(Column::text));
+    let mut rows = Vec::new();
+    for (cell, learning) in judged {
+        let each: Vec<String> =
+            learning.rewards.iter().map(|reward| Value::Number(Some(*reward), 2).to_string()).collect();
+        let less = |other: &&str| {
+            let found = learning.differences.iter().find(|each| each.controller == **other);
+            Value::Difference(found.map(|found| found.difference), found.map(|found| found.interval))
+        };
+        let learnt = learning.learnt();
+        let name = learnt.name().to_string();
+        let mut row = names(cell, cells);
+        row.push(each.join(" ").into());
+        row.extend(untrained.iter().map(less));
+        row.push(if learnt == Learnt::Yes { Value::Text(name) } else { Value::Warning(name) });
+        row.push(match learning.disagree() {
+            Some(true) => Value::Warning("disagree".into()),
+            Some(false) => Value::Text("agree".into()),
+            None => Value::Text("one".into()),
+        });
+        rows.push(row);
+    }
+    let mut notes = vec![
+        "Mean reward of an episode, of each training, and their mean less that of untrained controllers with the same reward and starts. \
+         *Learnt*: **no** where it is significantly below one of them, **yes** where it is significantly above one and below none, else \
+         **unclear** (5 % after Holm's correction for all these pairs). These tests are about these trainings, over further episodes; the \
+         comparisons are about further trainings."
+            .to_string(),
+        "Trainings *disagree* where their standard deviation is more than twice what the episodes explain and more than half of their mean \
+         gain over `random`. A campaign can require all this: `--fail-if 'learnt != yes'`, `--fail-if 'trainings_disagree == yes'`."
+            .to_string(),
+    ];
+    let doubts: Vec<String> = doubts(&evidence.cells).iter().map(|doubt| format!("- {doubt}")).collect();
+    if !doubts.is_empty() {
+        notes.insert(0, doubts.join("\n"));
+    }
+    Some(Section {
+        id: "learnt",
+        name: "Learnt?",
+        title: "Did the trainings learn?",
+        tables: vec![Table { head: columns, rows, ..Table::default() }],
+        notes,
+    })
+}
