@@ -24,8 +24,8 @@ pub use catalogue::{catalogue, column_reference};
 pub use failure_modes::FailureModes;
 pub use folder::{Formats, ReportFolder, WriteError, write_csv, write_file, write_table};
 pub use infer::{
-    CellEvidence, Change, Comparison, Doubt, Evidence, Figure, Gathering, Learning, Learnt, Quantiles, Reason,
-    RewardDifference, Test, Transfer, doubts, evident_cells,
+    Baseline, CellEvidence, Change, Comparison, Doubt, Evidence, Figure, Gathering, Learning, Learnt, Quantiles,
+    Reason, Test, TrainingDifference, Transfer, Untrained, doubts, evident_cells,
 };
 pub use manifest::{Call, FileRecord, Manifest, TrainingRecord};
 pub use read::{

@@ -20,23 +20,30 @@ const OF_THE_GAIN: f64 = 0.5;
 pub struct Learning {
     /// Mean reward of an episode, of each training with a value.
     pub rewards: Vec<f64>,
-    /// The difference from each untrained controller of the place that has the same reward, in the order of the place.
-    pub differences: Vec<RewardDifference>,
+    /// The untrained controllers of the place that have the same reward, in the order of the place.
+    pub baselines: Vec<Baseline>,
     /// Standard deviation of the trainings' rewards that their episodes explain; none for a single training.
     pub by_episodes: Option<f64>,
 }
 
-/// The mean reward of some trainings less that of an untrained controller, from the same starts.
+/// An untrained controller that met the same starts as some trainings.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RewardDifference {
-    /// The untrained controller.
+pub struct Baseline {
+    /// Its name.
     pub controller: String,
     /// Its mean reward of an episode.
-    pub theirs: f64,
-    /// Ours less theirs.
+    pub reward: f64,
+    /// The mean of the trainings less its reward, with a 95 % interval over episodes.
+    pub difference: (f64, (f64, f64)),
+    /// Each training less it.
+    pub trainings: Vec<TrainingDifference>,
+}
+
+/// The mean reward of a training less that of an untrained controller.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrainingDifference {
+    /// The difference.
     pub difference: f64,
-    /// 95 % interval over episodes.
-    pub interval: (f64, f64),
     /// Probability of at least such a difference by chance, two-sided.
     pub p: f64,
     /// The same, adjusted for all such differences of the campaign by Holm's method.
@@ -46,9 +53,9 @@ pub struct RewardDifference {
 /// The answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Learnt {
-    /// They are significantly above an untrained controller and below none.
+    /// Each training is significantly above an untrained controller, and none is below one.
     Yes,
-    /// They are significantly below an untrained controller.
+    /// A training is significantly below an untrained controller.
     No,
     /// Neither is shown, or there is no untrained controller to compare with.
     Unclear,
@@ -65,13 +72,6 @@ impl Learnt {
     }
 }
 
-impl RewardDifference {
-    /// Whether it is too large to be chance.
-    fn is_significant(&self) -> bool {
-        self.holm < SIGNIFICANT
-    }
-}
-
 impl Learning {
     /// Measures the rewards of the trainings of a cell; none for an untrained controller, and for a cell without a value.
     pub(super) fn new(place: &Place, measured: &Measured, cell: usize) -> Option<Self> {
@@ -84,24 +84,36 @@ impl Learning {
             let other = &place.runs(*other)[0].key;
             !other.is_trained() && other.reward == key.reward
         });
-        let difference = |other: usize| {
+        let baseline = |other: usize| {
             let sample = place.sample(measured, cell, Some(other))?;
-            Some(RewardDifference::new(place.runs(other)[0].key.controller.clone(), &sample))
+            Some(Baseline::new(place.runs(other)[0].key.controller.clone(), &sample))
         };
-        let differences = untrained.filter_map(difference).collect();
-        Some(Self { by_episodes: by_episodes(&own), rewards: own.values, differences })
+        let baselines = untrained.filter_map(baseline).collect();
+        Some(Self { by_episodes: by_episodes(&own), rewards: own.values, baselines })
     }
 
     /// Whether they learnt.
     pub fn learnt(&self) -> Learnt {
-        let significant = || self.differences.iter().filter(|each| each.is_significant());
-        if significant().any(|each| each.difference < 0.0) {
+        if !self.below().is_empty() {
             Learnt::No
-        } else if significant().next().is_some() {
-            Learnt::Yes
-        } else {
+        } else if self.baselines.is_empty() || self.unclear() > 0 {
             Learnt::Unclear
+        } else {
+            Learnt::Yes
         }
+    }
+
+    /// The untrained controllers that are significantly above any training, each with the number of these trainings.
+    fn below(&self) -> Vec<(&Baseline, usize)> {
+        let count = |baseline: &Baseline| baseline.trainings.iter().filter(|each| each.is_below()).count();
+        self.baselines.iter().map(|baseline| (baseline, count(baseline))).filter(|(_, count)| *count > 0).collect()
+    }
+
+    /// The number of trainings that are significantly above no untrained controller.
+    fn unclear(&self) -> usize {
+        let is_above =
+            |training: &usize| self.baselines.iter().any(|baseline| baseline.trainings[*training].is_above());
+        (0..self.rewards.len()).filter(|training| !is_above(training)).count()
     }
 
     /// Whether the trainings disagree: the standard deviation of their rewards is more than twice what their episodes explain, and more
@@ -109,36 +121,75 @@ impl Learning {
     pub fn disagree(&self) -> Option<bool> {
         let by_episodes = self.by_episodes?;
         let n = self.rewards.len() as f64;
-        let mean = self.mean();
+        let mean = self.rewards.iter().sum::<f64>() / n;
         let variance = self.rewards.iter().map(|reward| (reward - mean) * (reward - mean)).sum::<f64>() / (n - 1.0);
-        let random = self.differences.iter().find(|each| each.controller == "random");
-        let gain = random.map_or(mean, |random| random.difference);
+        let random = self.baselines.iter().find(|baseline| baseline.controller == "random");
+        let gain = random.map_or(mean, |random| random.difference.0);
         let spread = variance.sqrt();
         Some(spread > BEYOND_EPISODES * by_episodes && spread > OF_THE_GAIN * gain.abs())
     }
 
-    /// Mean reward over the trainings.
-    pub fn mean(&self) -> f64 {
-        self.rewards.iter().sum::<f64>() / self.rewards.len() as f64
+    /// The reasons to doubt these trainings.
+    fn reasons(&self) -> Vec<Reason> {
+        let (rewards, of) = (self.rewards.clone(), self.rewards.len());
+        let most =
+            |a: &(&Baseline, usize), b: &(&Baseline, usize)| a.1.cmp(&b.1).then(a.0.reward.total_cmp(&b.0.reward));
+        let learnt = match (self.below().into_iter().max_by(most), self.unclear()) {
+            (Some((baseline, count)), _) => Some(Reason::Below { count, of, than: baseline.into(), rewards }),
+            (None, 0) => None,
+            (None, count) => {
+                let least = self.baselines.iter().min_by(|a, b| a.reward.total_cmp(&b.reward));
+                least.map(|baseline| Reason::NotAbove { count, of, than: baseline.into(), rewards })
+            }
+        };
+        let disagree = (self.disagree() == Some(true)).then(|| Reason::Disagree { rewards: self.rewards.clone() });
+        learnt.into_iter().chain(disagree).collect()
     }
 }
 
-impl RewardDifference {
-    fn new(controller: String, sample: &Sample) -> Self {
-        let (first, all) = (sample.first, sample.values.len());
-        let weight = |member: usize| {
-            if member < first { 1.0 / first as f64 } else { -1.0 / (all - first) as f64 }
-        };
-        let variance: f64 =
-            sample.covariance.iter().enumerate().map(|(i, c)| weight(i / all) * weight(i % all) * c).sum();
-        // Without any spread, the error of a single episode.
-        let error = variance.max(0.0).sqrt().max(1.0 / sample.episodes.effective_size().max(1.0));
-        let difference = sample.estimate();
-        let half = normal_quantile(0.975) * error;
-        let p = 2.0 * normal_below(-(difference / error).abs());
-        let theirs = sample.values[first..].iter().sum::<f64>() / (all - first) as f64;
-        Self { controller, theirs, difference, interval: (difference - half, difference + half), p, holm: p }
+impl TrainingDifference {
+    fn is_significant(&self) -> bool {
+        self.holm < SIGNIFICANT
     }
+
+    fn is_below(&self) -> bool {
+        self.is_significant() && self.difference < 0.0
+    }
+
+    fn is_above(&self) -> bool {
+        self.is_significant() && self.difference > 0.0
+    }
+}
+
+impl Baseline {
+    /// From the rewards of trainings and of the runs of an untrained controller.
+    fn new(controller: String, sample: &Sample) -> Self {
+        let (trained, all) = (sample.first, sample.values.len());
+        let reward = sample.values[trained..].iter().sum::<f64>() / (all - trained) as f64;
+        let own = |member: usize| if member < trained { 0.0 } else { -1.0 / (all - trained) as f64 };
+        let each = |training: usize| {
+            let weight = |member: usize| if member == training { 1.0 } else { own(member) };
+            let difference = sample.values[training] - reward;
+            let p = 2.0 * normal_below(-(difference / error(sample, weight)).abs());
+            TrainingDifference { difference, p, holm: p }
+        };
+        let mean = sample.estimate();
+        let weight = |member: usize| if member < trained { 1.0 / trained as f64 } else { own(member) };
+        let half = normal_quantile(0.975) * error(sample, weight);
+        Self {
+            controller,
+            reward,
+            difference: (mean, (mean - half, mean + half)),
+            trainings: (0..trained).map(each).collect(),
+        }
+    }
+}
+
+/// The standard error, over episodes, of a sum of values with these weights. Without any spread, that of a single episode.
+fn error(sample: &Sample, weight: impl Fn(usize) -> f64) -> f64 {
+    let n = sample.values.len();
+    let variance: f64 = sample.covariance.iter().enumerate().map(|(i, c)| weight(i / n) * weight(i % n) * c).sum();
+    variance.max(0.0).sqrt().max(1.0 / sample.episodes.effective_size().max(1.0))
 }
 
 /// The standard deviation between the values of a sample that follows from the draw of episodes alone.
@@ -151,11 +202,10 @@ fn by_episodes(sample: &Sample) -> Option<f64> {
 
 /// Adjusts p for the number of differences of a campaign.
 pub fn adjust(cells: &mut [CellEvidence]) {
-    let all = || cells.iter().filter_map(|cell| cell.learning.as_ref()).flat_map(|learning| &learning.differences);
-    let adjusted = holm(&all().map(|each| each.p).collect::<Vec<_>>());
-    let learnings = cells.iter_mut().filter_map(|cell| cell.learning.as_mut());
-    let differences = learnings.flat_map(|learning| &mut learning.differences);
-    differences.zip(adjusted).for_each(|(each, holm)| each.holm = holm);
+    let baselines = cells.iter_mut().filter_map(|cell| cell.learning.as_mut()).flat_map(|each| &mut each.baselines);
+    let mut all: Vec<&mut TrainingDifference> = baselines.flat_map(|baseline| &mut baseline.trainings).collect();
+    let adjusted = holm(&all.iter().map(|each| each.p).collect::<Vec<_>>());
+    all.iter_mut().zip(adjusted).for_each(|(each, holm)| each.holm = holm);
 }
 
 /// A reason to doubt the trainings of a cell. `Display` gives a sentence.
@@ -167,30 +217,49 @@ pub struct Doubt {
     pub reason: Reason,
 }
 
+/// An untrained controller with its mean reward of an episode.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Untrained {
+    /// Its name.
+    pub controller: String,
+    /// The reward.
+    pub reward: f64,
+}
+
+impl From<&Baseline> for Untrained {
+    fn from(baseline: &Baseline) -> Self {
+        Self { controller: baseline.controller.clone(), reward: baseline.reward }
+    }
+}
+
 /// Why trainings are doubtful.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Reason {
-    /// Their reward is below that of an untrained controller.
+    /// The reward of some is below that of an untrained controller.
     Below {
-        /// Their mean reward.
-        ours: f64,
-        /// The controller with the highest reward of those.
-        controller: String,
-        /// Its mean reward.
-        theirs: f64,
+        /// The number of these.
+        count: usize,
+        /// The number of trainings.
+        of: usize,
+        /// The controller that most of them are below.
+        than: Untrained,
+        /// The mean reward of each training.
+        rewards: Vec<f64>,
     },
-    /// Their reward is above that of no untrained controller.
+    /// The reward of some is above that of no untrained controller.
     NotAbove {
-        /// Their mean reward.
-        ours: f64,
+        /// The number of these.
+        count: usize,
+        /// The number of trainings.
+        of: usize,
         /// The controller with the lowest reward.
-        controller: String,
-        /// Its mean reward.
-        theirs: f64,
+        than: Untrained,
+        /// The mean reward of each training.
+        rewards: Vec<f64>,
     },
     /// The trainings disagree.
     Disagree {
-        /// The mean reward of each.
+        /// The mean reward of each training.
         rewards: Vec<f64>,
     },
 }
@@ -209,19 +278,24 @@ impl Reason {
 
 impl fmt::Display for Doubt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let key = &self.key;
+        let listed = |rewards: &[f64]| {
+            let each: Vec<String> = rewards.iter().map(|reward| format!("{reward:.3}")).collect();
+            each.join(", ")
+        };
+        write!(f, "{}: ", self.key)?;
         match &self.reason {
-            Reason::Below { ours, controller, theirs } => write!(
+            Reason::Below { count, of, than: Untrained { controller, reward }, rewards } => write!(
                 f,
-                "{key}: the trainings are worse than the untrained `{controller}`: mean reward {ours:.3} instead of {theirs:.3}"
+                "{count} of {of} trainings got less reward than the untrained `{controller}`: {} and {reward:.3} an episode",
+                listed(rewards)
             ),
-            Reason::NotAbove { ours, controller, theirs } => write!(
+            Reason::NotAbove { count, of, than: Untrained { controller, reward }, rewards } => write!(
                 f,
-                "{key}: no sign of learning: mean reward {ours:.3}, and {theirs:.3} of the untrained `{controller}`"
+                "no sign of learning in {count} of {of} trainings: rewards of {} an episode, and {reward:.3} of the untrained `{controller}`",
+                listed(rewards)
             ),
             Reason::Disagree { rewards } => {
-                let each: Vec<String> = rewards.iter().map(|reward| format!("{reward:.3}")).collect();
-                write!(f, "{key}: the trainings disagree: mean rewards {}", each.join(", "))
+                write!(f, "the trainings disagree: rewards of {} an episode", listed(rewards))
             }
         }?;
         write!(f, "; {}", self.reason.advice())
@@ -246,26 +320,4 @@ pub fn doubts(cells: &[CellEvidence]) -> Vec<Doubt> {
         .flat_map(|(key, learning)| learning.reasons().into_iter().map(move |reason| (key, reason)))
         .map(doubt)
         .collect()
-}
-
-impl Learning {
-    /// The reasons to doubt these trainings.
-    fn reasons(&self) -> Vec<Reason> {
-        let ours = self.mean();
-        let of = |each: &RewardDifference| (each.controller.clone(), each.theirs);
-        let by_reward = |a: &&RewardDifference, b: &&RewardDifference| a.theirs.total_cmp(&b.theirs);
-        let learnt = match self.learnt() {
-            Learnt::Yes => None,
-            Learnt::No => {
-                let better = self.differences.iter().filter(|each| each.is_significant() && each.difference < 0.0);
-                better.max_by(by_reward).map(of).map(|(controller, theirs)| Reason::Below { ours, controller, theirs })
-            }
-            Learnt::Unclear => {
-                let least = self.differences.iter().min_by(by_reward).map(of);
-                least.map(|(controller, theirs)| Reason::NotAbove { ours, controller, theirs })
-            }
-        };
-        let disagree = self.disagree() == Some(true);
-        learnt.into_iter().chain(disagree.then(|| Reason::Disagree { rewards: self.rewards.clone() })).collect()
-    }
 }

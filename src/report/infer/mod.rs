@@ -19,6 +19,6 @@ pub use cell::{CellEvidence, Quantiles};
 pub use comparison::{Comparison, Test};
 pub use figure::Figure;
 pub use gather::{Evidence, Gathering};
-pub use learning::{Doubt, Learning, Learnt, Reason, RewardDifference, doubts};
+pub use learning::{Baseline, Doubt, Learning, Learnt, Reason, TrainingDifference, Untrained, doubts};
 pub use tables::{cell_table, comparison_columns, comparison_table, evident_cells, transfer_columns, transfer_table};
 pub use transfer::{Change, Transfer};

@@ -94,10 +94,10 @@ const REST: Family<f64> = Family::new(
 const LEARNT: Column<String> = Column::new(
     "learnt",
     "",
-    "whether the trainings of the cell learnt, by the mean reward of an episode: `no` where it is significantly below that of an untrained \
-     controller with the same reward and starts, `yes` where it is significantly above one and below none, else `unclear`. About these \
-     trainings: normal test over common episodes, at 5 % after Holm's correction for all such pairs of the campaign. Missing for untrained \
-     controllers",
+    "whether the trainings of the cell learnt, by the mean reward of an episode: `no` where a training is significantly below an untrained \
+     controller with the same reward and starts, `yes` where each training is significantly above one and none is below, else `unclear`. About \
+     these trainings: normal test over common episodes, at 5 % after Holm's correction for all such pairs of the campaign. Missing for \
+     untrained controllers",
 );
 /// Whether the trainings disagree.
 const TRAININGS_DISAGREE: Column<String> = Column::new(

@@ -239,13 +239,17 @@ fn trainings_learnt_if_they_are_above_an_untrained_controller_and_below_none() {
     assert_eq!((learnt, disagree, reasons.len()), (Learnt::Yes, Some(false), 0));
     let (learnt, _, reasons) = learning(&[40, 44, 36]);
     assert_eq!(learnt, Learnt::No, "above random and below intercept");
-    let [Reason::Below { ours, controller, theirs }] = &reasons[..] else { panic!("{reasons:?}") };
-    assert!((ours - 0.2).abs() < 1e-12 && (theirs - 0.4).abs() < 1e-12 && controller == "intercept");
+    let than = Untrained { controller: "intercept".into(), reward: 0.4 };
+    assert_eq!(reasons, [Reason::Below { count: 3, of: 3, than, rewards: vec![0.2, 0.22, 0.18] }]);
     let (learnt, disagree, reasons) = learning(&[80]);
     assert_eq!((learnt, disagree, reasons.len()), (Learnt::Yes, None, 0), "as good as intercept");
     let (learnt, _, reasons) = learning(&[0]);
     assert_eq!(learnt, Learnt::No);
-    assert!(matches!(&reasons[..], [Reason::Below { controller, .. }] if controller == "intercept"), "{reasons:?}");
+    assert!(matches!(&reasons[..], [Reason::Below { than, .. }] if than.controller == "intercept"), "{reasons:?}");
+    // One bad training of many is found, although their mean is good and they do not disagree by much.
+    let (learnt, disagree, reasons) = learning(&[120, 120, 120, 120, 120, 120, 120, 120, 120, 20]);
+    assert_eq!((learnt, disagree), (Learnt::No, Some(false)));
+    assert!(matches!(&reasons[..], [Reason::Below { count: 1, of: 10, .. }]), "{reasons:?}");
 }
 
 #[test]
@@ -269,7 +273,8 @@ fn without_an_untrained_controller_learning_is_unclear_and_silent() {
     let equal = gather(vec![rewarded("trained", 0, "a", &word(0, 50)), rewarded("random", 0, "a", &word(0, 50))]);
     let found = doubts(&equal.cells);
     let [doubt] = &found[..] else { panic!("{found:?}") };
-    assert_eq!(doubt.reason, Reason::NotAbove { ours: 0.0, controller: "random".into(), theirs: 0.0 });
+    let than = Untrained { controller: "random".into(), reward: 0.0 };
+    assert_eq!(doubt.reason, Reason::NotAbove { count: 1, of: 1, than, rewards: vec![0.0] });
     let text = doubt.to_string();
     assert!(text.contains("no sign of learning") && text.contains("train for more `steps`"), "{text}");
 }
@@ -289,14 +294,15 @@ fn trainings_are_doubted_where_they_were_trained() {
 fn differences_in_reward_are_adjusted_for_their_number() {
     let place =
         |town: &str| vec![rewarded("trained", 0, town, &word(16, 100)), rewarded("random", 0, town, &word(10, 100))];
-    let one = gather(place("a")).cells.remove(0).learning.unwrap().differences.remove(0);
-    assert!((one.difference - 0.06).abs() < 1e-12 && (one.theirs - 0.1).abs() < 1e-12);
+    let baseline = gather(place("a")).cells.remove(0).learning.unwrap().baselines.remove(0);
+    let (one, (low, high)) = (baseline.trainings[0], baseline.difference.1);
+    assert!((one.difference - 0.06).abs() < 1e-12 && (baseline.reward - 0.1).abs() < 1e-12);
     // Six of a hundred pairs differ: the standard error is the root of 0.06 (1 - 0.06) / 100.
     let error = (0.06_f64 * 0.94 / 100.0).sqrt();
-    assert!((one.interval.1 - one.interval.0 - 2.0 * 1.959_964 * error).abs() < 1e-4, "{one:?}");
+    assert!((high - low - 2.0 * 1.959_964 * error).abs() < 1e-4, "{baseline:?}");
     assert!(one.p < 0.02 && one.holm == one.p);
     let two = gather([place("a"), place("b")].concat());
-    let holm: Vec<f64> =
-        two.cells.iter().filter_map(|cell| Some(cell.learning.as_ref()?.differences[0].holm)).collect();
+    let holm = |cell: &CellEvidence| Some(cell.learning.as_ref()?.baselines[0].trainings[0].holm);
+    let holm: Vec<f64> = two.cells.iter().filter_map(holm).collect();
     assert_eq!(holm, [2.0 * one.p, 2.0 * one.p]);
 }

@@ -10,9 +10,9 @@ pub fn learnt(cells: &[Cell], evidence: &Evidence) -> Option<Section> {
         return None;
     }
     let mut untrained: Vec<&str> = Vec::new();
-    for difference in judged.iter().flat_map(|(_, learning)| &learning.differences) {
-        if !untrained.contains(&difference.controller.as_str()) {
-            untrained.push(&difference.controller);
+    for baseline in judged.iter().flat_map(|(_, learning)| &learning.baselines) {
+        if !untrained.contains(&baseline.controller.as_str()) {
+            untrained.push(&baseline.controller);
         }
     }
     let mut columns = head();
@@ -24,8 +24,9 @@ pub fn learnt(cells: &[Cell], evidence: &Evidence) -> Option<Section> {
         let each: Vec<String> =
             learning.rewards.iter().map(|reward| Value::Number(Some(*reward), 2).to_string()).collect();
         let less = |other: &&str| {
-            let found = learning.differences.iter().find(|each| each.controller == **other);
-            Value::Difference(found.map(|found| found.difference), found.map(|found| found.interval))
+            let found = learning.baselines.iter().find(|baseline| baseline.controller == **other);
+            let (difference, interval) = found.map(|found| found.difference).unzip();
+            Value::Difference(difference, interval)
         };
         let learnt = learning.learnt();
         let name = learnt.name().to_string();
@@ -42,9 +43,9 @@ pub fn learnt(cells: &[Cell], evidence: &Evidence) -> Option<Section> {
     }
     let mut notes = vec![
         "Mean reward of an episode, of each training, and their mean less that of untrained controllers with the same reward and starts. \
-         *Learnt*: **no** where it is significantly below one of them, **yes** where it is significantly above one and below none, else \
-         **unclear** (5 % after Holm's correction for all these pairs). These tests are about these trainings, over further episodes; the \
-         comparisons are about further trainings."
+         *Learnt*: **no** where a training is significantly below one of them, **yes** where each training is significantly above one and none \
+         is below, else **unclear** (5 % after Holm's correction for all pairs of a training and an untrained controller). These tests are about \
+         these trainings, over further episodes; the comparisons are about further trainings."
             .to_string(),
         "Trainings *disagree* where their standard deviation is more than twice what the episodes explain and more than half of their mean \
          gain over `random`. A campaign can require all this: `--fail-if 'learnt != yes'`, `--fail-if 'trainings_disagree == yes'`."
