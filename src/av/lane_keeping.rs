@@ -24,6 +24,16 @@ pub fn steer(path: &Path, perception: &Perception<'_>) -> f64 {
     blueprint.steer_for(wheel, speed)
 }
 
+/// Share of the limit that [`cruising_speed`] is on a straight street.
+const LIMIT_SHARE: f64 = 0.9;
+/// Acceleration in bends and deceleration before them in [`cruising_speed`] (m/s²).
+const COMFORT: f64 = 2.0;
+
+/// The speed (m/s) at which an average driver would be at the start of a path, under a limit (m/s).
+pub fn cruising_speed(path: &Path, limit: f64) -> f64 {
+    speed_for_bends(path, LIMIT_SHARE * limit, COMFORT, COMFORT)
+}
+
 /// The speed (m/s) at which the ego takes every bend ahead within a lateral acceleration, and stops at the end of the road
 /// with comfortable braking, both in m/s².
 pub fn speed_for_bends(path: &Path, wanted: f64, lateral: f64, braking: f64) -> f64 {

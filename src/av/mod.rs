@@ -31,6 +31,7 @@ pub use cruise::Cruise;
 pub use driving_policy::{DrivingMode, DrivingPolicy};
 pub use fault::Fault;
 pub use idm::Idm;
+pub use lane_keeping::cruising_speed;
 pub use oracle_brake::OracleBrake;
 pub use path::Path;
 pub use perception::{Actor, Light, Perception, PerfectSensors};

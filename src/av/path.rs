@@ -2,7 +2,7 @@ use std::collections::VecDeque;
 
 use super::Perception;
 use crate::geometry::{Point, Pose};
-use crate::road::{ForkRule, LaneFilter, RandomWalk, RoadOption, RoutePoint, Town};
+use crate::road::{ForkRule, RandomWalk, RoadOption, RoutePoint, Town};
 use crate::seed::Stream;
 
 /// Spacing of the points (m), along the reference line.
@@ -25,12 +25,14 @@ impl Default for Path {
 }
 
 impl Path {
-    /// Starts on the driving lane nearest to the ego.
+    /// Starts on the given route, or on the driving lane nearest to the ego.
     pub fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
         self.points.clear();
         self.stream = Some(stream);
-        let nearest = perception.town.nearest_lane(perception.ego.pose.position(), LaneFilter::Driving);
-        self.points.extend(nearest.map(|start| RoutePoint::new(perception.town, start, RoadOption::LaneFollow)));
+        self.walk.take(perception.route);
+        self.points.extend(
+            perception.start_lane().map(|start| RoutePoint::new(perception.town, start, RoadOption::LaneFollow)),
+        );
         self.extend(perception.town);
     }
 

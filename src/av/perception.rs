@@ -1,5 +1,5 @@
 use crate::geometry::{Obstacles, OrientedBox, Pose, Vector};
-use crate::road::Town;
+use crate::road::{LaneFilter, Town, Waypoint};
 use crate::sim::{ActorId, Control, LightColour, Vehicle, VehicleBlueprint, World};
 
 /// Another road user, or the ego itself.
@@ -62,7 +62,7 @@ pub struct Perception<'a> {
     pub town: &'a Town,
     /// The model of the ego.
     pub blueprint: &'a VehicleBlueprint,
-    /// Ticks since the start of the episode.
+    /// Ticks since the driver was reset. Those of a run-up count.
     pub tick: u32,
     /// Length of a tick (s).
     pub dt: f64,
@@ -70,6 +70,10 @@ pub struct Perception<'a> {
     pub ego: Actor,
     /// The speed limit of the ego (m/s).
     pub speed_limit: f64,
+    /// The lanes that the ego is to take from its place on, in order, each as a place on it: the first one is the place of the ego, the last
+    /// one the end of the route. Afterwards the driver finds its own way. Drivers read it when they are reset. Empty when every way is the
+    /// driver's own.
+    pub route: &'a [Waypoint],
     /// All pedestrians; [`Perception::in_sight`] is false for hidden ones.
     pub pedestrians: &'a [Actor],
     /// All other vehicles.
@@ -83,6 +87,12 @@ pub struct Perception<'a> {
 }
 
 impl Perception<'_> {
+    /// The place at which a route of the ego starts: that of the given route, or the nearest place on a driving lane.
+    pub fn start_lane(&self) -> Option<Waypoint> {
+        let given = self.route.first().copied();
+        given.or_else(|| self.town.nearest_lane(self.ego.pose.position(), LaneFilter::Driving))
+    }
+
     /// Whether the line between the middles of the ego and of an actor is free.
     ///
     /// CARLA's driver does not check it: it reads the world's list of actors.
@@ -130,10 +140,11 @@ impl PerfectSensors {
         Perception {
             town: &world.town,
             blueprint: &world.vehicles[vehicle].blueprint,
-            tick: world.ticks,
+            tick: world.run_up + world.ticks,
             dt: world.dt,
             ego: driven(vehicle),
             speed_limit: world.vehicles[vehicle].speed_limit,
+            route: &[],
             pedestrians: &self.pedestrians,
             vehicles: &self.vehicles,
             obstacles: &world.obstacles,

@@ -1,4 +1,4 @@
-use super::watch::flow;
+use super::watch::{episodes_seed, flow};
 use super::{Observer, ResultStore, SearchResult, Task, TaskError};
 use crate::compile::Search;
 use crate::falsifier::{Failure, SearchOutcome, Simulator, evaluate, follow};
@@ -6,9 +6,9 @@ use crate::judge::{Verdict, judge};
 use crate::seed::Seed;
 
 impl Search {
-    /// The seed of its starts: the same for all falsifiers.
+    /// The seed of its starts: the same for all falsifiers and all drivers.
     pub fn starts(&self, seed: &Seed) -> Seed {
-        seed.child("search").child(&self.key.town).child(&self.key.policy).index(self.key.run.into())
+        seed.child("search").child(&self.key.town).index(self.key.run.into())
     }
 }
 
@@ -34,15 +34,14 @@ pub fn search(
     }
     let late = || stop() || results.limit(task, 0).is_some();
     let mut simulator = Simulator::new(search.scenario.clone(), search.starts(seed), search.budget, &late);
-    let place = |branch: &str| seed.child(branch).child(&key.town).child(&key.policy);
-    let own = place("falsifier").child(&key.falsifier).index(key.run.into());
+    let own = seed.child("falsifier").child(&key.town).child(&key.policy).child(&key.falsifier).index(key.run.into());
     let (walker, error) = match search.falsifier.search(&mut simulator, &own.child("search")) {
         Ok(walker) => (walker, None),
         Err(error) => (None, Some(TaskError::Training(error.into()))),
     };
     let mut spent = simulator.into_spent();
     let tried = walker.filter(|_| !spent.stopped && search.tries > 0).map_or_else(Vec::new, |mut walker| {
-        let (fresh, drawn) = (place("evaluate"), own.child("tries"));
+        let (fresh, drawn) = (episodes_seed(seed, &key.town), own.child("tries"));
         let mut go_on = |done: u32| {
             let stopped = done < search.tries && late();
             spent.stopped |= stopped;

@@ -8,7 +8,8 @@ use crate::seed::Seed;
 
 /// Runs the episodes of an evaluation with these numbers, and returns what `note` makes of each.
 ///
-/// An episode depends only on the user's seed, the names of the evaluation and its own number. It is the same in every range, and the same
+/// An episode depends only on the user's seed, the names of the evaluation and its own number. Its start depends only on the seed, the name
+/// of the town and the number: all drivers and controllers meet the same starts. It is the same in every range, and the same
 /// when a failure is replayed. `trained` is the result of the evaluation's training; untrained controllers need none.
 ///
 /// Ends early, with the first episodes up to there, as [`evaluate_noting`] does.
@@ -47,9 +48,15 @@ pub(super) fn watch_numbered<T>(
         ControllerKind::Trained(_) => learnt(ActionMode::Deterministic),
         ControllerKind::Sampled(_) => learnt(ActionMode::Stochastic),
     };
-    let place = |branch: &str| seed.child(branch).child(&evaluation.town).child(&evaluation.policy);
-    let own = place("walker").child(evaluation.controller.name()).index(evaluation.trained.run.into());
-    evaluate_noting(walker.as_mut(), &evaluation.scenario, episodes, &place("evaluate"), &own, note, observer)
+    let own = seed.child("walker").child(&evaluation.town).child(&evaluation.policy);
+    let own = own.child(evaluation.controller.name()).index(evaluation.trained.run.into());
+    let starts = episodes_seed(seed, &evaluation.town);
+    evaluate_noting(walker.as_mut(), &evaluation.scenario, episodes, &starts, &own, note, observer)
+}
+
+/// The seed of the episodes of all evaluations in a town: the same for all drivers, controllers and rewards.
+pub(super) fn episodes_seed(seed: &Seed, town: &str) -> Seed {
+    seed.child("evaluate").child(town)
 }
 
 /// Breaks when `stop` is true.

@@ -236,6 +236,13 @@ impl<'a> Sector<'a> {
     }
 }
 
+/// Whether a condition names a variable.
+pub(super) fn names(condition: &Formula, vocabulary: &Vocabulary, variable: &str) -> bool {
+    let mut named = Vec::new();
+    variables(condition, &mut named);
+    named.iter().any(|id| vocabulary.variables[id.0].name == variable)
+}
+
 /// The greatest number of boxes to examine for whether conditions can be true together.
 const MOST_REGIONS: usize = 2048;
 

@@ -1,8 +1,8 @@
 use std::f64::consts::PI;
 
-use super::sector::Sector;
+use super::sector::{self, Sector};
 use crate::diagnostic::{Diagnostic, Sources};
-use crate::env::{Constraint, EgoStart, Ground, LanePiece, Measure, RoadShape, SpawnRule};
+use crate::env::{Constraint, EgoSpeed, EgoStart, Ground, LanePiece, Measure, RoadShape, SpawnRule};
 use crate::geometry::Pose;
 use crate::lang::diagnostics;
 use crate::lang::hir::Block;
@@ -63,11 +63,10 @@ pub fn form() -> Form {
             "any",
             "Which stretches of road the ego may begin on: all, those that run straight for the next 10 m, or the others.",
         ),
-        Param::with_default(
+        Param::optional(
             "ego_speed",
             Type::Distribution { dimension: Dimension::SPEED, min: 0.0, max: 60.0 },
-            "0 m/s",
-            "How fast the ego begins.",
+            "Speed of the ego at the start, such as `0 m/s`. Without it the driver is in its steady state: it has driven its lane alone up to there.",
         ),
         Param::optional(
             "require",
@@ -102,7 +101,10 @@ pub fn lower(
 ) -> Option<SpawnRule> {
     let arguments = &block.arguments;
     let with_place = |key: &str| (arguments.distribution(key), block.place(key));
-    let (bearing, distance, speed) = (with_place("bearing"), with_place("distance"), with_place("ego_speed"));
+    let (bearing, distance) = (with_place("bearing"), with_place("distance"));
+    let steady = !arguments.has("ego_speed");
+    let at_rest = Distribution::Constant(0.0);
+    let speed = if steady { (&at_rest, block.head) } else { with_place("ego_speed") };
     let area = arguments.choice("measure") == "area";
     let before = said.len();
     if area && !matches!(distance.0, Distribution::Uniform(..)) {
@@ -120,7 +122,13 @@ pub fn lower(
     }
     let mut sector = Sector::new(vocabulary, bearing, distance, speed);
     let conditions = arguments.conditions("require").into_iter().cloned();
-    let mut left: Vec<_> = conditions.zip(block.members("require").iter().copied()).collect();
+    let all = conditions.zip(block.members("require").iter().copied());
+    let (unknown, mut left): (Vec<_>, Vec<_>) =
+        all.partition(|(condition, _)| steady && sector::names(condition, vocabulary, "ego_speed"));
+    said.extend(unknown.into_iter().map(|(_, span)| {
+        let message = "`ego_speed` is not drawn here: the driver comes at its own speed".to_string();
+        diagnostics::contradiction(span, message).help("draw it, as in `ego_speed: 5 m/s .. 8 m/s`")
+    }));
     // The part of the sector that one condition leaves may contradict another condition, in either order.
     for _ in 0..2 {
         let mut kept = Vec::new();
@@ -152,7 +160,7 @@ pub fn lower(
             "bend" => RoadShape::Bend,
             _ => RoadShape::Any,
         },
-        ego_speed,
+        ego_speed: if steady { EgoSpeed::Steady } else { EgoSpeed::Drawn(ego_speed) },
         heading: arguments.has("heading").then(|| arguments.distribution("heading").clone()),
         constraints,
     })

@@ -27,6 +27,7 @@ mod motion;
 mod state_hashes;
 mod outcome;
 mod running;
+mod run_up;
 mod pedestrian_env;
 mod pursuit;
 mod trace;
@@ -41,7 +42,9 @@ pub use pedestrian_env::PedestrianEnv;
 pub use reference_frame::{ReferenceFrame, Scaling};
 pub use reward::{HitClass, RewardRule, Situation, vocabulary};
 pub use scenario::{EpisodeRule, Scenario};
-pub use spawn::{Constraint, EgoStart, Ground, LanePiece, Measure, RoadShape, Spawn, SpawnError, SpawnRule, Survey};
+pub use spawn::{
+    Constraint, EgoSpeed, EgoStart, Ground, LanePiece, Measure, RoadShape, Spawn, SpawnError, SpawnRule, Survey,
+};
 pub use state_hashes::StateHashes;
 pub use test_oracle::{Judgement, TestOracle};
 pub use trace::{Driven, Trace, VehicleFrame};

@@ -31,8 +31,12 @@ pub enum Ending {
 /// The outcome of an episode.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
-    /// Its start.
+    /// Its start; after a run-up the ego's pose and speed are those that its driver reached.
     pub spawn: Spawn,
+    /// A hash of the start as it was drawn, before the driver had any influence: equal for all drivers and controllers that meet it.
+    pub start: u64,
+    /// Ticks of the run-up; 0 without one.
+    pub run_up: u32,
     /// Why it ended.
     pub ending: Ending,
     /// Sum of the rewards.

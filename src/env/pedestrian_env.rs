@@ -2,15 +2,16 @@ use std::sync::Arc;
 
 use super::motion::Motion;
 use super::reward::{Hit, is_about_motion};
+use super::run_up::{self, RunUp};
 use super::running::RunningEpisode;
 use super::{
-    Controller, Driven, Ending, Judgement, Observation, ObservationSpec, Outcome, RewardRule, Scenario, Situation,
-    Spawn, SpawnRule, StateHashes, Trace,
+    Controller, Driven, EgoSpeed, Ending, Judgement, Observation, ObservationSpec, Outcome, RewardRule, Scenario,
+    Situation, Spawn, SpawnRule, StateHashes, Trace,
 };
-use crate::av::{DrivingMode, DrivingPolicy, Fault, PerfectSensors};
+use crate::av::{DrivingMode, DrivingPolicy, Fault, Path, Perception, PerfectSensors, cruising_speed};
 use crate::geometry::{Point, Pose, wrap_angle};
 use crate::rl::{Env, Step};
-use crate::seed::Seed;
+use crate::seed::{Seed, Stream};
 use crate::sim::{ActorStart, Contact, Control, LightCycle, Start, WalkCommand, World};
 use rand::RngExt;
 
@@ -18,6 +19,11 @@ use rand::RngExt;
 ///
 /// Episode *k* depends only on the seed and on *k*. So two controllers that are evaluated with one seed have the same starts and the same
 /// drivers.
+///
+/// Where the ego starts in its steady state ([`EgoSpeed::Steady`]), the driver first drives alone along a *run-up* that ends at the drawn
+/// pose. Tick 0 of the episode is the tick in which it gets there: with its own speed, pose within the lane, and memory. Until then there are
+/// no pedestrians; vehicles and traffic lights run. A driver that does not get there within 60 s (120 s where traffic lights work; at most 20,000 ticks) or touches
+/// another vehicle starts at the drawn pose, at rest and without memory.
 ///
 /// A decision is one command for each pedestrian of the cast, in the order of their numbers. As an [`Env`] its action is joint: the
 /// numbers of all controlled pedestrians, one after another. So is its state.
@@ -32,6 +38,12 @@ pub struct PedestrianEnv {
     episode: Episode,
     /// The start of each vehicle and each pedestrian of the running episode.
     starts: (Vec<ActorStart>, Vec<ActorStart>),
+    /// Time within the cycles of the traffic lights at the start (s).
+    light_phase: f64,
+    run_up: RunUp,
+    /// The way ahead at the start of the run-up.
+    path: Path,
+    stage: Stage,
     /// The action of each vehicle's driver in the last tick.
     controls: Vec<Control>,
     /// The command that each pedestrian carries out.
@@ -67,10 +79,25 @@ struct Walks {
     scratch: Vec<WalkCommand>,
 }
 
+/// The stage of the running episode.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Stage {
+    /// The driver drives alone.
+    RunUp,
+    /// A driver failed in the run-up.
+    Failed(Fault),
+    /// The pedestrians are there.
+    Encounter,
+}
+
 /// The record of the running episode.
 #[derive(Debug, Clone, Copy)]
 struct Episode {
     spawn: Spawn,
+    /// The hash of the spawn as it was drawn.
+    start: u64,
+    /// Ticks of the run-up.
+    run_up: u32,
     /// The environment's width when it started.
     width: f64,
     /// Ticks for which the present commands have been carried out.
@@ -89,6 +116,8 @@ impl Episode {
     fn new(spawn: Spawn, width: f64) -> Self {
         Self {
             spawn,
+            start: hashed(0, &spawn),
+            run_up: 0,
             width,
             held: 0,
             contact: None,
@@ -147,6 +176,10 @@ impl PedestrianEnv {
             next_episode: 0,
             episode: Episode::new(nowhere, 1.0),
             starts,
+            light_phase: 0.0,
+            run_up: RunUp::new(run_up::LENGTH),
+            path: Path::default(),
+            stage: Stage::Encounter,
             controls: vec![Control::default(); vehicles],
             walks,
             faults_in_a_row: 0,
@@ -167,8 +200,17 @@ impl PedestrianEnv {
         &self.world
     }
 
-    /// Starts the episode with this number.
+    /// Starts the episode with this number, and drives its run-up.
     pub fn begin(&mut self, number: u64) {
+        self.place(number);
+        while self.is_running_up() {
+            self.tick_run_up();
+        }
+    }
+
+    /// Draws the start of the episode with this number and places the actors. Where that is at the start of a run-up,
+    /// [`PedestrianEnv::tick_run_up`] drives it.
+    pub fn place(&mut self, number: u64) {
         let seed = self.seed.index(number);
         let scenario = &self.scenario;
         let mut stream = seed.child("spawn").stream();
@@ -177,22 +219,110 @@ impl PedestrianEnv {
         let near = self.near.as_ref().and_then(|near| near.sample_if_easy(town, obstacles, first, &mut stream));
         let spawn = near.unwrap_or_else(|| scenario.spawn.sample(town, obstacles, first, &mut stream));
         // A whole number of cycles of groups with up to four turns.
-        let light_phase = stream.random_range(0.0..12.0 * LightCycle::default().turn());
+        self.light_phase = stream.random_range(0.0..12.0 * LightCycle::default().turn());
+        self.episode = Episode::new(spawn, self.width);
+        self.next_episode = number + 1;
+        self.decisions.clear();
+        self.starts.1[0] = ActorStart::standing(spawn.pedestrian);
+        match &scenario.spawn.ego_speed {
+            EgoSpeed::Steady => {
+                self.stage = Stage::RunUp;
+                self.place_before(&spawn.ego, &mut seed.child("run_up").stream());
+            }
+            EgoSpeed::Drawn(_) => {
+                self.place_vehicles(ActorStart { pose: spawn.ego, speed: spawn.ego_speed });
+                self.meet();
+            }
+        }
+        self.reset_policies();
+        self.meet_at_goal();
+    }
+
+    /// Places the ego at the start of the run-up to a goal, at the speed at which an average driver would be there.
+    fn place_before(&mut self, goal: &Pose, stream: &mut Stream) {
+        let town = &self.scenario.town;
+        self.run_up.plan(town, *goal, &self.scenario.cast.ego.blueprint, stream);
+        let start = ActorStart::standing(self.run_up.start(town));
+        self.place_vehicles(start);
+        if let Some(limit) = self.run_up.limit() {
+            self.world.vehicles[0].speed_limit = limit;
+        }
+        let perception = perceive(&mut self.sensors, &self.world, self.stage, &self.run_up, 0);
+        self.path.reset(&perception, stream.clone());
+        let speed = cruising_speed(&self.path, perception.speed_limit).min(self.run_up.speed());
+        self.world.vehicles[0].state.speed = speed;
+    }
+
+    /// Places all actors, with this start of the ego.
+    fn place_vehicles(&mut self, ego: ActorStart) {
         let (vehicles, pedestrians) = &mut self.starts;
-        vehicles[0] = ActorStart { pose: spawn.ego, speed: spawn.ego_speed };
-        pedestrians[0] = ActorStart::standing(spawn.pedestrian);
-        self.world.begin(&Start { vehicles, pedestrians, light_phase });
+        vehicles[0] = ego;
+        self.world.begin(&Start { vehicles, pedestrians, light_phase: self.light_phase });
+        self.controls.fill(Control::default());
+    }
+
+    fn reset_policies(&mut self) {
+        let seed = self.seed.index(self.next_episode - 1);
         for (number, policy) in self.policies.iter_mut().enumerate() {
             // The ego's random numbers do not depend on whether there is other traffic.
             let seed = if number == 0 { seed.child("policy") } else { seed.child("traffic").index(number as u64) };
-            policy.reset(&self.sensors.perceive(&self.world, number), seed.stream());
+            let perception = perceive(&mut self.sensors, &self.world, self.stage, &self.run_up, number);
+            policy.reset(&perception, seed.stream());
         }
-        self.controls.fill(Control::default());
-        for (command, start) in self.walks.commands.iter_mut().zip(pedestrians) {
+    }
+
+    /// Whether the run-up of the episode is not over yet.
+    pub fn is_running_up(&self) -> bool {
+        self.stage == Stage::RunUp
+    }
+
+    /// Simulates one tick of the run-up.
+    pub fn tick_run_up(&mut self) {
+        if let Some(fault) = self.drive() {
+            self.stage = Stage::Failed(fault);
+            return;
+        }
+        let touched = self.world.run_up(&self.controls);
+        self.episode.run_up += 1;
+        self.meet_at_goal();
+        let over = touched || self.episode.run_up >= self.most_run_up();
+        if self.is_running_up() && over {
+            self.place_vehicles(ActorStart::standing(*self.run_up.goal()));
+            self.meet();
+            self.reset_policies();
+        }
+    }
+
+    /// Ends the run-up if the ego has reached its goal.
+    fn meet_at_goal(&mut self) {
+        let ego = &self.world.ego().state;
+        if self.is_running_up() && self.run_up.is_reached(ego, self.world.dt) {
+            let spawn = &mut self.episode.spawn;
+            (spawn.ego, spawn.ego_speed) = (ego.pose, ego.speed);
+            self.meet();
+        }
+    }
+
+    /// The greatest number of ticks that the run-up of an episode takes; 0 where episodes have none.
+    pub fn most_run_up(&self) -> u32 {
+        match self.scenario.spawn.ego_speed {
+            EgoSpeed::Steady => RunUp::most_ticks(self.world.dt, self.world.lights.is_some()),
+            EgoSpeed::Drawn(_) => 0,
+        }
+    }
+
+    /// The ticks of this episode's run-up up to now.
+    pub fn run_up_ticks(&self) -> u32 {
+        self.episode.run_up
+    }
+
+    /// The pedestrians appear: tick 0 of the episode.
+    fn meet(&mut self) {
+        self.stage = Stage::Encounter;
+        for (command, start) in self.walks.commands.iter_mut().zip(&self.starts.1) {
             *command = WalkCommand { heading: start.pose.yaw, speed: 0.0 };
         }
         self.walks.turns.fill(0.0);
-        self.episode = Episode::new(spawn, self.width);
         for pedestrian in 0..self.world.pedestrians.len() {
             self.episode.least_gap = self.episode.least_gap.min(self.world.gap(0, pedestrian));
         }
@@ -202,8 +332,6 @@ impl PedestrianEnv {
         if let Some(trace) = &mut self.trace {
             trace.begin(&self.world);
         }
-        self.next_episode = number + 1;
-        self.decisions.clear();
     }
 
     /// The running episode: its number and the decisions.
@@ -242,9 +370,7 @@ impl PedestrianEnv {
 
     /// Hashes the start of the running episode and all its states since.
     fn state_hash(&self) -> u64 {
-        let Spawn { ego, ego_speed, pedestrian } = &self.episode.spawn;
-        let begun = [ego.x, ego.y, ego.yaw, *ego_speed, pedestrian.x, pedestrian.y, pedestrian.yaw];
-        begun.iter().fold(self.episode.digest, |digest, value| mix(digest, value.to_bits()))
+        hashed(self.episode.digest, &self.episode.spawn)
     }
 
     /// A pedestrian's observation of the ego.
@@ -312,8 +438,11 @@ impl PedestrianEnv {
 
     /// Lets the drivers prepare for the next tick, so that drivers of many environments can be queried at once.
     pub fn prepare(&mut self) {
+        if self.failed_run_up().is_some() {
+            return;
+        }
         for (vehicle, policy) in self.policies.iter_mut().enumerate() {
-            policy.prepare(&self.sensors.perceive(&self.world, vehicle));
+            policy.prepare(&perceive(&mut self.sensors, &self.world, self.stage, &self.run_up, vehicle));
         }
     }
 
@@ -321,7 +450,7 @@ impl PedestrianEnv {
     pub fn tick(&mut self) -> Option<Step> {
         let rule = &self.scenario.episode;
         let (limit, hold) = (rule.ticks, rule.hold);
-        if let Some(fault) = self.drive() {
+        if let Some(fault) = self.failed_run_up().or_else(|| self.drive()) {
             return Some(self.give_up(fault));
         }
         if self.episode.held == 0 {
@@ -340,11 +469,20 @@ impl PedestrianEnv {
         over.then(|| self.settle(contact))
     }
 
+    /// The fault of a driver in the run-up.
+    #[inline]
+    fn failed_run_up(&self) -> Option<Fault> {
+        match self.stage {
+            Stage::Failed(fault) => Some(fault),
+            Stage::RunUp | Stage::Encounter => None,
+        }
+    }
+
     /// Queries every driver for the next tick; returns the fault of the first that fails.
     #[inline]
     fn drive(&mut self) -> Option<Fault> {
         for (vehicle, (policy, control)) in self.policies.iter_mut().zip(&mut self.controls).enumerate() {
-            let chosen = policy.drive(&self.sensors.perceive(&self.world, vehicle));
+            let chosen = policy.drive(&perceive(&mut self.sensors, &self.world, self.stage, &self.run_up, vehicle));
             if let Some(fault) = policy.fault() {
                 return Some(fault);
             }
@@ -430,6 +568,8 @@ impl PedestrianEnv {
         let hit = matches!(ending, Ending::Collision { .. });
         self.episode.outcome = Some(Outcome {
             spawn: self.episode.spawn,
+            start: self.episode.start,
+            run_up: self.episode.run_up,
             ending,
             reward: self.episode.reward,
             ticks: self.world.ticks,
@@ -533,6 +673,30 @@ impl PedestrianEnv {
         let initial = self.starts.1[pedestrian].pose.yaw;
         (&self.world.pedestrians[pedestrian].state.pose, initial, self.world.ego().state.pose.position())
     }
+}
+
+/// What the driver of a vehicle perceives: in the run-up no pedestrians, and the ego has the way to take.
+#[inline]
+fn perceive<'a>(
+    sensors: &'a mut PerfectSensors,
+    world: &'a World,
+    stage: Stage,
+    run_up: &'a RunUp,
+    vehicle: usize,
+) -> Perception<'a> {
+    let perception = sensors.perceive(world, vehicle);
+    if stage == Stage::RunUp {
+        let route = if vehicle == 0 { run_up.lanes() } else { &[] };
+        return Perception { pedestrians: &[], route, ..perception };
+    }
+    perception
+}
+
+/// Adds a start to a hash.
+fn hashed(digest: u64, spawn: &Spawn) -> u64 {
+    let Spawn { ego, ego_speed, pedestrian } = spawn;
+    let values = [ego.x, ego.y, ego.yaw, *ego_speed, pedestrian.x, pedestrian.y, pedestrian.yaw];
+    values.iter().fold(digest, |digest, value| mix(digest, value.to_bits()))
 }
 
 /// One round of a multiply-rotate hash.

@@ -67,6 +67,14 @@ struct Place {
 }
 
 impl Place {
+    /// Takes the first decision if the run-up is over.
+    fn meet(&mut self) {
+        if !self.env.is_running_up() {
+            self.trace.begin(self.env.world());
+            self.decide();
+        }
+    }
+
     fn decide(&mut self) {
         self.walker.choose(&self.env, &mut self.commands);
         self.env.begin_decision(&self.commands);
@@ -141,10 +149,9 @@ impl<T> Trial<'_, T> {
             for place in places.iter_mut().filter(|place| place.episode.is_none()) {
                 place.episode = episodes.next();
                 if let Some(episode) = place.episode {
-                    place.env.begin(episode);
-                    place.trace.begin(place.env.world());
+                    place.env.place(episode);
                     place.walker.begin(self.walker_seed.index(episode).stream());
-                    place.decide();
+                    place.meet();
                 }
             }
             let mut running: Vec<&mut Place> = places.iter_mut().filter(|place| place.episode.is_some()).collect();
@@ -154,6 +161,11 @@ impl<T> Trial<'_, T> {
             running.iter_mut().for_each(|place| place.env.prepare());
             let mut failed = Vec::new();
             for place in running {
+                if place.env.is_running_up() {
+                    place.env.tick_run_up();
+                    place.meet();
+                    continue;
+                }
                 if place.trace.watch_tick(&mut place.env).is_none() {
                     continue;
                 }

@@ -71,25 +71,26 @@ impl Env for Ground<'_> {
 impl Falsifier for Learning {
     fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
         let hold = u64::from(simulator.env().scenario().episode.hold);
+        let run_up = u64::from(simulator.env().most_run_up());
         let stride = self.environments as u64;
         let shares = simulator.shares(stride);
         let mut grounds: Vec<Ground<'_>> =
             (0..).zip(shares).map(|(next, share)| Ground { share, next, stride }).collect();
         let config = PpoConfig { total_steps: (simulator.left() / hold).max(1), ..self.config.clone() };
-        let trained = train(&mut grounds, &config, hold, seed);
+        let trained = train(&mut grounds, &config, hold + run_up, seed);
         simulator.take_over(grounds.into_iter().map(|ground| ground.share).collect());
         Ok(Some(Box::new(TrainedWalker::new(trained?, simulator.env().obs_dim(), ActionMode::Deterministic))))
     }
 }
 
-/// Trains until one of the shares is used up.
+/// Trains until one of the shares is used up. `longest` is the greatest number of ticks that a decision takes, with a run-up before it.
 fn train(
     grounds: &mut [Ground<'_>],
     config: &PpoConfig,
-    hold: u64,
+    longest: u64,
     seed: &Seed,
 ) -> Result<crate::rl::ActorCritic, TrainError> {
-    let most = config.rollout_steps as u64 * hold;
+    let most = config.rollout_steps as u64 * longest;
     let mut trainer = Trainer::new(grounds, config, seed)?;
     loop {
         let enough = grounds.iter().all(|ground| ground.share.left() >= most);

@@ -9,8 +9,9 @@ use crate::sim::WalkCommand;
 
 /// The simulator of a falsifier: it counts ticks against a budget and stores every failure.
 ///
-/// A decision is carried out only when the budget has all the ticks that it may take, so the budget is never exceeded. An episode that is
-/// given up, or that the budget cuts off, only costs its ticks.
+/// A decision is carried out only when the budget has all the ticks that it may take, and an episode starts only when it has those of the
+/// longest run-up. So the budget is never exceeded. Ticks of a run-up count, since they cost as much as others. An episode that is given
+/// up, or that the budget cuts off, only costs its ticks.
 pub struct Simulator<'a> {
     scenario: Arc<Scenario>,
     seed: Seed,
@@ -87,11 +88,12 @@ impl<'a> Simulator<'a> {
     /// Starts an episode from the start with this number; false when the budget is used up.
     pub fn begin(&mut self, start: u64) -> bool {
         self.stopped |= (self.stop)();
-        self.spent |= self.stopped;
+        self.spent |= self.stopped || self.left() < self.env.most_run_up().into();
         if !self.spent {
             self.start = start;
             self.commands.clear();
             self.env.begin(start);
+            self.used += u64::from(self.env.run_up_ticks());
         }
         !self.spent
     }

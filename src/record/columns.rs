@@ -114,6 +114,18 @@ pub const EGO_Y: Column<f64> = Column::new("ego_y_m", "m", EGO_X.doc);
 pub const EGO_YAW: Column<f64> = Column::new("ego_yaw_deg", "deg", "heading of the car at the start");
 /// Speed of the car.
 pub const EGO_SPEED: Column<f64> = Column::new("ego_speed_mps", "m/s", "speed of the car at the start");
+/// Ticks of the run-up.
+pub const RUN_UP: Column<u32> = Column::new(
+    "run_up_ticks",
+    "",
+    "ticks for which the driver drove alone before the start; 0 where the scenario sets `ego_speed`",
+);
+/// Hash of the start.
+pub const START: Column<String> = Column::new(
+    "start",
+    "",
+    "hash of the start as it was drawn, before the driver had any influence: rows with the same number and hash have the same start",
+);
 /// Position of the pedestrian.
 pub const PEDESTRIAN_X: Column<f64> = Column::new("pedestrian_x_m", "m", "start of the pedestrian, in the world frame");
 /// Position of the pedestrian.

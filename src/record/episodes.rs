@@ -4,8 +4,9 @@ use super::columns::{
     ADVERSARY, ATTRIBUTABLE, BLOCK, COLLISION, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW,
     EPISODE, EPISODE_LENGTH, EPISODE_REWARD, ERROR, FALSE_BRAKE, FALSE_STOP, FATALITY_RISK, FORESEEABLE, FRONT, HARD,
     IMPACT_BEARING, IMPACT_SPEED, LEAST_GAP, MIN_TTC, MOVING, OUTCOME, PEAK_ACCELERATION, PEAK_SPEED, PEDESTRIAN_X,
-    PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, PREVENTABLE_PROBABILITY, REWARD, RUN, RUN_ID, SEVERE_INJURY_RISK,
-    STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VELOCITY_CHANGE, VERDICT, WALKED_INTO,
+    PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, PREVENTABLE_PROBABILITY, REWARD, RUN, RUN_ID, RUN_UP,
+    SEVERE_INJURY_RISK, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VELOCITY_CHANGE, VERDICT,
+    WALKED_INTO,
 };
 use super::metric::{self, Metric};
 use super::{CellKey, ColumnReference, Entry, EpisodeRow, RunKey, Table, verdict_columns};
@@ -47,7 +48,7 @@ pub(super) fn repeated_key(key: &RunKey, rows: usize) -> Vec<Values> {
 pub fn episode_table() -> Table<'static, EpisodeRow> {
     let table = Table::new(
         EPISODES,
-        "One row for each episode. Episodes with equal numbers in one town against one policy have equal starts, so rows can be paired.",
+        "One row for each episode. Episodes with equal numbers in one town have equal starts for all controllers and driving policies (equal `start`), so rows can be paired.",
     );
     table.columns(run_key(|row: &EpisodeRow| &*row.key)).columns(outcome_table().entries)
 }
@@ -126,9 +127,11 @@ pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
         .column(EGO_Y.of(|row: &EpisodeRow| row.outcome.spawn.ego.y))
         .column(EGO_YAW.of(|row: &EpisodeRow| row.outcome.spawn.ego.yaw.to_degrees()))
         .column(EGO_SPEED.of(|row: &EpisodeRow| row.outcome.spawn.ego_speed))
+        .column(RUN_UP.of(|row: &EpisodeRow| row.outcome.run_up))
         .column(PEDESTRIAN_X.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.x))
         .column(PEDESTRIAN_Y.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.y))
         .column(PEDESTRIAN_YAW.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.yaw.to_degrees()))
+        .column(START.of(|row: &EpisodeRow| format!("{:016x}", row.outcome.start)))
         .column(DIGEST.of(|row: &EpisodeRow| format!("{:016x}", row.outcome.digest)))
         .column(
             STATE_HASHES

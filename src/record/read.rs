@@ -5,8 +5,8 @@ use polars::prelude::{BooleanChunked, DataFrame, Float64Chunked, PolarsResult, S
 use super::columns::{
     ADVERSARY, ATTRIBUTABLE, AVOIDS, BLOCK, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW,
     EPISODE, EPISODE_LENGTH, EPISODE_REWARD, ERROR, FRONT, IMPACT_BEARING, IMPACT_SPEED, IN_SIGHT, LEAST_GAP, MIN_TTC,
-    MOVING, OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, REWARD, RUN, RUN_ID, STATE_HASHES, TICKS,
-    TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT, WEIGHT,
+    MOVING, OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, REWARD, RUN, RUN_ID, RUN_UP, START,
+    STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT, WEIGHT,
 };
 use super::episodes::named;
 use super::{CellKey, RunKey};
@@ -92,6 +92,8 @@ pub struct EpisodeTable<'a> {
     ego_y: &'a Float64Chunked,
     ego_yaw: &'a Float64Chunked,
     ego_speed: &'a Float64Chunked,
+    run_up: &'a UInt32Chunked,
+    start: &'a StringChunked,
     pedestrian_x: &'a Float64Chunked,
     pedestrian_y: &'a Float64Chunked,
     pedestrian_yaw: &'a Float64Chunked,
@@ -129,6 +131,8 @@ impl<'a> EpisodeTable<'a> {
             ego_y: EGO_Y.read(table)?,
             ego_yaw: EGO_YAW.read(table)?,
             ego_speed: EGO_SPEED.read(table)?,
+            run_up: RUN_UP.read(table)?,
+            start: START.read(table)?,
             pedestrian_x: PEDESTRIAN_X.read(table)?,
             pedestrian_y: PEDESTRIAN_Y.read(table)?,
             pedestrian_yaw: PEDESTRIAN_YAW.read(table)?,
@@ -278,6 +282,8 @@ impl<'a> EpisodeTable<'a> {
         };
         Some(Outcome {
             spawn: self.spawn(row),
+            start: u64::from_str_radix(self.start.get(row)?, 16).ok()?,
+            run_up: self.run_up.get(row)?,
             ending,
             reward: self.reward(row).unwrap_or_default(),
             ticks: self.ticks(row)?,

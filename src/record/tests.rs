@@ -29,6 +29,8 @@ fn row(episode: u32, ending: Ending) -> EpisodeRow {
         episode,
         outcome: Outcome {
             spawn,
+            start: 0xABCD,
+            run_up: 12,
             ending,
             reward: 0.25,
             ticks: 90,

@@ -65,13 +65,17 @@ pub enum ForkRule {
     NamedTurn,
 }
 
-/// A walk through a town without a destination.
+/// A walk through a town without a destination. Where lanes are given it takes these first; then it draws a branch at every fork.
 ///
 /// # Source
 /// CARLA 0.9.15 `agents/navigation/local_planner.py`, for [`ForkRule::NamedTurn`].
 #[derive(Debug, Clone, Default)]
 pub struct RandomWalk {
     rule: ForkRule,
+    /// The lanes that it must take, in order, each as a place on it.
+    lanes: Vec<Waypoint>,
+    /// The index of the present lane among them.
+    reached: usize,
     branches: Vec<Waypoint>,
     past: Vec<Waypoint>,
     options: Vec<RoadOption>,
@@ -84,16 +88,40 @@ impl RandomWalk {
         let room = 16;
         Self {
             rule,
+            lanes: Vec::with_capacity(room),
+            reached: 0,
             branches: Vec::with_capacity(room),
             past: Vec::with_capacity(room),
             options: Vec::with_capacity(room),
         }
     }
 
+    /// Sets the lanes that it must take from its next start on: in order, each as a place on it, the first one that of the start. After the
+    /// last of them, or when they do not follow each other, it draws as it does without.
+    pub fn take(&mut self, lanes: &[Waypoint]) {
+        self.lanes.clear();
+        self.lanes.extend_from_slice(lanes);
+        self.reached = 0;
+    }
+
+    /// The index of the branch on the lanes that it must take; none when it may draw.
+    fn given_branch(&mut self) -> Option<usize> {
+        let ahead = self.lanes.get(self.reached..)?;
+        let on_lane = |branch: &Waypoint| ahead.iter().position(|lane| lane.is_on_lane_of(branch));
+        let found = self.branches.iter().enumerate().filter_map(|(index, branch)| Some((on_lane(branch)?, index)));
+        let Some((steps, branch)) = found.min() else {
+            self.lanes.clear();
+            return None;
+        };
+        self.reached += steps;
+        Some(branch)
+    }
+
     /// The point `step` (m) further along the reference line; none at the end of the road.
     pub fn next(&mut self, town: &Town, from: &RoutePoint, step: f64, stream: &mut Stream) -> Option<RoutePoint> {
         self.branches.clear();
         town.next(from.waypoint, step, &mut self.branches);
+        let given = self.given_branch();
         if self.branches.len() < 2 {
             let mut next = RoutePoint::new(town, *self.branches.first()?, RoadOption::LaneFollow);
             if self.rule == ForkRule::AnyBranch && from.is_junction && next.is_junction {
@@ -103,7 +131,8 @@ impl RandomWalk {
         }
         match self.rule {
             ForkRule::AnyBranch => {
-                let branch = self.branches[stream.random_range(0..self.branches.len())];
+                let chosen = given.unwrap_or_else(|| stream.random_range(0..self.branches.len()));
+                let branch = self.branches[chosen];
                 let turned = wrap_angle(self.way_out(town, branch).yaw - from.pose.yaw);
                 let option = match turned {
                     turned if turned > STRAIGHT => RoadOption::Left,
@@ -120,9 +149,14 @@ impl RandomWalk {
                     let beyond = self.past.first().unwrap_or(branch);
                     self.options.push(turn(&from.pose, &town.pose(*beyond)));
                 }
-                let option = self.options[stream.random_range(0..self.options.len())];
-                let chosen = self.options.iter().position(|each| *each == option)?;
-                Some(RoutePoint::new(town, self.branches[chosen], option))
+                let chosen = match given {
+                    Some(given) => given,
+                    None => {
+                        let option = self.options[stream.random_range(0..self.options.len())];
+                        self.options.iter().position(|each| *each == option)?
+                    }
+                };
+                Some(RoutePoint::new(town, self.branches[chosen], self.options[chosen]))
             }
         }
     }

@@ -61,6 +61,12 @@ impl Town {
         })
     }
 
+    /// The start of a waypoint's lane in driving direction; none for a lane that does not exist.
+    pub fn lane_start(&self, waypoint: Waypoint) -> Option<Waypoint> {
+        let lane = self.network.lane(self.network.slot(waypoint)?);
+        Some(lane.waypoint(entry(lane, Way::Ahead)))
+    }
+
     /// Pairs of waypoints: the start of each driving lane of each section with each of its successors, or with its own
     /// end if there is none. The order is that of CARLA's client library for Linux.
     ///

@@ -20,8 +20,10 @@ pub struct World {
     pub vehicles: Vec<Vehicle>,
     /// The pedestrians.
     pub pedestrians: Vec<Pedestrian>,
-    /// Ticks since the start.
+    /// Ticks since the start of the episode.
     pub ticks: u32,
+    /// Ticks before it, in which only the vehicles moved.
+    pub run_up: u32,
     /// Length of a tick (s).
     pub dt: f64,
     /// The cycle of the traffic lights; none where they are switched off.
@@ -50,6 +52,7 @@ impl World {
             vehicles: vehicles.into_iter().map(Vehicle::new).collect(),
             pedestrians: pedestrians.into_iter().map(Pedestrian::new).collect(),
             ticks: 0,
+            run_up: 0,
             dt,
             lights,
             light_phase: 0.0,
@@ -69,7 +72,7 @@ impl World {
         for (pedestrian, start) in self.pedestrians.iter_mut().zip(start.pedestrians) {
             pedestrian.begin(start.pedestrian());
         }
-        self.ticks = 0;
+        (self.ticks, self.run_up) = (0, 0);
         self.light_phase = start.light_phase;
     }
 
@@ -85,7 +88,7 @@ impl World {
 
     /// The clock of the traffic lights; none where they are switched off.
     pub fn light_clock(&self) -> Option<LightClock> {
-        self.lights.map(|cycle| cycle.clock(self.light_phase + self.elapsed()))
+        self.lights.map(|cycle| cycle.clock(self.light_phase + f64::from(self.run_up + self.ticks) * self.dt))
     }
 
     /// The traffic light in whose trigger box a vehicle stands: its place among the town's lights. None where lights are
@@ -123,6 +126,23 @@ impl World {
         self.first_contact()
     }
 
+    /// Simulates one tick of all vehicles before the episode starts, and returns whether two of them touched. Pedestrians are not there yet;
+    /// traffic lights change.
+    ///
+    /// # Panics
+    /// When the number of controls is not that of the vehicles, and after the first [`World::tick`].
+    pub fn run_up(&mut self, controls: &[Control]) -> bool {
+        assert_eq!(controls.len(), self.vehicles.len(), "each vehicle has a control");
+        assert_eq!(self.ticks, 0, "the episode has not started");
+        for (vehicle, control) in self.vehicles.iter_mut().zip(controls) {
+            vehicle.step(*control, &self.town, self.dt);
+        }
+        self.run_up += 1;
+        let mut touched = false;
+        self.vehicle_contacts(|_| touched = true);
+        touched
+    }
+
     #[inline]
     fn first_contact(&self) -> Option<Contact> {
         let mut first: Option<Contact> = None;
@@ -139,6 +159,13 @@ impl World {
                 }
             }
         }
+        self.vehicle_contacts(&mut note);
+        first
+    }
+
+    /// Passes on the touches of two vehicles in the last tick.
+    #[inline]
+    fn vehicle_contacts(&self, mut note: impl FnMut(Contact)) {
         for (number, vehicle) in self.vehicles.iter().enumerate() {
             for (other, second) in self.vehicles.iter().enumerate().skip(number + 1) {
                 if Contact::is_vehicle_near(vehicle, second, self.dt) {
@@ -147,6 +174,5 @@ impl World {
                 }
             }
         }
-        first
     }
 }

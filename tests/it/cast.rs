@@ -8,8 +8,8 @@ use falsify::internal::analysis::Approach;
 use falsify::internal::av::{DrivingMode, PerfectSensors};
 use falsify::internal::compile::{Catalog, Plan, compile};
 use falsify::internal::env::{
-    ActionSpec, Controller, EgoStart, Ending, ObservationSpec, Outcome, PedestrianEnv, PedestrianRole, Placed,
-    Scenario, Trace, VehicleRole,
+    ActionSpec, Controller, EgoSpeed, EgoStart, Ending, ObservationSpec, Outcome, PedestrianEnv, PedestrianRole,
+    Placed, Scenario, Trace, VehicleRole,
 };
 use falsify::internal::falsifier::{Failure, Intercept, Random, Simulator, WalkPolicy, evaluate};
 use falsify::internal::geometry::{Obstacles, Pose};
@@ -64,7 +64,7 @@ pub fn two_and_two(ego: &str, traffic: (&str, ActorStart), second: (ActorStart, 
     let mut scenario = scenario("long", ego);
     scenario.obstacles = Arc::new(Obstacles::new(&[]));
     scenario.spawn.ego_start = EgoStart::Poses(vec![Pose::new(60.0, LANE, 0.0)]);
-    scenario.spawn.ego_speed = Distribution::Constant(8.0);
+    scenario.spawn.ego_speed = EgoSpeed::Drawn(Distribution::Constant(8.0));
     scenario.spawn.bearing = Distribution::Constant(-std::f64::consts::FRAC_PI_2);
     scenario.spawn.distance = Distribution::Constant(30.0);
     scenario.spawn.heading = Some(Distribution::Constant(0.0));

@@ -59,6 +59,7 @@ mod searches;
 mod shards;
 mod shipped;
 mod spawns;
+mod steady_starts;
 mod stepping;
 mod stopping;
 mod suite;

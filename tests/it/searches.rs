@@ -13,8 +13,8 @@ import "lib/rewards.scn"
 import "lib/drivers.scn"
 town straight { street quay { through: [(0 m, 0 m), (400 m, 0 m)] } }
 episode ten_seconds { ticks: 200 }
-spawn in_the_way { ego_poses: [(20 m, -1.75 m, 0 deg)]  bearing: -2 deg .. 2 deg  distance: 7 m .. 12 m }
-spawn far_aside { ego_poses: [(20 m, -1.75 m, 0 deg)]  bearing: 20 deg .. 22 deg  distance: 28 m .. 29 m }
+spawn in_the_way { ego_speed: 0 m/s  ego_poses: [(20 m, -1.75 m, 0 deg)]  bearing: -2 deg .. 2 deg  distance: 7 m .. 12 m }
+spawn far_aside { ego_speed: 0 m/s  ego_poses: [(20 m, -1.75 m, 0 deg)]  bearing: 20 deg .. 22 deg  distance: 28 m .. 29 m }
 adversary slow { speed: 0 m/s .. 2 m/s  observation_frame: line_of_sight  action_frame: line_of_sight  ramp: 0 s  turning: 20 Hz }
 training two = ppo(environments: 2, steps_per_update: 32)
 falsifier chance = random()

@@ -97,6 +97,7 @@ fn look(model: &SensorModel, walls: &[OrientedBox], people: &[Actor], cars: &[Ac
             dt,
             ego: car(0.0, 0.0, 0.0),
             speed_limit: 8.0,
+            route: &[],
             pedestrians: &people,
             vehicles: &cars,
             obstacles: &obstacles,

@@ -9,7 +9,7 @@ use super::red_light::RedLights;
 use super::release::{Release, ReleaseTraits};
 use super::way_finding::WayFinding;
 use crate::av::{DrivingMode, DrivingPolicy, Perception};
-use crate::road::{LaneFilter, RoadOption, RoutePoint};
+use crate::road::{RoadOption, RoutePoint};
 use crate::seed::Stream;
 use crate::sim::Control;
 
@@ -167,8 +167,8 @@ impl BehaviorAgent {
 
 impl DrivingPolicy for BehaviorAgent {
     fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
-        let start = perception.town.nearest_lane(perception.ego.pose.position(), LaneFilter::Driving);
-        self.planner.begin(&self.traits, self.config.way, perception.town, start, stream);
+        let (start, lanes) = (perception.start_lane(), perception.route);
+        self.planner.begin(&self.traits, self.config.way, perception.town, start, lanes, stream);
         self.controller.reset();
         self.red_lights.reset(perception);
         self.mode = DrivingMode::default();

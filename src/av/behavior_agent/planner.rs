@@ -7,13 +7,15 @@ use super::carla_frame::{Direction, Location};
 use super::release::ReleaseTraits;
 use super::way_finding::{AtDestination, WayFinding};
 use crate::geometry::Point;
-use crate::road::{RandomWalk, RoadOption, RoutePlanner, RoutePoint, Town, Waypoint};
-use crate::seed::Stream;
+use crate::road::{ForkRule, RandomWalk, RoadOption, RoutePlanner, RoutePoint, Town, Waypoint};
+use crate::seed::{Seed, Stream};
 
 /// A walk without destination is refilled by this number of points when fewer are left.
 const REFILL: usize = 100;
 /// The greatest number of destinations that are drawn before the agent gives up.
 const DRAWS: u32 = 100;
+/// The greatest number of points of a given route.
+const MOST_GIVEN: usize = 4096;
 /// Points in the old planner's buffer.
 const BUFFER: usize = 5;
 /// Points within this distance are reached (m), at rest.
@@ -64,13 +66,14 @@ enum Source {
 }
 
 impl Planner {
-    /// Starts to find its own way at a lane; without a lane there is no way.
+    /// Starts at a lane: along the given lanes if there are any, and then to find its own way. Without a start there is no way.
     pub fn begin(
         &mut self,
         traits: &ReleaseTraits,
         way: WayFinding,
         town: &Town,
         start: Option<Waypoint>,
+        lanes: &[Waypoint],
         mut stream: Stream,
     ) {
         self.clear();
@@ -80,7 +83,9 @@ impl Planner {
         self.target = start.map(|start| start.pose.position());
         match way {
             WayFinding::Wander(forks) => {
-                self.source = Source::Walk { walk: RandomWalk::new(forks), stream };
+                let mut walk = RandomWalk::new(forks);
+                walk.take(lanes);
+                self.source = Source::Walk { walk, stream };
                 self.queue.extend(start.map(PlannedPoint::new));
                 if traits.buffered_planner {
                     self.extend(traits, town);
@@ -89,17 +94,30 @@ impl Planner {
             }
             WayFinding::Destination(at_destination) => {
                 let routes = town.route_planner(traits.step);
-                match at_destination {
-                    AtDestination::Next => {
-                        self.source = Source::Destinations { routes, stream };
-                        self.extend(traits, town);
-                    }
-                    AtDestination::Stop => {
-                        self.plan(traits, town, &routes, &mut stream);
-                    }
+                if let (Some(start), Some(end)) = (start, lanes.last()) {
+                    self.take(traits, town, start, lanes, *end);
+                }
+                let found = self.plan(traits, town, &routes, &mut stream);
+                if found && at_destination == AtDestination::Next {
+                    self.source = Source::Destinations { routes, stream };
                 }
             }
         }
+    }
+
+    /// Takes the given lanes up to the end of the route, from where a destination is planned to.
+    fn take(&mut self, traits: &ReleaseTraits, town: &Town, start: RoutePoint, lanes: &[Waypoint], end: Waypoint) {
+        let mut walk = RandomWalk::new(ForkRule::AnyBranch);
+        walk.take(lanes);
+        let reached = |place: &Waypoint| place.is_on_lane_of(&end) && (place.s - end.s) * f64::from(end.lane) <= 0.0;
+        // Every fork on the way is given, so nothing is drawn.
+        let mut unused = Seed::root(0).stream();
+        let mut point = Some(start);
+        while let Some(here) = point.filter(|here| !reached(&here.waypoint) && self.queue.len() < MOST_GIVEN) {
+            self.queue.push_back(PlannedPoint::new(here));
+            point = walk.next(town, &here, traits.step, &mut unused);
+        }
+        self.target = Some(town.pose(end).position());
     }
 
     /// Follows a given route and stops at its end.
@@ -299,7 +317,7 @@ mod tests {
     fn drive(town: &Town, traits: &ReleaseTraits, at: AtDestination, seed: u64, ticks: u32) -> (Vec<usize>, Location) {
         let start = town.generate_waypoints(2.0)[3];
         let mut planner = Planner::default();
-        planner.begin(traits, WayFinding::Destination(at), town, Some(start), Seed::root(seed).stream());
+        planner.begin(traits, WayFinding::Destination(at), town, Some(start), &[], Seed::root(seed).stream());
         let (mut here, mut lengths, mut steps) = (Location::new(town.pose(start).position(), 0.0), Vec::new(), 0);
         for _ in 0..ticks {
             match planner.run(traits, town, here, 0.0) {
@@ -345,7 +363,7 @@ mod tests {
         let (town, traits) = (nowhere(), Release::V0_9_15.traits());
         let mut planner = Planner::default();
         let way = WayFinding::Destination(AtDestination::Next);
-        planner.begin(&traits, way, &town, None, Seed::root(1).stream());
+        planner.begin(&traits, way, &town, None, &[], Seed::root(1).stream());
         assert_eq!(planner.run(&traits, &town, at(0.0), 0.0), None);
     }
 

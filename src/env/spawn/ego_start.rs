@@ -4,6 +4,7 @@ use super::SpawnError;
 use crate::geometry::{Pose, wrap_angle};
 use crate::road::{LaneFilter, LaneStretch, Town, Waypoint};
 use crate::seed::Stream;
+use crate::signature::Distribution;
 
 /// The rule for the ego's start.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,6 +15,15 @@ pub enum EgoStart {
     Poses(Vec<Pose>),
     /// Anywhere on these parts of lanes, uniform in length.
     Pieces(Vec<LanePiece>),
+}
+
+/// The speed of the ego at the start.
+#[derive(Debug, Clone, PartialEq)]
+pub enum EgoSpeed {
+    /// The steady state of its driver, which has driven its lane alone up to the pose.
+    Steady,
+    /// Drawn (m/s); the driver starts at the pose.
+    Drawn(Distribution),
 }
 
 /// A part of a driving lane, given by its start.

@@ -19,7 +19,7 @@ mod survey;
 mod error;
 
 pub use constraint::{Constraint, Ground};
-pub use ego_start::{EgoStart, LanePiece, RoadShape};
+pub use ego_start::{EgoSpeed, EgoStart, LanePiece, RoadShape};
 pub use error::{Rarity, SpawnError};
 pub use rule::{Measure, Spawn, SpawnRule};
 pub use survey::Survey;

@@ -1,7 +1,7 @@
 use rand::RngExt;
 
 use super::constraint::placed;
-use super::{Constraint, EgoStart, Rarity, RoadShape, SpawnError, Survey};
+use super::{Constraint, EgoSpeed, EgoStart, Rarity, RoadShape, SpawnError, Survey};
 use crate::env::FirstHeading;
 use crate::geometry::{Obstacles, Point, Pose, Vector, wrap_angle};
 use crate::road::Town;
@@ -32,8 +32,8 @@ pub struct SpawnRule {
     pub ego_start: EgoStart,
     /// The stretches of road on which the ego may start.
     pub road_shape: RoadShape,
-    /// Speed of the ego at the start (m/s).
-    pub ego_speed: Distribution,
+    /// Speed of the ego at the start.
+    pub ego_speed: EgoSpeed,
     /// Heading of the pedestrian from the ego's heading, positive to the left (rad); without it the cast decides.
     pub heading: Option<Distribution>,
     /// Further conditions.
@@ -45,7 +45,7 @@ pub struct SpawnRule {
 pub struct Spawn {
     /// Pose of the ego.
     pub ego: Pose,
-    /// Speed of the ego (m/s).
+    /// Speed of the ego (m/s); 0 in a start that is drawn for a driver in its steady state, before the driver has driven.
     pub ego_speed: f64,
     /// Pose of the pedestrian.
     pub pedestrian: Pose,
@@ -253,7 +253,11 @@ impl SpawnRule {
             (None, FirstHeading::Random) => wrap_angle(turn),
             (None, FirstHeading::TowardsEgo) => towards,
         };
-        let ego_speed = self.ego_speed.quantile(stream.random());
+        let share = stream.random();
+        let ego_speed = match &self.ego_speed {
+            EgoSpeed::Drawn(speed) => speed.quantile(share),
+            EgoSpeed::Steady => 0.0,
+        };
         Spawn { ego: *ego, ego_speed, pedestrian: Pose::new(place.x, place.y, yaw) }
     }
 }

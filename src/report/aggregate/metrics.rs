@@ -335,6 +335,8 @@ mod tests {
             episode,
             outcome: Outcome {
                 spawn,
+                start: 0,
+                run_up: 0,
                 ending,
                 reward,
                 ticks: 10,

@@ -38,6 +38,8 @@ fn run(controller: &str, reward: &str, run: u32, town: &str, word: &str) -> Data
             episode: episode as u32,
             outcome: Outcome {
                 spawn,
+                start: 0,
+                run_up: 0,
                 ending,
                 reward: 0.0,
                 ticks: 1,

@@ -73,6 +73,7 @@ impl Scene {
             dt: 0.05,
             ego: self.ego,
             speed_limit: 30.0 / 3.6,
+            route: &[],
             pedestrians: &self.walkers,
             vehicles: &self.vehicles,
             obstacles: &self.obstacles,
