@@ -49,11 +49,17 @@ impl CellKey {
         !self.train_town.is_empty()
     }
 
-    /// Whether another cell has the same place: the same block, town, policy, vehicle and adversary. Cells of one place share
-    /// their starts.
+    /// Whether another cell has the same place: the same block, town, vehicle and adversary. Cells of one place share their starts,
+    /// whatever their driving policies and controllers are.
     pub fn is_beside(&self, other: &Self) -> bool {
-        (self.block, &self.town, &self.policy, &self.vehicle, &self.adversary)
-            == (other.block, &other.town, &other.policy, &other.vehicle, &other.adversary)
+        (self.block, &self.town, &self.vehicle, &self.adversary)
+            == (other.block, &other.town, &other.vehicle, &other.adversary)
+    }
+
+    /// Whether another cell has the same controller: with the same reward and training.
+    pub fn has_controller_of(&self, other: &Self) -> bool {
+        (&self.controller, &self.reward, &self.train_town, &self.train_policy)
+            == (&other.controller, &other.reward, &other.train_town, &other.train_policy)
     }
 
     /// The controller with its reward and its training, as `trained r1 (harbour, careful)`.

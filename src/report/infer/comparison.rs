@@ -26,7 +26,7 @@ impl Test {
     }
 }
 
-/// Two cells with common starts.
+/// Two cells with common starts: two controllers against one driver, or one controller against two drivers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
     /// The first.
@@ -51,19 +51,27 @@ pub struct Comparison {
     pub test: Test,
     /// Probability of such a difference by chance.
     pub p: Option<f64>,
-    /// The same, adjusted for all comparisons of the campaign by Holm's method.
+    /// The same, adjusted for all comparisons of controllers, or of drivers, of the campaign by Holm's method.
     pub holm: Option<f64>,
     /// The same by Benjamini and Hochberg's.
     pub benjamini_hochberg: Option<f64>,
 }
 
-/// The pairs that are compared: every trained pedestrian with every untrained one that has the same reward, and with the same pedestrian
-/// trained for an earlier reward.
+impl Comparison {
+    /// Whether two drivers are compared.
+    pub fn is_of_drivers(&self) -> bool {
+        self.first.policy != self.second.policy
+    }
+}
+
+/// The pairs that are compared. Against one driver: every trained pedestrian with every untrained one that has the same reward, and with the
+/// same pedestrian trained for an earlier reward. Of drivers: each with each earlier one, met by the same pedestrian; one that is not
+/// trained is compared for its first reward only, since it is the same for all.
 pub fn pairs(place: &Place) -> Vec<(usize, usize)> {
     let keys = || (0..place.cells.len()).map(|cell| (cell, &place.runs(cell)[0].key));
     let mut pairs = Vec::new();
     for (first, a) in keys().filter(|(_, key)| key.is_trained()) {
-        for (second, b) in keys() {
+        for (second, b) in keys().filter(|(_, b)| a.policy == b.policy) {
             let plain = !b.is_trained() && a.reward == b.reward;
             let same = a.controller == b.controller && a.train_town == b.train_town && a.train_policy == b.train_policy;
             if plain || (same && second < first) {
@@ -71,24 +79,45 @@ pub fn pairs(place: &Place) -> Vec<(usize, usize)> {
             }
         }
     }
+    let repeats = |cell: usize, key: &CellKey| {
+        let mut earlier = keys().take(cell);
+        !key.is_trained() && earlier.any(|(_, b)| b.policy == key.policy && b.controller == key.controller)
+    };
+    for (first, a) in keys().filter(|(cell, key)| !repeats(*cell, key)) {
+        let others = keys().take(first).filter(|(_, b)| a.policy != b.policy && a.has_controller_of(b));
+        pairs.extend(others.map(|(second, _)| (first, second)));
+    }
     pairs
 }
 
 /// Compares two cells of a place; none when one of them has no value.
 pub fn compare(place: &Place, measured: &Measured, (first, second): (usize, usize), seed: &Seed) -> Option<Comparison> {
-    let (figure, sample) = (measured.figure, place.sample(measured, first, Some(second))?);
+    let figure = measured.figure;
     let (ours, theirs) = (&place.runs(first)[0], &place.runs(second)[0]);
-    let seed = theirs.key.controller_seed(&ours.key.controller_seed(&seed.child("comparison")));
-    let (a, b) = sample.values.split_at(sample.first);
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let drivers = ours.key.policy != theirs.key.policy;
+    let (sample, values, runs) = if drivers {
+        let (sample, values) = place.paired(measured, first, second)?;
+        let runs = [sample.values.len() as u64; 2];
+        (sample, values, runs)
+    } else {
+        let sample = place.sample(measured, first, Some(second))?;
+        let (a, b) = sample.values.split_at(sample.first);
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        let (values, runs) = ([mean(a), mean(b)], [a.len() as u64, b.len() as u64]);
+        (sample, values, runs)
+    };
+    let seed = ours.key.place_seed(seed).child("comparison");
+    let seed = theirs.key.controller_seed(&ours.key.controller_seed(&seed));
+    let seed = if drivers { theirs.key.place_seed(&seed) } else { seed };
     let cut = |(low, high): (f64, f64)| (low.clamp(-1.0, 1.0), high.clamp(-1.0, 1.0));
     let plain = ours.episodes().is_plain() && theirs.episodes().is_plain();
     // An exact test counts pairs; there is none for pairs of different weights.
-    let has_events = sample.values.iter().any(|value| *value != 0.0);
+    let has_events = values.iter().any(|value| *value != 0.0);
+    let single = runs == [1, 1] && [first, second].map(|cell| place.runs(cell).len()) == [1, 1];
     let (test, p, student) = if !has_events {
         // Neither could be significant, so it is no test and costs the others nothing.
         (Test::None, None, sample.student().map(|found| cut((found.low, found.high))))
-    } else if plain && a.len() == 1 && b.len() == 1 {
+    } else if plain && single {
         let (only_first, only_second) = ours.discordant(theirs, figure);
         (Test::McNemar, Some(mcnemar(only_first, only_second)), None)
     } else {
@@ -101,9 +130,9 @@ pub fn compare(place: &Place, measured: &Measured, (first, second): (usize, usiz
         first: ours.key.clone(),
         second: theirs.key.clone(),
         figure,
-        runs: [a.len() as u64, b.len() as u64],
+        runs,
         episodes: sample.episodes.count(),
-        values: [mean(a), mean(b)],
+        values,
         difference: sample.estimate(),
         bootstrap: cut(sample.bootstrap(&seed.child(figure.name()))),
         student,
@@ -114,11 +143,15 @@ pub fn compare(place: &Place, measured: &Measured, (first, second): (usize, usiz
     })
 }
 
-/// Adjusts p for the number of comparisons.
+/// Adjusts p for the number of comparisons: those of controllers and those of drivers separately, since they answer two questions.
 pub fn adjust(comparisons: &mut [Comparison]) {
-    let raw: Vec<f64> = comparisons.iter().filter_map(|comparison| comparison.p).collect();
-    let tested = comparisons.iter_mut().filter(|comparison| comparison.p.is_some());
-    for (comparison, (first, second)) in tested.zip(holm(&raw).into_iter().zip(benjamini_hochberg(&raw))) {
-        (comparison.holm, comparison.benjamini_hochberg) = (Some(first), Some(second));
+    for drivers in [false, true] {
+        let mut tested: Vec<&mut Comparison> =
+            comparisons.iter_mut().filter(|each| each.p.is_some() && each.is_of_drivers() == drivers).collect();
+        let raw: Vec<f64> = tested.iter().filter_map(|comparison| comparison.p).collect();
+        for (comparison, (first, second)) in tested.iter_mut().zip(holm(&raw).into_iter().zip(benjamini_hochberg(&raw)))
+        {
+            (comparison.holm, comparison.benjamini_hochberg) = (Some(first), Some(second));
+        }
     }
 }

@@ -13,7 +13,7 @@ use crate::seed::Seed;
 pub struct Evidence {
     /// One for each cell, in the order of first appearance.
     pub cells: Vec<CellEvidence>,
-    /// Comparisons of pedestrians of the same place.
+    /// Comparisons of pedestrians, and of drivers, of the same place.
     pub comparisons: Vec<Comparison>,
     /// Transfers of the same pedestrian between two places.
     pub transfers: Vec<Transfer>,
@@ -69,8 +69,9 @@ impl Gathering {
 impl Evidence {
     /// Adds all runs of a place.
     fn add(&mut self, runs: Vec<Tried>, seed: &Seed) {
-        let Some(first) = runs.first() else { return };
-        let seed = first.key.place_seed(seed);
+        if runs.is_empty() {
+            return;
+        }
         let place = Place::new(runs);
         let mut cells: Vec<_> = (0..place.cells.len()).map(|cell| CellEvidence::new(&place, cell)).collect();
         let pairs = pairs(&place);
@@ -79,12 +80,12 @@ impl Evidence {
         for figure in Figure::ALL {
             let measured = place.measure(figure);
             for (number, cell) in cells.iter_mut().enumerate() {
-                let seed = cell.key.controller_seed(&seed.child("cell"));
+                let seed = cell.key.controller_seed(&cell.key.place_seed(seed).child("cell"));
                 cell.measure(&place, &measured, number, &seed);
             }
             if Figure::COMPARED.contains(&figure) {
                 let found =
-                    pairs.iter().enumerate().map(|(rank, pair)| (rank, compare(&place, &measured, *pair, &seed)));
+                    pairs.iter().enumerate().map(|(rank, pair)| (rank, compare(&place, &measured, *pair, seed)));
                 comparisons.extend(found);
             }
         }

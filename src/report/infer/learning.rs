@@ -82,7 +82,7 @@ impl Learning {
         let own = place.sample(measured, cell, None)?;
         let untrained = (0..place.cells.len()).filter(|other| {
             let other = &place.runs(*other)[0].key;
-            !other.is_trained() && other.reward == key.reward
+            !other.is_trained() && other.reward == key.reward && other.policy == key.policy
         });
         let baseline = |other: usize| {
             let sample = place.sample(measured, cell, Some(other))?;

@@ -1,7 +1,7 @@
 //! The evidence of the results for further trainings and episodes: intervals, comparisons on common starts, transfer gaps.
 //!
-//! Episodes come run by run. They stay in memory while runs of their place come. A place is a town, a policy, a vehicle and an adversary
-//! of one `evaluate` block. All controllers of a place have the same starts.
+//! Episodes come run by run. They stay in memory while runs of their place come. A place is a town, a vehicle and an adversary of one
+//! `evaluate` block. All controllers and all driving policies of a place have the same starts.
 
 mod figure;
 mod tried;

@@ -51,15 +51,7 @@ impl Place {
         let members = [first.as_slice(), second.as_slice()].concat();
         let (values, pulls): (Vec<f64>, Vec<&Vec<f64>>) =
             members.iter().filter_map(|run| measured.runs[*run].as_ref()).map(|(value, pulls)| (*value, pulls)).unzip();
-        let n = values.len();
-        let mut covariance = vec![0.0; n * n];
-        for (i, a) in pulls.iter().enumerate() {
-            for (j, b) in pulls.iter().enumerate().skip(i) {
-                let kept: f64 = a.iter().zip(*b).map(|(a, b)| a * b).sum();
-                let common = kept * self.tried[members[i]].stretch(&self.tried[members[j]]);
-                (covariance[i * n + j], covariance[j * n + i]) = (common, common);
-            }
-        }
+        let covariance = self.covariance(&pulls, &members);
         let trained = |cell: usize| self.runs(cell)[0].key.is_trained();
         Some(Sample {
             values,
@@ -68,6 +60,54 @@ impl Place {
             trained: [trained(cell), other.is_some_and(trained)],
             episodes: least(members.iter().map(|run| self.tried[*run].episodes())),
         })
+    }
+
+    /// The difference of a figure between two cells with the same controller, run by run: the runs of a number are one training, or draw the
+    /// same numbers. With the means of both cells over these runs; none when no run has a value in both.
+    pub fn paired(&self, measured: &Measured, first: usize, second: usize) -> Option<(Sample, [f64; 2])> {
+        let known = |run: &usize| Some((*run, measured.runs[*run].as_ref()?));
+        let partner = |run: usize| {
+            let same = |other: &usize| self.tried[*other].run == self.tried[run].run;
+            self.cells[second].clone().find(same).as_ref().and_then(known)
+        };
+        let pairs: Vec<_> = self.cells[first].clone().filter_map(|run| Some((known(&run)?, partner(run)?))).collect();
+        if pairs.is_empty() {
+            return None;
+        }
+        let apart = |a: &[f64], b: &[f64]| -> Vec<f64> {
+            let at = |pulls: &[f64], episode: usize| pulls.get(episode).copied().unwrap_or(0.0);
+            (0..a.len().max(b.len())).map(|episode| at(a, episode) - at(b, episode)).collect()
+        };
+        let pulls: Vec<Vec<f64>> = pairs.iter().map(|((_, (_, a)), (_, (_, b)))| apart(a, b)).collect();
+        let members: Vec<usize> = pairs.iter().map(|((run, _), _)| *run).collect();
+        let both = pairs.iter().flat_map(|((run, _), (other, _))| [*run, *other]);
+        let n = pairs.len() as f64;
+        let sample = Sample {
+            values: pairs.iter().map(|((_, (a, _)), (_, (b, _)))| a - b).collect(),
+            covariance: self.covariance(&pulls.iter().collect::<Vec<_>>(), &members),
+            first: pairs.len(),
+            trained: [self.runs(first)[0].key.is_trained(), false],
+            episodes: least(both.map(|run| self.tried[run].episodes())),
+        };
+        let means = [
+            pairs.iter().map(|((_, (a, _)), _)| a).sum::<f64>() / n,
+            pairs.iter().map(|(_, (_, (b, _)))| b).sum::<f64>() / n,
+        ];
+        Some((sample, means))
+    }
+
+    /// The covariances of figures of these runs due to the draw of episodes (n × n), from the influence of each episode on each figure.
+    fn covariance(&self, pulls: &[&Vec<f64>], members: &[usize]) -> Vec<f64> {
+        let n = pulls.len();
+        let mut covariance = vec![0.0; n * n];
+        for (i, a) in pulls.iter().enumerate() {
+            for (j, b) in pulls.iter().enumerate().skip(i) {
+                let kept: f64 = a.iter().zip(*b).map(|(a, b)| a * b).sum();
+                let common = kept * self.tried[members[i]].stretch(&self.tried[members[j]]);
+                (covariance[i * n + j], covariance[j * n + i]) = (common, common);
+            }
+        }
+        covariance
     }
 }
 

@@ -12,6 +12,12 @@ use crate::statistics::wilson;
 /// The controller that is subtracted.
 const OTHER_CONTROLLER: Column<String> =
     Column::new("other_controller", "", "controller of the cell that is subtracted");
+/// Its driving policy.
+const OTHER_POLICY: Column<String> = Column::new(
+    "other_policy",
+    "",
+    "driving policy of that cell: another one than `policy` where drivers are compared",
+);
 /// Its reward.
 const OTHER_REWARD: Column<String> = Column::new("other_reward", "", "reward of that cell");
 /// The compared figure.
@@ -37,7 +43,7 @@ const DIFFERENCE_STUDENT: Interval = Interval::new(
 const P_HOLM: Column<f64> = Column::new(
     "p_holm",
     "",
-    "`p` adjusted for all tests in the table by Holm's method, so that in 95 % of campaigns no finding below 0.05 is false",
+    "`p` adjusted for all tests of its kind in the table by Holm's method, so that in 95 % of campaigns no finding below 0.05 is false",
 );
 
 /// The change from home.
@@ -205,12 +211,14 @@ pub fn comparison_columns() -> Table<'static, Comparison> {
     let (count, number) = (Column::<u64>::new, Column::<f64>::new);
     Table::new(
         "comparisons",
-        "One row for each pair of cells with common starts, and figure: a trained controller less another of the same town, policy, \
-         vehicle, adversary and block. The other is untrained (`random`, `homing`, `intercept`) with the same reward, or the same one trained \
-         for an earlier reward. Drivers are not compared with each other, since each has its own starts.",
+        "One row for each pair of cells with common starts, and figure; both have the same town, vehicle, adversary and block. Where `other_policy` is \
+         `policy`, a trained controller less another one: an untrained one (`random`, `homing`, `intercept`) with the same reward, or the same one \
+         trained for an earlier reward. Otherwise a driver less an earlier one, met by the same controller: run by run, so trainings are paired, too. \
+         The two kinds are adjusted separately.",
     )
     .columns(cell_key(|row: &Comparison| &row.first))
     .column(OTHER_CONTROLLER.of(|row: &Comparison| row.second.controller.clone()))
+    .column(OTHER_POLICY.of(|row: &Comparison| row.second.policy.clone()))
     .column(OTHER_REWARD.of(|row: &Comparison| row.second.reward.clone()))
     .column(FIGURE.of(|row: &Comparison| row.figure.name()))
     .column(count("runs", "", "number of runs of the cell").of(|row: &Comparison| row.runs[0]))
@@ -223,7 +231,7 @@ pub fn comparison_columns() -> Table<'static, Comparison> {
         Interval::new(
             "difference_bootstrap",
             "",
-            "hierarchical bootstrap: the runs of both cells are drawn independently, their episodes together",
+            "hierarchical bootstrap: the runs of both cells are drawn independently, those of two drivers as pairs; their episodes together",
         )
         .of(|row: &Comparison| Some(row.bootstrap)),
     )

@@ -10,6 +10,11 @@ use polars::prelude::{Column, DataFrame};
 
 /// A run whose episodes collide, with a moving car, where the word says `x`; `e` is an error.
 fn run(controller: &str, reward: &str, run: u32, town: &str, word: &str) -> DataFrame {
+    against("p", controller, reward, run, town, word)
+}
+
+/// A run against this driving policy.
+fn against(policy: &str, controller: &str, reward: &str, run: u32, town: &str, word: &str) -> DataFrame {
     let trained = if controller == "trained" { ("a", "p") } else { ("", "") };
     let cell = CellKey {
         controller: controller.into(),
@@ -17,7 +22,7 @@ fn run(controller: &str, reward: &str, run: u32, town: &str, word: &str) -> Data
         train_town: trained.0.into(),
         train_policy: trained.1.into(),
         town: town.into(),
-        policy: "p".into(),
+        policy: policy.into(),
         vehicle: "v".into(),
         adversary: "w".into(),
         block: 0,
@@ -126,6 +131,37 @@ fn common_beginnings_make_differences_surer_than_rates() {
     assert!((difference.difference - 0.05).abs() < 1e-12);
     assert!(difference.bootstrap.0 > 0.02 && difference.p.unwrap() < 0.001, "{difference:?}");
     assert!(rate.1 - rate.0 > 2.0 * (difference.bootstrap.1 - difference.bootstrap.0), "{rate:?} {difference:?}");
+}
+
+#[test]
+fn drivers_are_compared_run_by_run_on_the_same_starts() {
+    // Against the second driver every training hits one start in eight less, whatever it hits against the first one.
+    let word = |share: usize, less: usize| -> String {
+        (0..400).map(|k| if k % 10 < share && k % 8 >= less { 'x' } else { '.' }).collect()
+    };
+    let mut runs = Vec::new();
+    for (policy, less) in [("p", 0), ("q", 1)] {
+        runs.extend(
+            (0..3).map(|number| against(policy, "trained", "r1", number, "a", &word(2 + 3 * number as usize, less))),
+        );
+        runs.push(against(policy, "intercept", "r1", 0, "a", &word(8, less)));
+        runs.push(against(policy, "intercept", "r2", 0, "a", &word(8, less)));
+    }
+    let found = gather(runs);
+    let of_drivers = found.comparisons.iter().filter(|found| found.is_of_drivers());
+    let [trained, single] = &of_drivers.filter(|found| found.figure == Figure::Collision).collect::<Vec<_>>()[..]
+    else {
+        panic!("{:?}", found.comparisons)
+    };
+    assert_eq!((trained.first.policy.as_str(), trained.second.policy.as_str(), trained.runs), ("q", "p", [3, 3]));
+    assert_eq!((single.first.controller.as_str(), single.test), ("intercept", Test::McNemar));
+    // 8 of 10 starts are hit by one driver, of these one in eight not by the other: 40 of 400.
+    assert!((single.difference + 0.1).abs() < 1e-12 && single.p.unwrap() < 1e-9, "{single:?}");
+    // Rates of the trainings differ by 0.6, their differences between drivers hardly.
+    let (low, high) = trained.student.unwrap();
+    assert!(trained.test == Test::Student && low < trained.difference && trained.difference < high, "{trained:?}");
+    assert!(high < 0.1 && high - low < 0.3, "{trained:?}");
+    assert!(found.comparisons.iter().any(|found| !found.is_of_drivers()), "controllers are compared, too");
 }
 
 #[test]

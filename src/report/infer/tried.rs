@@ -7,7 +7,7 @@ use crate::seed::Seed;
 use crate::statistics::Weighted;
 
 impl CellKey {
-    /// The branch of a seed that belongs to the place.
+    /// The branch of a seed that belongs to the place and the driver.
     pub(super) fn place_seed(&self, seed: &Seed) -> Seed {
         let names = [&self.town, &self.policy, &self.vehicle, &self.adversary];
         names.iter().fold(seed.child("place").index(self.block.into()), |seed, name| seed.child(name))
