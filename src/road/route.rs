@@ -237,6 +237,44 @@ mod tests {
     }
 
     #[test]
+    fn given_lanes_are_taken_and_then_forks_are_drawn_again() {
+        use super::super::design::{Node, Street, TownDesign};
+        use crate::geometry::Point;
+        use crate::seed::Seed;
+        let node = |(x, y)| Node { name: String::new(), position: Point::new(x, y), lights: false };
+        let street = |nodes: Vec<usize>| Street { name: String::new(), nodes, speed_limit: None };
+        let design = TownDesign {
+            nodes: [(-80.0, 0.0), (0.0, 0.0), (80.0, 0.0), (0.0, 80.0)].map(node).into(),
+            streets: vec![street(vec![0, 1, 2]), street(vec![1, 3])],
+            ..TownDesign::default()
+        };
+        let town = Town::new(design.build().unwrap());
+        // Back from a place on the way out to the west, through the junction, to one of the two ways in.
+        let goal = town.nearest_lane(Point::new(-60.0, 1.75), super::super::LaneFilter::Driving).unwrap();
+        for rule in [ForkRule::AnyBranch, ForkRule::NamedTurn] {
+            for inside in town.predecessors(goal) {
+                let before = town.predecessors(inside).next().unwrap();
+                let start = before.moved_back(30.0);
+                let walk = |lanes: &[Waypoint], seed: u64| {
+                    let (mut walk, mut stream) = (RandomWalk::new(rule), Seed::root(seed).stream());
+                    walk.take(lanes);
+                    let mut point = RoutePoint::new(&town, start, RoadOption::LaneFollow);
+                    while point.is_junction || point.waypoint.is_on_lane_of(&start) {
+                        point = walk.next(&town, &point, 2.0, &mut stream).unwrap();
+                    }
+                    (point.waypoint.is_on_lane_of(&goal), stream)
+                };
+                for seed in 0..8 {
+                    let (arrived, stream) = walk(&[start, before, inside, goal], seed);
+                    assert!(arrived && stream == Seed::root(seed).stream(), "the way is given, so nothing is drawn");
+                }
+                let elsewhere = (0..16).any(|seed| !walk(&[], seed).0);
+                assert!(rule == ForkRule::NamedTurn || elsewhere, "without lanes it goes elsewhere, too");
+            }
+        }
+    }
+
+    #[test]
     fn turns_are_named_by_their_side() {
         let heading = |degrees: f64| Pose::new(0.0, 0.0, degrees.to_radians());
         assert_eq!(turn(&heading(0.0), &heading(30.0)), RoadOption::Straight);

@@ -293,7 +293,8 @@ pub fn transfer_columns() -> Table<'static, Transfer> {
         Interval::new(
             "gap_bootstrap",
             "",
-            "hierarchical bootstrap: trainings are drawn as pairs, the episodes of the two places independently",
+            "hierarchical bootstrap: trainings are drawn as pairs, the episodes of the two places independently. Two policies in one town share their \
+             starts, so this is too wide for them; `comparisons` has their paired difference",
         )
         .of(|row: &Transfer| Some(row.bootstrap)),
     )
