@@ -69,6 +69,13 @@ pub trait ResultStore: Sync {
         None
     }
 
+    /// Whether a training ends in the middle of an update: its limit of time, or the moment at which the user asked to `stop`, is too long
+    /// ago. Called at every decision.
+    fn is_overdue(&self, task: Task, stop: bool) -> bool {
+        let _ = task;
+        stop
+    }
+
     /// Whether nothing can be stored any more.
     fn stop(&self) -> bool {
         false

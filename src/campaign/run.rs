@@ -213,7 +213,16 @@ impl Work<'_> {
             None => begin()?,
         };
         while !run.is_done() {
-            run.update()?;
+            // A slow driver may need minutes for an update. Then the work of the update is lost.
+            let overdue = || self.results.is_overdue(Task::Training(index), self.stop());
+            match run.update_unless(&overdue) {
+                Err(error) if error.is_stopped() => {
+                    let limit = self.results.limit(Task::Training(index), 0).filter(|_| !self.stop());
+                    return Err(limit.unwrap_or(TaskError::Training(error)));
+                }
+                Err(error) => return Err(error.into()),
+                Ok(_) => {}
+            }
             let log = run.learning_curve().last().expect("an update has just ended");
             self.observer.trained(index, training, log);
             let (update, ticks) = (log.update, log.steps * u64::from(scenario.episode.hold));

@@ -73,7 +73,7 @@ pub struct RunOptions {
     #[arg(long, default_value_t = 5.0, value_name = "SECONDS", value_parser = seconds)]
     pub checkpoint: f64,
     /// Stop a training, 10,000 episodes or a search after this time (s). It is then in error, and the next run continues it. With 0 it ends
-    /// after one update or episode.
+    /// after one update, if that takes less than a second, or one episode.
     #[arg(long, alias = "cell-time", value_name = "SECONDS")]
     pub task_time: Option<u64>,
     /// Stop them after this number of simulator ticks.

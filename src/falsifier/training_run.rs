@@ -1,10 +1,11 @@
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::TrainError;
 use crate::env::{PedestrianEnv, Scenario};
-use crate::rl::{self, CheckpointError, PpoConfig, Trained, Trainer, UpdateLog};
+use crate::rl::{self, CheckpointError, Env, PpoConfig, Step, Trained, Trainer, UpdateLog};
 use crate::seed::Seed;
 
 /// A training of a pedestrian between two updates, with its environments.
@@ -75,7 +76,22 @@ impl TrainingRun {
     /// # Errors
     /// The first number that is not finite, or a driver that failed in ten episodes in a row. The training cannot be used after that.
     pub fn update(&mut self) -> Result<&UpdateLog, TrainError> {
-        let log = self.trainer.update(&mut self.envs)?;
+        self.update_unless(&|| false)
+    }
+
+    /// As [`TrainingRun::update`], but gives up in the middle of the rollout when `stop` is true, which is asked at every decision.
+    ///
+    /// # Errors
+    /// As [`TrainingRun::update`]; [`rl::TrainError::Stopped`] when it gave up, with the number of the last whole update.
+    pub fn update_unless(&mut self, stop: &(dyn Fn() -> bool + Sync)) -> Result<&UpdateLog, TrainError> {
+        let given_up = AtomicBool::new(false);
+        let mut envs: Vec<Stoppable> =
+            self.envs.iter_mut().map(|env| Stoppable { env, stop, given_up: &given_up }).collect();
+        let update = self.trainer.updates();
+        let log = self.trainer.update(&mut envs).map_err(|error| match given_up.load(Ordering::Relaxed) {
+            true => rl::TrainError::Stopped { update },
+            false => error,
+        })?;
         match self.envs.iter().find_map(PedestrianEnv::hopeless) {
             Some(fault) => Err(TrainError::Driver { update: log.update, fault }),
             None => Ok(log),
@@ -119,6 +135,51 @@ impl TrainingRun {
             }
         }
         Ok(self.finish())
+    }
+}
+
+/// An environment in which a rollout ends early: its next reward is not a number, which ends the update.
+struct Stoppable<'a> {
+    env: &'a mut PedestrianEnv,
+    stop: &'a (dyn Fn() -> bool + Sync),
+    given_up: &'a AtomicBool,
+}
+
+impl Env for Stoppable<'_> {
+    fn obs_dim(&self) -> usize {
+        self.env.obs_dim()
+    }
+
+    fn action_bounds(&self) -> Vec<(f64, f64)> {
+        self.env.action_bounds()
+    }
+
+    fn reset(&mut self, obs: &mut [f64]) {
+        self.env.reset(obs);
+    }
+
+    fn step(&mut self, action: &[f64], obs: &mut [f64]) -> Step {
+        if (self.stop)() {
+            self.given_up.store(true, Ordering::Relaxed);
+            return Step { reward: f64::NAN, terminated: true, truncated: false };
+        }
+        self.env.step(action, obs)
+    }
+
+    fn potential(&self) -> f64 {
+        self.env.potential()
+    }
+
+    fn set_curriculum(&mut self, share: f64) {
+        self.env.set_curriculum(share);
+    }
+
+    fn save(&self) -> Option<Vec<u8>> {
+        self.env.save()
+    }
+
+    fn load(&mut self, state: &[u8]) -> bool {
+        self.env.load(state)
     }
 }
 

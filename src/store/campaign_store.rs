@@ -14,6 +14,9 @@ use crate::judge::Verdict;
 use crate::record::{self, Chunk, Chunks, EpisodeRow, Tally};
 use crate::rl::Trained;
 
+/// Time beyond its limit, or after the user asked to stop, in which a training may finish an update.
+const GRACE: Duration = Duration::from_millis(800);
+
 /// The limits of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
@@ -43,6 +46,8 @@ pub struct CampaignStore<'a> {
 struct InHand {
     begun: Instant,
     saved: Instant,
+    /// When the user asked to stop.
+    asked: Option<Instant>,
     /// Time that earlier runs spent on it (s).
     before: f64,
     /// Episodes that were stored before, as their file has them.
@@ -150,7 +155,7 @@ impl ResultStore for CampaignStore<'_> {
             }
         };
         let now = Instant::now();
-        let in_hand = InHand { begun: now, saved: now, before: 0.0, bytes: Vec::new() };
+        let in_hand = InHand { begun: now, saved: now, asked: None, before: 0.0, bytes: Vec::new() };
         lock(&self.in_hand).insert(task, in_hand);
         Some(claim)
     }
@@ -284,6 +289,17 @@ impl ResultStore for CampaignStore<'_> {
         let seconds = self.limits.seconds?;
         let begun = lock(&self.in_hand).get(&task).map(|in_hand| in_hand.begun)?;
         (begun.elapsed().as_secs() >= seconds).then_some(TaskError::Time { seconds })
+    }
+
+    fn is_overdue(&self, task: Task, stop: bool) -> bool {
+        if !stop && self.limits.seconds.is_none() {
+            return false;
+        }
+        let mut in_hand = lock(&self.in_hand);
+        let Some(in_hand) = in_hand.get_mut(&task) else { return stop };
+        let asked = stop.then(|| *in_hand.asked.get_or_insert_with(Instant::now));
+        asked.is_some_and(|asked| asked.elapsed() >= GRACE)
+            || self.limits.seconds.is_some_and(|limit| in_hand.begun.elapsed() >= Duration::from_secs(limit) + GRACE)
     }
 
     fn stop(&self) -> bool {

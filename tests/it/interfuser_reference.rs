@@ -308,3 +308,29 @@ fn the_published_planner_is_repeated_reference() {
     assert!(all.compared > 0, "the files have no examples");
     assert!(all.lines.is_empty(), "{:#?}", all.lines);
 }
+
+/// Twelve pairs of a speed and a heading of the ego; at 1.2 m/s displacements lie exactly at a limit of the tracker.
+#[test]
+fn a_crossing_pedestrian_is_tracked_as_by_the_published_code() {
+    let recorded: Value = serde_json::from_str(include_str!("../reference/interfuser/tracker.json")).unwrap();
+    let mut compared = 0;
+    for case in list(&recorded["cases"]) {
+        let mut tracker = Tracker::new(TrackerMode::Published);
+        let compass = number(&case["compass_rad"], "the compass");
+        for (update, row) in list(&case["updates"]).iter().enumerate() {
+            let at = |column: usize| number(&row[column], "a column");
+            // The published code divides by the units of the network and multiplies again.
+            let (dx, dy) = (at(3) / 3.5 * 3.5, at(4) / 3.5 * 3.5);
+            let (row, col) = (at(0) as usize, at(1) as usize);
+            let (half_length, half_width) = (at(6), at(7));
+            let (existence, theta, speed) = (at(2), at(5), at(8));
+            let mut found = [Cell { row, col, existence, dx, dy, theta, half_length, half_width, speed }];
+            tracker.update(&mut found, Point::origin(), compass, update as i64);
+            let (heading, speed) = (at(9), at(10));
+            let near = (found[0].theta - heading).abs() < 1e-9 && (found[0].speed - speed).abs() < 1e-9;
+            assert!(near, "compass {compass}, update {update}: {:?} instead of {heading}, {speed}", found[0]);
+            compared += 1;
+        }
+    }
+    assert!(compared > 500, "{compared}");
+}

@@ -158,16 +158,52 @@ fn the_controller_agrees_with_the_reference() {
     });
 }
 
-/// The plan that the words of a sequence describe: straight on, a number of points, a speed.
-fn straight_plan(words: &str) -> Vec<EgoPoint> {
-    let before = |unit: &str| -> f64 {
-        let text = words.split(unit).next().expect("a text has a beginning").trim_end();
-        let number = text.rsplit([' ', ',']).next().expect("a text has a last word");
-        number.parse().unwrap_or_else(|_| panic!("no number before {unit} in `{words}`"))
+/// The plan that the words of a sequence describe: a number of points at a speed, straight on or along an arc of a radius to one side, such
+/// as `arc left, radius 20 m, 10 points, 5 m/s`. A curvature in 1/m may stand for the radius.
+fn described_plan(words: &str) -> Vec<EgoPoint> {
+    // A unit may follow its number without a blank.
+    let split = |part: &str| part.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(part.len());
+    let words_and_numbers: Vec<&str> = words
+        .split([' ', ',', '(', ')', ';', '=', ':'])
+        .flat_map(|part| <[&str; 2]>::from(part.split_at(split(part))))
+        .filter(|part| !part.is_empty())
+        .collect();
+    let pairs = words_and_numbers.windows(2).filter_map(|pair| Some((pair[0].parse::<f64>().ok()?, pair[1])));
+    let numbers: Vec<(f64, &str)> = pairs.collect();
+    let with_unit = |units: &[&str]| numbers.iter().find(|(_, unit)| units.contains(unit)).map(|(number, _)| *number);
+    let wanted = |units: &[&str]| with_unit(units).unwrap_or_else(|| panic!("no number in {units:?} in `{words}`"));
+    let (count, speed) = (wanted(&["points"]) as usize, wanted(&["m/s"]));
+    let curvature = match words.starts_with("straight") {
+        true => 0.0,
+        false => with_unit(&["1/", "rad/m"]).unwrap_or_else(|| 1.0 / wanted(&["m", "metres", "meters"])).abs(),
     };
-    assert!(words.starts_with("straight"), "{words}");
-    let (count, speed) = (before("points") as usize, before("m/s"));
-    (0..count).map(|k| EgoPoint::new(0.0, -0.25 * speed * (k + 1) as f64)).collect()
+    assert!(curvature == 0.0 || words.contains("left") != words.contains("right"), "an arc needs one side: `{words}`");
+    let right = if words.contains("left") { -1.0 } else { 1.0 };
+    let point = |k: usize| {
+        let along = 0.25 * speed * (k + 1) as f64;
+        if curvature == 0.0 {
+            return EgoPoint::new(0.0, -along);
+        }
+        let turn = along * curvature;
+        EgoPoint::new(right * (1.0 - libm::cos(turn)) / curvature, -libm::sin(turn) / curvature)
+    };
+    (0..count).map(point).collect()
+}
+
+#[test]
+fn plans_in_words_are_straight_or_arcs() {
+    let straight = described_plan("straight, 10 points, 5.5 m/s (point k at 0.25*5.5*(k+1) m)");
+    assert_eq!((straight.len(), straight[9].back), (10, -13.75));
+    let arc = described_plan("arc left, radius 20 m, 10 points, 4 m/s");
+    // The places are at equal distances on the circle around (-20, 0).
+    for (k, point) in arc.iter().enumerate() {
+        let radius = ((point.right + 20.0).powi(2) + point.back.powi(2)).sqrt();
+        let angle = libm::atan2(-point.back, point.right + 20.0);
+        assert!((radius - 20.0).abs() < 1e-12 && (angle - (k + 1) as f64 / 20.0).abs() < 1e-12, "{point:?}");
+    }
+    assert_eq!(described_plan("arc to the left of 0.05 1/m, 10 points, 4 m/s"), arc);
+    assert_eq!(described_plan("left arc R=20m, 10 points, 4m/s"), arc);
+    assert!((described_plan("arc, right, radius 20 m, 3 points, 4 m/s")[0].right + arc[0].right).abs() < 1e-12);
 }
 
 #[test]
@@ -175,7 +211,7 @@ fn sequences_agree_with_the_reference() {
     every_case("sequences", |case, wrong| {
         let inputs = &case["inputs"];
         let plan = match &inputs["ego_plan_right_back_m"] {
-            Value::Null => straight_plan(inputs["plan"].as_str().expect("a plan is described")),
+            Value::Null => described_plan(inputs["plan"].as_str().expect("a plan is described")),
             given => points(given),
         };
         let given = &inputs["ticks_speed_bra"];

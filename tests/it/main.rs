@@ -67,3 +67,4 @@ mod tables_elsewhere;
 mod tidy;
 mod sarif;
 mod tools;
+mod unbreakable;
