@@ -9,12 +9,14 @@ use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 use crate::av::external::{Link, Opener, Program};
 use crate::av::{Fault, onnx};
+use crate::cli;
 use crate::compile::{Catalog, compile};
 use crate::diagnostic::{Colour, Sources, render};
 use crate::env::{Outcome, Scenario};
 use crate::falsifier::{Random, evaluate};
 use crate::lang;
 use crate::record;
+use crate::report::Gate;
 use crate::rl::{ActorCritic, Trained};
 use crate::road::{Town, opendrive};
 use crate::seed::Seed;
@@ -75,6 +77,15 @@ pub fn policy(bytes: &[u8]) {
 /// A driver's network (ONNX).
 pub fn network(bytes: &[u8]) {
     quietly(|| onnx::Model::read(bytes.to_vec()).is_ok());
+}
+
+/// The settings of a folder (`falsify.toml`), and each line as a condition of `--fail-if`.
+pub fn settings(bytes: &[u8]) {
+    let text = String::from_utf8_lossy(bytes);
+    cli::settings_are_read(&text);
+    for line in text.lines().take(100) {
+        let _ = Gate::parse(line);
+    }
 }
 
 /// A file of the store, with a checksum that fits, and the episodes in it.
@@ -199,7 +210,18 @@ mod tests {
         assert!(ActorCritic::from_safetensors(pedestrian).is_ok());
         damage(policy, pedestrian);
         damage(front_end, b"edition 1\nreward r { on hit => max(3, 1.5 * v_c) }\n");
-        network(include_bytes!("../tests/reference/onnx/follow.onnx"));
+        let model = include_bytes!("../tests/reference/onnx/follow.onnx");
+        assert!(onnx::Model::read(model.to_vec()).is_ok());
+        damage(network, model);
+        let settings_of_a_folder = include_bytes!("../tests/fuzz/seeds/settings/falsify.toml");
+        assert!(cli::settings_are_read(std::str::from_utf8(settings_of_a_folder).unwrap()));
+        damage(settings, settings_of_a_folder);
+        let gates = include_bytes!("../tests/fuzz/seeds/settings/gates");
+        assert!(std::str::from_utf8(gates).unwrap().lines().all(|line| Gate::parse(line).is_ok()));
+        damage(settings, gates);
+        for seed in std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fuzz/seeds/map")).unwrap() {
+            damage(map, &std::fs::read(seed.unwrap().path()).unwrap());
+        }
         let (episodes, count) = record::encode(None, &[]).unwrap();
         let length = episodes.len() as u64;
         let (what, error) = ("no episodes".to_string(), String::new());

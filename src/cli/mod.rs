@@ -35,6 +35,8 @@ mod av_check;
 
 pub use args::Arguments;
 pub use exit_code::ExitCode;
+#[cfg(any(fuzzing, test))]
+pub use settings::is_read as settings_are_read;
 
 use clap::{ArgMatches, Command, CommandFactory, FromArgMatches};
 

@@ -66,7 +66,24 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("store", &["files", "rl", "env", "compile", "falsifier", "record", "campaign"]),
     ("process", &["av"]),
     ("lsp", &["contained", "files", "diagnostic", "signature", "units", "lang", "compile", "process"]),
-    ("fuzzing", &["diagnostic", "lang", "road", "rl", "seed", "av", "env", "falsifier", "compile", "record", "store"]),
+    (
+        "fuzzing",
+        &[
+            "cli",
+            "report",
+            "diagnostic",
+            "lang",
+            "road",
+            "rl",
+            "seed",
+            "av",
+            "env",
+            "falsifier",
+            "compile",
+            "record",
+            "store",
+        ],
+    ),
     (
         "session",
         &[
