@@ -39,7 +39,7 @@ fn params() -> Vec<Param> {
         Param::optional(
             "full_brake",
             within(Dimension::ACCELERATION, 0.1, 100.0),
-            "Deceleration at full brake. model3 8.79 m/s^2, mkz_2017 9.8 m/s^2 (C); generic 9 m/s^2.",
+            "Deceleration at full brake. model3 7.01 m/s^2, mkz_2017 9.8 m/s^2 (C); generic 9 m/s^2.",
         ),
         Param::optional(
             "low_speed",
@@ -54,12 +54,17 @@ fn params() -> Vec<Param> {
         Param::optional(
             "start_up_pause",
             within(Dimension::TIME, 0.0, 10_000.0),
-            "How long it stands after it has appeared at rest: 1.5 s (1 to 2 s, B); generic 0 s.",
+            "How long it stands after it has appeared at rest: 2 s (reports of 2 to 2.5 s, B); generic 0 s.",
         ),
         Param::optional(
             "throttle_response",
             within(Dimension::RATIO, 0.01, 10.0),
-            "By how much faster than the model it drives off at the same pedal: 1 (C; the model 3 does 4.7 m/s^2 with the pedal down).",
+            "By how much faster than the model it drives off at the same pedal: 1 (C; the model 3 does 3.7 m/s^2 with the pedal down).",
+        ),
+        Param::optional(
+            "engine_drag",
+            within(Dimension::FREQUENCY, 0.0, 10.0),
+            "Deceleration for each m/s with the pedals released; none of it is left with the pedal down. model3 0.337 Hz (C), mkz_2017 0.134 Hz (C); generic 0.05 Hz.",
         ),
         Param::optional(
             "steering_response",
@@ -86,6 +91,9 @@ pub fn lower(kind: &str, arguments: &Arguments) -> VehicleBlueprint {
     set(&mut blueprint.low_speed_braking, given("low_speed_braking"));
     set(&mut blueprint.start_up_pause, given("start_up_pause"));
     set(&mut blueprint.steering_response, given("steering_response"));
+    if let (Some(drag), Some(own)) = (given("engine_drag"), blueprint.throttle.first().map(|line| -line.slope)) {
+        blueprint.throttle.iter_mut().for_each(|line| line.slope -= (drag - own) * (1.0 - line.throttle));
+    }
     let response = given("throttle_response").unwrap_or(1.0);
     blueprint.throttle.iter_mut().for_each(|line| line.at_rest *= response);
     blueprint

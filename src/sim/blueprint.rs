@@ -29,7 +29,8 @@ pub struct VehicleBlueprint {
     pub steering_response: f64,
     /// Share of the greatest angle at each speed: pairs of (m/s, share), sorted.
     pub steering_curve: Vec<(f64, f64)>,
-    /// Acceleration over throttle and speed, sorted by throttle; linear in between.
+    /// Acceleration over throttle and speed, sorted by throttle; linear in between. The first line, with the pedals released, is the engine's
+    /// drag.
     pub throttle: Vec<ThrottleLine>,
     /// Deceleration at full brake (m/s²); linear in the brake.
     pub full_brake: f64,
@@ -46,19 +47,31 @@ const KMH: f64 = 1.0 / 3.6;
 impl VehicleBlueprint {
     /// CARLA's `vehicle.tesla.model3`.
     ///
+    /// Throttle, engine drag and brakes are those of PhysX's drive with one gear. With the throttle a, the engine's speed ω = v G / r, its
+    /// torque T(ω), its damping d = d₀ + (d₁ − d₀) a and a clutch of strength K, the clutch passes on the torque
+    /// K / (K + d) · (a T(ω) − d ω). It drives the car's mass and the engine's inertia J (G / r)². The lines take T as linear up to 9.2 m/s.
+    /// Above that T is constant, and the line at full throttle is too high by at most 8 % up to 14 m/s.
+    ///
     /// # Source
-    /// Dumps of a running CARLA 0.9.1x by several independent projects; braking 4 × 1500 Nm on 1845 kg and wheels of 0.37 m;
-    /// CARLA issues #8112 and #3906 for the low speeds, #1640 for the pause.
+    /// Dumps of a running CARLA 0.9.1x by several independent projects for the sizes. One dump for the drive: 1845 kg, G = 8, r = 0.37 m,
+    /// J = 1 kg m², d₀ = 2 and d₁ = 0.15 kg m²/s, K = 10 kg m²/s, 400 Nm at rest and 500 Nm at 1891 rpm, brakes of 4 × 1500 Nm. The
+    /// equation is that of `PxVehicleUpdate.cpp` (PhysX 3, the engine of CARLA 0.9). CARLA issue #3256 reports that this car holds 20 m/s with
+    /// a throttle of 0.82, issues #946 and #2172 that cars do not glide; the equation gives 0.67 at 20 m/s. CARLA issues #8112 and #3906 for
+    /// the low speeds.
     pub fn model3() -> Self {
+        let line = |throttle, at_rest, slope| ThrottleLine { throttle, at_rest, slope };
         Self {
             half_length: 2.395_890,
             half_width: 1.081_725,
             wheelbase: 3.0046,
             throttle: vec![
-                ThrottleLine { throttle: 0.0, at_rest: 0.0, slope: -0.1 },
-                ThrottleLine { throttle: 1.0, at_rest: 4.69, slope: -0.1 },
+                line(0.0, 0.0, -0.337),
+                line(0.25, 0.81, -0.247),
+                line(0.5, 1.69, -0.150),
+                line(0.75, 2.64, -0.045),
+                line(1.0, 3.68, 0.071),
             ],
-            full_brake: 8.79,
+            full_brake: 7.01,
             ..Self::carla()
         }
     }
@@ -106,6 +119,10 @@ impl VehicleBlueprint {
     }
 
     /// The figures that all of CARLA's cars share.
+    ///
+    /// # Source
+    /// The pause: CARLA issue #6477 reports about 2 s for the Model 3 (0.9.10.1), issue #7717 reports 50 ticks (0.9.12). A new car is in
+    /// neutral. PhysX's automatic gear box waits for its latency (2 s by default, which Unreal passes on), then changes gear (0.5 s in the dump).
     fn carla() -> Self {
         Self {
             greatest_wheel_angle: 70.0_f64.to_radians(),
@@ -113,7 +130,7 @@ impl VehicleBlueprint {
             steering_curve: vec![(0.0, 1.0), (20.0 * KMH, 0.9), (60.0 * KMH, 0.8), (120.0 * KMH, 0.7)],
             low_speed: 5.0,
             low_speed_braking: 2.0,
-            start_up_pause: 1.5,
+            start_up_pause: 2.0,
             ..Self::generic()
         }
     }
@@ -178,8 +195,26 @@ mod tests {
     fn emergency_stop_of_the_model_3_is_the_documented_one() {
         let car = VehicleBlueprint::model3();
         let half = Control { brake: 0.5, ..Control::default() };
-        assert!((car.acceleration(half, 7.0) + 4.395 + 0.7).abs() < 1e-9);
-        assert!((car.acceleration(half, 3.0) + 8.79 + 0.3).abs() < 1e-9, "twice as hard below 5 m/s");
+        assert!((car.acceleration(half, 7.0) + 3.505 + 2.359).abs() < 1e-9, "brake and engine drag");
+        assert!((car.acceleration(half, 3.0) + 7.01 + 1.011).abs() < 1e-9, "twice as hard below 5 m/s");
+    }
+
+    #[test]
+    fn the_drive_of_the_model_3_is_that_of_its_dump() {
+        let (mass, gears, radius, inertia, clutch) = (1845.0, 8.0, 0.37, 1.0, 10.0);
+        let ratio: f64 = gears / radius;
+        let moved = mass + inertia * ratio * ratio;
+        let rise = 100.0 / (1890.76 * std::f64::consts::TAU / 60.0);
+        let car = VehicleBlueprint::model3();
+        for line in &car.throttle {
+            let damping = 2.0 + (0.15 - 2.0) * line.throttle;
+            let passed = clutch / (clutch + damping);
+            let at_rest = passed * line.throttle * 400.0 * ratio / moved;
+            let slope = passed * (rise * line.throttle - damping) * ratio * ratio / moved;
+            assert!((line.at_rest - at_rest).abs() < 0.006, "{line:?}: {at_rest}");
+            assert!((line.slope - slope).abs() < 0.001, "{line:?}: {slope}");
+        }
+        assert!((car.full_brake - 4.0 * 1500.0 / radius / moved).abs() < 0.005);
     }
 
     #[test]
