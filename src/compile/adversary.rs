@@ -32,7 +32,7 @@ pub fn form() -> Form {
             "turning",
             Type::positive(Dimension::FREQUENCY),
             "8 Hz",
-            "Rate at which its velocity turns; 20 Hz or more for at once. CARLA's 8 Hz is Unreal's default (D). Not with `acceleration`.",
+            "Rate at which its velocity turns; 20 Hz or more for at once. Unreal's formula (A) with its default friction, 8 Hz (D). Not with `acceleration`.",
         ),
         Param::optional(
             "acceleration",
