@@ -120,6 +120,12 @@ pub const RUN_UP: Column<u32> = Column::new(
     "",
     "ticks for which the driver drove alone before the start; 0 where the scenario sets `ego_speed`",
 );
+/// Whether the driver did not arrive.
+pub const PLACED: Column<bool> = Column::new(
+    "placed",
+    "",
+    "whether the driver did not reach the start within the time of a run-up, so that it starts there at rest; missing without a run-up",
+);
 /// Hash of the start.
 pub const START: Column<String> = Column::new(
     "start",

@@ -4,7 +4,7 @@ use super::columns::{
     ADVERSARY, ATTRIBUTABLE, BLOCK, COLLISION, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW,
     EPISODE, EPISODE_LENGTH, EPISODE_REWARD, ERROR, FALSE_BRAKE, FALSE_STOP, FATALITY_RISK, FORESEEABLE, FRONT, HARD,
     IMPACT_BEARING, IMPACT_SPEED, LEAST_GAP, MIN_TTC, MOVING, OUTCOME, PEAK_ACCELERATION, PEAK_SPEED, PEDESTRIAN_X,
-    PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, PREVENTABLE_PROBABILITY, REWARD, RUN, RUN_ID, RUN_UP,
+    PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, PLACED, POLICY, PREVENTABLE_PROBABILITY, REWARD, RUN, RUN_ID, RUN_UP,
     SEVERE_INJURY_RISK, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VELOCITY_CHANGE, VERDICT,
     WALKED_INTO,
 };
@@ -128,6 +128,7 @@ pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
         .column(EGO_YAW.of(|row: &EpisodeRow| row.outcome.spawn.ego.yaw.to_degrees()))
         .column(EGO_SPEED.of(|row: &EpisodeRow| row.outcome.spawn.ego_speed))
         .column(RUN_UP.of(|row: &EpisodeRow| row.outcome.run_up))
+        .column(PLACED.of(placed).aggregated([metric::PLACED_STARTS.at(80), metric::PLACED_RATE.at(81)]))
         .column(PEDESTRIAN_X.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.x))
         .column(PEDESTRIAN_Y.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.y))
         .column(PEDESTRIAN_YAW.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.yaw.to_degrees()))
@@ -187,6 +188,11 @@ fn verdict_metrics(column: &str) -> Vec<Metric> {
         name if name == SEVERE_INJURY_RISK.name => vec![metric::SEVERE_INJURY_RISK.at(28)],
         _ => Vec::new(),
     }
+}
+
+/// Whether the driver did not arrive at its start; none without a run-up.
+fn placed(row: &EpisodeRow) -> Option<bool> {
+    (row.outcome.run_up > 0).then_some(row.outcome.spawn.ego_speed == 0.0)
 }
 
 /// A touch.

@@ -215,6 +215,12 @@ pub const WALKED_INTO_COLLISIONS: Count = Count::new(
     "number of collisions in which the pedestrian walked into the side or the rear",
 );
 
+/// Number of starts that the driver did not reach.
+pub const PLACED_STARTS: Count = Count::new(
+    "placed_starts",
+    Which::True(columns::PLACED.name),
+    "number of starts that the driver did not reach in its run-up",
+);
 /// Number of episodes that ended well.
 pub const PASSED: Count =
     Count::new("passed_episodes", Which::Passed, "number of episodes without a collision and without error");
@@ -320,6 +326,13 @@ pub const ATTRIBUTABLE_SHARE: Rate = Rate::new(
 /// Hard collisions of all episodes.
 pub const HARD_RATE: Rate =
     Rate::new("hard_rate", HARD_COLLISIONS, EPISODES, "collisions at 2 m/s or more of all *episodes*");
+/// Rate of these starts.
+pub const PLACED_RATE: Rate = Rate::new(
+    "placed_rate",
+    PLACED_STARTS,
+    EPISODES,
+    "starts that the driver did not reach of all episodes: near 1 it never drives to where the encounter is",
+);
 /// Mean probability over the collisions.
 pub const PREVENTABLE_PROBABILITY: Mean = Mean::of_present(
     &columns::PREVENTABLE_PROBABILITY,
