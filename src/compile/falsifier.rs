@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use crate::diagnostic::Diagnostic;
-use crate::falsifier::{Falsifier, Homing, Intercept, Learning, OpenLoop, Random, TreeSearch, Walking};
+use crate::falsifier::{Archive, Falsifier, Homing, Intercept, Learning, OpenLoop, Random, TreeSearch, Walking};
 use crate::lang::diagnostics;
 use crate::lang::hir::Declaration;
 use crate::rl::PpoConfig;
@@ -33,6 +33,7 @@ pub fn kinds() -> Vec<FalsifierKind> {
             make: |arguments, _| Arc::new(OpenLoop::cma_es(arguments)),
         },
         FalsifierKind { signature: TreeSearch::signature, make: |arguments, _| Arc::new(TreeSearch::new(arguments)) },
+        FalsifierKind { signature: Archive::signature, make: |arguments, _| Arc::new(Archive::new(arguments)) },
         FalsifierKind {
             signature: Learning::signature,
             make: |_, (config, environments)| Arc::new(Learning::new(config.clone(), *environments)),

@@ -26,6 +26,7 @@ mod reward;
 mod motion;
 mod state_hashes;
 mod outcome;
+mod failure_cell;
 mod running;
 mod run_up;
 mod pedestrian_env;
@@ -35,6 +36,7 @@ mod pair;
 
 pub use action::ActionSpec;
 pub use cast::{Cast, Controller, FirstHeading, PedestrianRole, Placed, PolicyMaker, VehicleRole};
+pub use failure_cell::{Course, FailureCell, Zone};
 pub use observation::{Observation, ObservationSpec, ObservedSpeed};
 pub use outcome::{Ending, Outcome};
 pub use pair::{Frame, Pair};

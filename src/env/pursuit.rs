@@ -1,7 +1,7 @@
 //! Commands of pedestrians that know the ego's position: straight at the ego, or to its future position.
 
 use super::PedestrianEnv;
-use crate::geometry::{Vector, wrap_angle};
+use crate::geometry::{Point, Vector, wrap_angle};
 use crate::sim::WalkCommand;
 
 impl PedestrianEnv {
@@ -15,9 +15,14 @@ impl PedestrianEnv {
     /// The command of an intercepting pedestrian: to the nearest place where it can meet an ego that keeps its velocity, or straight at
     /// the ego when there is none.
     pub fn intercept(&self, pedestrian: usize) -> WalkCommand {
+        self.meet(pedestrian, self.world().ego().state.pose.position(), self.greatest_speed(pedestrian))
+    }
+
+    /// The command of a pedestrian that meets a point of the ego at this speed (m/s), if the ego keeps its velocity; straight at the point
+    /// when it cannot meet it.
+    pub fn meet(&self, pedestrian: usize, point: Point, speed: f64) -> WalkCommand {
         let (pose, ego) = (&self.world().pedestrians[pedestrian].state.pose, &self.world().ego().state);
-        let speed = self.greatest_speed(pedestrian);
-        let offset = ego.pose.position() - pose.position();
+        let offset = point - pose.position();
         let velocity = ego.pose.forward() * ego.speed;
         let meeting = offset + velocity * meeting_time(offset, velocity, speed).unwrap_or(0.0);
         WalkCommand { heading: wrap_angle(libm::atan2(meeting.y, meeting.x)), speed }

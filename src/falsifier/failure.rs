@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use super::episodes::play;
-use crate::env::{Outcome, PedestrianEnv, Scenario, Trace};
+use crate::env::{FailureCell, Outcome, PedestrianEnv, Scenario, Trace};
 use crate::seed::Seed;
 use crate::sim::WalkCommand;
 
@@ -16,6 +16,8 @@ pub struct Failure {
     pub commands: Vec<WalkCommand>,
     /// Its outcome.
     pub outcome: Outcome,
+    /// How the two met. Failures in one cell are the same finding.
+    pub cell: FailureCell,
 }
 
 impl Failure {

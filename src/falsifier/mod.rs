@@ -20,8 +20,12 @@ mod walking;
 mod optimizer;
 mod open_loop;
 mod tree_search;
+mod crossing;
+mod archive;
 mod learning;
 
+pub use archive::Archive;
+pub use crossing::{Crossing, Goal};
 pub use episodes::{evaluate, evaluate_noting};
 pub use failure::{Failure, follow};
 pub use homing::Homing;

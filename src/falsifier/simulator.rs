@@ -2,7 +2,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::Failure;
-use crate::env::{Outcome, PedestrianEnv, Scenario};
+use crate::env::{FailureCell, Outcome, PedestrianEnv, Scenario};
 use crate::rl::Step;
 use crate::seed::Seed;
 use crate::sim::WalkCommand;
@@ -146,9 +146,9 @@ impl<'a> Simulator<'a> {
     fn note(&mut self, outcome: Outcome) {
         self.episodes += 1;
         self.starts.insert(self.start);
-        if outcome.is_collision() {
+        if let Some(cell) = FailureCell::new(&self.env) {
             let commands = self.commands.clone();
-            self.failures.push(Failure { start: self.start, ticks: self.used, commands, outcome });
+            self.failures.push(Failure { start: self.start, ticks: self.used, commands, outcome, cell });
         }
     }
 

@@ -5,7 +5,7 @@ use super::stored::Source;
 use super::{EpisodeName, Error};
 use crate::campaign::{SearchResult, watch};
 use crate::compile::{Evaluation, Search};
-use crate::env::{Outcome, Scenario, Trace};
+use crate::env::{FailureCell, Outcome, Scenario, Trace};
 use crate::falsifier::{Failure, SearchOutcome, follow};
 use crate::judge::{FalseAlarms, NearMiss, PedestrianMotion, Verdict, judge};
 use crate::record::{self, EpisodeRow, RunKey};
@@ -85,10 +85,16 @@ impl Source {
         let Some((failure, outcome, trace)) = followed else {
             return Err(Error::CommandsDiffer { name });
         };
-        let failure = Failure { start: failure.start, ticks: failure.ticks, commands: failure.commands, outcome };
-        let verdict = judge(&trace.main_pair(&search.scenario));
+        let pair = trace.main_pair(&search.scenario);
+        let verdict = judge(&pair);
         // In a table of this failure alone it would be the first one. If it is no collision now, there is no row to compare.
-        let again = if outcome.is_collision() { search_row(search, failure, verdict) } else { Default::default() };
+        let again = match FailureCell::of_pair(&pair, outcome.last_mode) {
+            Some(cell) => {
+                let (start, ticks, commands) = (failure.start, failure.ticks, failure.commands);
+                search_row(search, Failure { start, ticks, commands, outcome, cell }, verdict)
+            }
+            None => Default::default(),
+        };
         let key = &search.key;
         let title = format!("found by {key}");
         self.compared(name, title, &search.scenario, (outcome, trace, verdict), &stored, &again)

@@ -32,6 +32,7 @@ pub struct Figures {
     attributable: [usize; 2],
     evaluated_collisions: usize,
     evaluated_rate: Option<f64>,
+    evaluated_reward: Option<f64>,
 }
 
 impl Figures {
@@ -58,6 +59,8 @@ impl Figures {
             attributable: judged(Verdict::is_attributable),
             evaluated_collisions,
             evaluated_rate: share(evaluated_collisions, result.tried.len() as u64),
+            evaluated_reward: (!result.tried.is_empty())
+                .then(|| result.tried.iter().map(|outcome| outcome.reward).sum::<f64>() / result.tried.len() as f64),
         }
     }
 }
@@ -189,6 +192,13 @@ pub const COMMANDS: Column<String> = Column::new(
     "commands",
     "",
     "`heading@speed` in rad and m/s, one for each decision, in the world frame; equal seeds, starts and commands give equal digests",
+);
+/// The cell of a failure.
+const CELL: Column<String> = Column::new(
+    "cell",
+    "",
+    "how the two met: place on the car, direction of the walk relative to the car, impact speed in m/s, walking speed in m/s, the driver's \
+     mode; failures in one cell count as one finding",
 );
 /// The stem of the files of the table of failures.
 pub const FAILURES: &str = "search_failures";
@@ -325,6 +335,7 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
     )
     .column(count("evaluated_collisions", "", "collisions of these").of(|row: &Row<'_>| row.1.evaluated_collisions as u64))
     .column(number(EVALUATED_RATE, "", "their share of `evaluated_episodes`").of(|row: &Row<'_>| row.1.evaluated_rate))
+    .column(number("evaluated_reward", "", "their mean reward; 0 without a reward").of(|row: &Row<'_>| row.1.evaluated_reward))
 }
 
 /// Cells of searches as a table, one row each, in the order given.
@@ -404,6 +415,7 @@ pub fn failure_table<'a>() -> Table<'a, Found<'a>> {
         .column(MOTION.of(|row: &Row<'_>| if kind(&row.1.outcome).1 { "moving" } else { "standing" }))
         .column(DRIVING_MODE.of(|row: &Row<'_>| kind(&row.1.outcome).2))
         .column(IMPACT_SPEED.of(|row: &Row<'_>| row.1.outcome.impact_speed()))
+        .column(CELL.of(|row: &Row<'_>| row.1.cell.to_string()))
         .column(EPISODE_REWARD.of(|row: &Row<'_>| row.1.outcome.reward))
         .column(EPISODE_LENGTH.of(|row: &Row<'_>| row.1.outcome.duration))
         .column(COMMANDS.of(|row: &Row<'_>| commands(row.1)))

@@ -1,0 +1,261 @@
+use std::collections::BTreeMap;
+
+use rand::RngExt;
+
+use super::crossing::{Crossing, Goal};
+use super::{Falsifier, Intercept, Simulator, WalkPolicy};
+use crate::env::{FailureCell, PedestrianEnv};
+use crate::rl::{TrainError, standard_normal};
+use crate::seed::{Seed, Stream};
+use crate::signature::{Arguments, Param, Signature, Type};
+use crate::sim::WalkCommand;
+use crate::units::Dimension;
+
+/// A quality-diversity search: it keeps the best crossings of each [`FailureCell`], and varies them at new starts.
+///
+/// Every start is used once. A crossing is a [`Goal`] of five numbers, carried out in closed loop by [`Crossing`]. An elite is drawn by three
+/// factors: how near the start is to the one where it was found, what its variations have earned since, and how seldom its cell was filled.
+/// So the search neither finds one fault a thousand times nor leaves what works. The end of the budget chooses the controller that it
+/// returns: on starts of their own, the elites must earn more than `intercept`.
+///
+/// # Source
+/// Mouret and Clune, *Illuminating search spaces by mapping elites*, arXiv 1504.04909, with a start as the context of an elite.
+#[derive(Debug, Clone, Copy)]
+pub struct Archive {
+    /// Share of the starts at which a goal is drawn uniformly.
+    explore: f64,
+    /// Standard deviation of a variation, in shares of a goal's range.
+    spread: f64,
+    /// Exponent of the preference for seldom cells; 0 for none.
+    novelty: f64,
+    /// Most elites of a cell.
+    elites: usize,
+    /// Share of the budget that chooses the controller.
+    choice: f64,
+}
+
+impl Archive {
+    /// Its keys in a scenario.
+    pub fn signature() -> Signature {
+        let share = |low, high| Type::Quantity { dimension: Dimension::RATIO, min: low, max: high };
+        let params = vec![
+            Param::required(
+                "reward",
+                Type::Reference("reward"),
+                "What a crossing is to earn; `on hit(attributable)` makes it look for faults of the driver.",
+            ),
+            Param::with_default(
+                "explore",
+                share(0.0, 1.0),
+                "0.15",
+                "Share of the starts at which a crossing is drawn uniformly.",
+            ),
+            Param::with_default(
+                "spread",
+                share(0.001, 1.0),
+                "0.1",
+                "Standard deviation of a variation; 1 is the whole range of a component.",
+            ),
+            Param::with_default(
+                "novelty",
+                share(0.0, 5.0),
+                "0.5",
+                "Exponent of the preference for seldom failures; 0 for none.",
+            ),
+            Param::with_default(
+                "elites",
+                Type::Integer { min: 1, max: 1000 },
+                "16",
+                "Most crossings that are kept of one kind of failure.",
+            ),
+            Param::with_default(
+                "choice",
+                share(0.0, 0.5),
+                "0.1",
+                "Share of the budget that compares what was found with `intercept`, to choose the controller.",
+            ),
+        ];
+        let doc = "A quality-diversity search over crossings: keeps the best of each kind of failure, and varies them at new starts.";
+        Signature::new("archive", doc, params)
+    }
+
+    /// Makes one from checked arguments.
+    pub fn new(arguments: &Arguments) -> Self {
+        Self {
+            explore: arguments.number("explore"),
+            spread: arguments.number("spread"),
+            novelty: arguments.number("novelty"),
+            elites: arguments.integer("elites") as usize,
+            choice: arguments.number("choice"),
+        }
+    }
+}
+
+/// What matters of a start: where the pedestrian is, and how fast the car.
+type Context = [f64; 3];
+/// Scales of a context: two starts that differ by this are half related (m, m, m/s).
+const SCALES: Context = [6.0, 3.0, 1.5];
+
+/// The context at the start of an episode. A start at the right of the car is mirrored to its left: goals know no side.
+fn context(env: &PedestrianEnv) -> Context {
+    let ego = &env.world().ego().state;
+    let local = ego.pose.to_local(env.world().pedestrians[0].state.pose.position());
+    [local.x, local.y.abs(), ego.speed]
+}
+
+/// How related two contexts are, from 0 to 1.
+fn kernel(a: &Context, b: &Context) -> f64 {
+    let squares = a.iter().zip(b).zip(SCALES).map(|((a, b), scale)| ((a - b) / scale) * ((a - b) / scale));
+    1.0 / (1.0 + squares.sum::<f64>())
+}
+
+/// A crossing that ended in a failure.
+#[derive(Debug, Clone, Copy)]
+struct Elite {
+    context: Context,
+    goal: Goal,
+    cell: FailureCell,
+    /// What it earned itself.
+    reward: f64,
+    /// What its variations earned, and their number.
+    earned: f64,
+    tries: f64,
+}
+
+impl Elite {
+    /// What a variation of it can be expected to earn. Its own reward counts half, since it was selected for it.
+    fn value(&self) -> f64 {
+        (0.5 * self.reward + self.earned) / (1.0 + self.tries)
+    }
+}
+
+/// The elites and the number of failures of each cell.
+#[derive(Debug, Clone, Default)]
+struct Elites {
+    all: Vec<Elite>,
+    filled: BTreeMap<FailureCell, usize>,
+}
+
+impl Elites {
+    /// Adds a failure; of a full cell the elite with the least value leaves.
+    fn add(&mut self, elite: Elite, most: usize) {
+        *self.filled.entry(elite.cell).or_default() += 1;
+        let cell = self.all.iter().enumerate().filter(|(_, each)| each.cell == elite.cell);
+        if cell.clone().count() < most {
+            self.all.push(elite);
+        } else if let Some((place, _)) = cell.min_by(|a, b| a.1.value().total_cmp(&b.1.value())) {
+            self.all[place] = elite;
+        }
+    }
+
+    /// Draws an elite for a start.
+    fn draw(&self, context: &Context, novelty: f64, stream: &mut Stream) -> Option<usize> {
+        let weight = |elite: &Elite| {
+            let near = kernel(context, &elite.context);
+            let seldom = libm::pow(self.filled[&elite.cell] as f64, -novelty);
+            near * near * elite.value() * seldom
+        };
+        let mut sums: Vec<f64> = Vec::with_capacity(self.all.len());
+        for elite in &self.all {
+            sums.push(sums.last().copied().unwrap_or(0.0) + weight(elite));
+        }
+        let drawn = sums.last().copied().filter(|total| *total > 0.0)? * stream.random::<f64>();
+        Some(sums.partition_point(|sum| *sum <= drawn).min(self.all.len() - 1))
+    }
+
+    /// The goal that promises most at a start; none without an elite.
+    fn best(&self, context: &Context) -> Option<Goal> {
+        let promise = |elite: &Elite| kernel(context, &elite.context) * elite.value();
+        self.all.iter().max_by(|a, b| promise(a).total_cmp(&promise(b))).map(|elite| elite.goal)
+    }
+}
+
+impl Archive {
+    /// A goal for a start, and the elite that it varies.
+    fn propose(&self, elites: &Elites, context: &Context, stream: &mut Stream) -> (Goal, Option<usize>) {
+        let explore = stream.random::<f64>() < self.explore;
+        let parent = if explore { None } else { elites.draw(context, self.novelty, stream) };
+        let Some(parent) = parent else {
+            return (Goal::new(std::array::from_fn(|_| stream.random())), None);
+        };
+        let mut components = elites.all[parent].goal.components();
+        for component in &mut components {
+            *component += self.spread * standard_normal(stream);
+        }
+        (Goal::new(components), Some(parent))
+    }
+}
+
+impl Falsifier for Archive {
+    fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
+        let mut stream = seed.child("archive").stream();
+        let mut elites = Elites::default();
+        let (budget, mut start) = (simulator.left(), 0);
+        let kept = (budget as f64 * self.choice) as u64;
+        while simulator.left() > kept && simulator.begin(start) {
+            start += 1;
+            let context = context(simulator.env());
+            let (goal, parent) = self.propose(&elites, &context, &mut stream);
+            let Some(outcome) = run(simulator, &mut Crossing::new(goal)) else { break };
+            if let Some(parent) = parent {
+                elites.all[parent].earned += outcome.max(0.0);
+                elites.all[parent].tries += 1.0;
+            }
+            if let Some(cell) = FailureCell::new(simulator.env()).filter(|_| outcome > 0.0) {
+                let elite = Elite { context, goal, cell, reward: outcome, earned: 0.0, tries: 0.0 };
+                elites.add(elite, self.elites);
+            }
+        }
+        let mut found = Found { elites, crossing: Crossing::new(Goal::INTERCEPT), begun: false };
+        // The same starts for both, one after another.
+        let (mut sums, mut played) = ([0.0; 2], 0);
+        loop {
+            let candidates: [&mut dyn WalkPolicy; 2] = [&mut found, &mut Intercept];
+            let mut earned = [None; 2];
+            for (walker, earned) in candidates.into_iter().zip(&mut earned) {
+                if simulator.begin(start) {
+                    *earned = run(simulator, walker);
+                }
+            }
+            let [Some(ours), Some(baseline)] = earned else { break };
+            sums = [sums[0] + ours, sums[1] + baseline];
+            (start, played) = (start + 1, played + 1);
+        }
+        let chosen: Box<dyn WalkPolicy> =
+            if played > 0 && sums[0] >= sums[1] { Box::new(found) } else { Box::new(Intercept) };
+        Ok(Some(chosen))
+    }
+}
+
+/// Runs the episode that has begun to its end and returns its reward; none when the budget is used up before.
+fn run(simulator: &mut Simulator<'_>, walker: &mut dyn WalkPolicy) -> Option<f64> {
+    // No controller of this search draws random numbers.
+    walker.begin(Seed::root(0).stream());
+    Some(simulator.finish(|env, commands| walker.choose(env, commands))?.reward)
+}
+
+/// The controller that the search ends up with: at each start the elite that promises most.
+#[derive(Debug, Clone)]
+struct Found {
+    elites: Elites,
+    crossing: Crossing,
+    begun: bool,
+}
+
+impl WalkPolicy for Found {
+    fn begin(&mut self, _: Stream) {
+        self.begun = false;
+    }
+
+    fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]) {
+        if !self.begun {
+            self.begun = true;
+            self.crossing = Crossing::new(self.elites.best(&context(env)).unwrap_or(Goal::INTERCEPT));
+        }
+        self.crossing.choose(env, commands);
+    }
+
+    fn clone_for_batch(&self) -> Option<Box<dyn WalkPolicy>> {
+        Some(Box::new(self.clone()))
+    }
+}
