@@ -1,4 +1,4 @@
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 
 use rand::RngExt;
 
@@ -129,12 +129,32 @@ impl Elite {
     }
 }
 
-/// The elites and the number of failures of each cell.
+/// A crossing that was tried.
+#[derive(Debug, Clone, Copy)]
+struct Try {
+    context: Context,
+    goal: Goal,
+    reward: f64,
+}
+
+/// The elites, the number of failures of each cell, and the last tries.
 #[derive(Debug, Clone, Default)]
 struct Elites {
     all: Vec<Elite>,
     filled: BTreeMap<FailureCell, usize>,
+    memory: VecDeque<Try>,
 }
+
+/// Most tries that are remembered.
+const MEMORY: usize = 4000;
+/// Goals that differ by this in one component are as far apart as contexts that differ by their scale.
+const GOAL_SCALE: f64 = 0.15;
+/// The square of the distance from which on a try says nothing, and the weight of the prior: that nothing is earned.
+const REACH: f64 = 4.0;
+const PRIOR: f64 = 0.5;
+/// Variations of which the most promising is tried, and elites among which a controller chooses.
+const CANDIDATES: usize = 4;
+const FINALISTS: usize = 32;
 
 impl Elites {
     /// Adds a failure; of a full cell the elite with the least value leaves.
@@ -163,10 +183,46 @@ impl Elites {
         Some(sums.partition_point(|sum| *sum <= drawn).min(self.all.len() - 1))
     }
 
+    /// Remembers a try.
+    fn remember(&mut self, tried: Try) {
+        if self.memory.len() == MEMORY {
+            self.memory.pop_front();
+        }
+        self.memory.push_back(tried);
+    }
+
+    /// What goals can be expected to earn at a start: a mean over similar tries at similar starts, weighted by a biweight kernel.
+    fn expect<const N: usize>(&self, context: &Context, goals: &[Goal; N]) -> [f64; N] {
+        let mut sums = [(PRIOR, 0.0); N];
+        for tried in &self.memory {
+            let parts = context.iter().zip(&tried.context).zip(SCALES).map(|((a, b), scale)| (a - b) / scale);
+            let apart: f64 = parts.map(|part| part * part).sum();
+            if apart >= REACH {
+                continue;
+            }
+            let there = tried.goal.components();
+            for (goal, (weight, earned)) in goals.iter().zip(&mut sums) {
+                let parts = goal.components().into_iter().zip(there).map(|(a, b)| (a - b) / GOAL_SCALE);
+                let share = 1.0 - (apart + parts.map(|part| part * part).sum::<f64>()) / REACH;
+                if share > 0.0 {
+                    *weight += share * share;
+                    *earned += share * share * tried.reward;
+                }
+            }
+        }
+        sums.map(|(weight, earned)| earned / weight)
+    }
+
     /// The goal that promises most at a start; none without an elite.
     fn best(&self, context: &Context) -> Option<Goal> {
         let promise = |elite: &Elite| kernel(context, &elite.context) * elite.value();
-        self.all.iter().max_by(|a, b| promise(a).total_cmp(&promise(b))).map(|elite| elite.goal)
+        let mut order: Vec<(f64, Goal)> = self.all.iter().map(|elite| (promise(elite), elite.goal)).collect();
+        order.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let first = order.first()?.1;
+        let candidates: [Goal; FINALISTS] = std::array::from_fn(|place| order.get(place).map_or(first, |each| each.1));
+        let expected = self.expect(context, &candidates);
+        let best = expected.iter().zip(candidates).max_by(|a, b| a.0.total_cmp(b.0));
+        best.map(|(_, goal)| goal)
     }
 }
 
@@ -178,11 +234,18 @@ impl Archive {
         let Some(parent) = parent else {
             return (Goal::new(std::array::from_fn(|_| stream.random())), None);
         };
-        let mut components = elites.all[parent].goal.components();
-        for component in &mut components {
-            *component += self.spread * standard_normal(stream);
+        let mut parents = [parent; CANDIDATES];
+        for other in &mut parents[1..] {
+            *other = elites.draw(context, self.novelty, stream).unwrap_or(parent);
         }
-        (Goal::new(components), Some(parent))
+        let goals = parents.map(|parent| {
+            let varied =
+                elites.all[parent].goal.components().map(|share| share + self.spread * standard_normal(stream));
+            Goal::new(varied)
+        });
+        let expected = elites.expect(context, &goals);
+        let best = (0..CANDIDATES).max_by(|a, b| expected[*a].total_cmp(&expected[*b])).expect("there are candidates");
+        (goals[best], Some(parents[best]))
     }
 }
 
@@ -197,6 +260,7 @@ impl Falsifier for Archive {
             let context = context(simulator.env());
             let (goal, parent) = self.propose(&elites, &context, &mut stream);
             let Some(outcome) = run(simulator, &mut Crossing::new(goal)) else { break };
+            elites.remember(Try { context, goal, reward: outcome });
             if let Some(parent) = parent {
                 elites.all[parent].earned += outcome.max(0.0);
                 elites.all[parent].tries += 1.0;
