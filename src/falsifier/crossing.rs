@@ -2,7 +2,7 @@ use super::WalkPolicy;
 use crate::env::PedestrianEnv;
 use crate::geometry::{Point, Vector};
 use crate::seed::Stream;
-use crate::sim::WalkCommand;
+use crate::sim::{Gait, WalkCommand};
 
 /// How a pedestrian crosses in front of a car: the goal of a [`Crossing`]. Every number is a share from 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,7 +84,7 @@ impl Crossing {
             let heading = pose.forward() * libm::sin(slant) - pose.left() * (side * libm::cos(slant));
             WalkCommand { heading: libm::atan2(heading.y, heading.x), speed }
         };
-        if self.line.is_some() || self.must_go(env, here, aim, &wanted) {
+        if self.line.is_some() || self.must_go(env, pedestrian, aim, &wanted) {
             self.line = Some(wanted.heading);
             return wanted;
         }
@@ -92,17 +92,23 @@ impl Crossing {
     }
 
     /// Whether it has to set off in order to meet the car.
-    fn must_go(&self, env: &PedestrianEnv, here: Point, aim: Point, wanted: &WalkCommand) -> bool {
+    fn must_go(&self, env: &PedestrianEnv, pedestrian: usize, aim: Point, wanted: &WalkCommand) -> bool {
         if self.goal.hurry >= 1.0 {
             return true;
         }
+        // A body that needs time to its speed loses half of that time.
+        let delay = match env.scenario().cast.pedestrian(pedestrian).body.gait {
+            Gait::Carla { ramp, .. } => ramp / 2.0,
+            Gait::Inertial { acceleration, .. } => wanted.speed / acceleration / 2.0,
+        };
         let ego = &env.world().ego().state;
+        let here = env.world().pedestrians[pedestrian].state.pose.position();
         let local = ego.pose.to_local(here) - ego.pose.to_local(aim);
         let across = Vector::new(libm::cos(wanted.heading), libm::sin(wanted.heading));
         let (along, aside) = (across.dot(&ego.pose.forward()), across.dot(&ego.pose.left()));
         // Time to reach the aimed point's path, and where along it that is.
-        let walk = if aside.abs() > 1e-3 { (-local.y / aside / wanted.speed).max(0.0) } else { 0.0 };
-        let meeting = local.x + along * wanted.speed * walk;
+        let walk = if aside.abs() > 1e-3 { (-local.y / aside / wanted.speed).max(0.0) + delay } else { delay };
+        let meeting = local.x + along * wanted.speed * (walk - delay).max(0.0);
         let drive = meeting / ego.speed.max(0.1);
         let hurry = HURRY.0 + (HURRY.1 - HURRY.0) * self.goal.hurry;
         drive <= walk + hurry
