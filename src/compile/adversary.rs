@@ -9,6 +9,7 @@ use crate::sim::{Gait, PedestrianBody};
 use crate::units::Dimension;
 
 const FRAMES: &[&str] = &["heading", "initial", "line_of_sight", "world"];
+const ACTION_FRAMES: &[&str] = &["heading", "initial", "line_of_sight", "world", "meeting"];
 const SCALINGS: &[&str] = &["natural", "unit"];
 
 /// The form `adversary`.
@@ -61,7 +62,13 @@ pub fn form() -> Form {
             "heading",
             "Where the angles of its state are measured from.",
         ),
-        Param::with_default("action_frame", frame(), "heading", "Where the heading it chooses is measured from."),
+        Param::with_default(
+            "action_frame",
+            Type::Choice(ACTION_FRAMES),
+            "heading",
+            "Where the heading it chooses is measured from; `meeting` is the direction in which it would meet the car's bumper at the speed \
+             it chooses, if the car kept its velocity.",
+        ),
         Param::with_default(
             "observation_scaling",
             scaling(),
@@ -165,6 +172,7 @@ fn frame(word: &str) -> ReferenceFrame {
         "initial" => ReferenceFrame::Initial,
         "line_of_sight" => ReferenceFrame::LineOfSight,
         "world" => ReferenceFrame::World,
+        "meeting" => ReferenceFrame::Meeting,
         _ => ReferenceFrame::Heading,
     }
 }

@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 
 use super::{ReferenceFrame, Scaling};
-use crate::geometry::{Point, Pose, wrap_angle};
+use crate::geometry::wrap_angle;
 use crate::sim::WalkCommand;
 
 /// Converts the numbers of an action to a command of a pedestrian: heading, then speed.
@@ -27,33 +27,22 @@ impl ActionSpec {
         }
     }
 
-    /// Converts an action, within its bounds, to a command in the world.
-    pub fn command(
-        &self,
-        action: [f64; Self::DIM],
-        pedestrian: &Pose,
-        initial_heading: f64,
-        ego: Point,
-    ) -> WalkCommand {
+    /// Converts an action, within its bounds, to a command in the world. `origin` is the direction of heading 0 in the world (rad) at a
+    /// chosen speed (m/s).
+    pub fn command(&self, action: [f64; Self::DIM], origin: impl FnOnce(f64) -> f64) -> WalkCommand {
         let (low, high) = self.speed;
         let (angle, speed) = match self.scaling {
             Scaling::Natural => (action[0], action[1]),
             Scaling::Unit => (action[0] * PI, low + (action[1] + 1.0) / 2.0 * (high - low)),
         };
-        let origin = self.frame.origin(pedestrian, initial_heading, ego);
-        WalkCommand { heading: wrap_angle(origin + angle), speed: speed.clamp(low, high) }
+        let speed = speed.clamp(low, high);
+        WalkCommand { heading: wrap_angle(origin(speed) + angle), speed }
     }
 
     /// The action for a command in the world; the inverse of [`ActionSpec::command`].
-    pub fn action_for(
-        &self,
-        command: WalkCommand,
-        pedestrian: &Pose,
-        initial_heading: f64,
-        ego: Point,
-    ) -> [f64; Self::DIM] {
+    pub fn action_for(&self, command: WalkCommand, origin: impl FnOnce(f64) -> f64) -> [f64; Self::DIM] {
         let (low, high) = self.speed;
-        let angle = wrap_angle(command.heading - self.frame.origin(pedestrian, initial_heading, ego));
+        let angle = wrap_angle(command.heading - origin(command.speed));
         match self.scaling {
             Scaling::Natural => [angle, command.speed],
             Scaling::Unit => [angle / PI, (command.speed - low) / (high - low).max(f64::MIN_POSITIVE) * 2.0 - 1.0],
@@ -64,6 +53,7 @@ impl ActionSpec {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::{Point, Pose};
 
     #[test]
     fn commands_and_actions_are_inverse_in_every_frame() {
@@ -73,8 +63,9 @@ mod tests {
             for scaling in [Scaling::Natural, Scaling::Unit] {
                 let spec = ActionSpec { speed: (0.0, 3.5), frame, scaling };
                 let command = WalkCommand { heading: -1.2, speed: 2.0 };
-                let action = spec.action_for(command, &pose, 0.3, ego);
-                let back = spec.command(action, &pose, 0.3, ego);
+                let origin = |_: f64| frame.origin(&pose, 0.3, ego);
+                let action = spec.action_for(command, origin);
+                let back = spec.command(action, origin);
                 assert!((back.heading - command.heading).abs() < 1e-12 && (back.speed - command.speed).abs() < 1e-12);
                 for (number, (low, high)) in action.into_iter().zip(spec.bounds()) {
                     assert!(number >= low && number <= high);

@@ -106,7 +106,7 @@ mod tests {
             let action = ActionSpec { frame, scaling, speed: (0.0, 3.5) };
             let seen = Observation::new(&pose, 0.0, &ego, 5.0, ObservedSpeed::Ego);
             let state = observation.encode(&seen, &pose, 0.3, ego.position());
-            let command = action.command([state[0], 1.0], &pose, 0.3, ego.position());
+            let command = action.command([state[0], 1.0], |_| frame.origin(&pose, 0.3, ego.position()));
             let towards = libm::atan2(ego.y - pose.y, ego.x - pose.x);
             assert!(wrap_angle(command.heading - towards).abs() < 1e-12, "{frame:?}");
         }

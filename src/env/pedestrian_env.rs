@@ -5,8 +5,8 @@ use super::reward::{Hit, is_about_motion};
 use super::run_up::{self, RunUp};
 use super::running::RunningEpisode;
 use super::{
-    Controller, Driven, EgoSpeed, Ending, Judgement, Observation, ObservationSpec, Outcome, RewardRule, Scenario,
-    Situation, Spawn, SpawnRule, StateHashes, Trace,
+    Controller, Driven, EgoSpeed, Ending, Judgement, Observation, ObservationSpec, Outcome, ReferenceFrame, RewardRule,
+    Scenario, Situation, Spawn, SpawnRule, StateHashes, Trace,
 };
 use crate::av::{DrivingMode, DrivingPolicy, Fault, Path, Perception, PerfectSensors, cruising_speed};
 use crate::geometry::{Point, Pose, wrap_angle};
@@ -663,8 +663,13 @@ impl PedestrianEnv {
     pub fn write_commands(&self, action: &[f64], commands: &mut [WalkCommand]) {
         commands.copy_from_slice(&self.walks.commands);
         for ((number, role), part) in self.scenario.cast.controlled().zip(action.as_chunks().0) {
-            let (pedestrian, initial, ego) = self.viewpoint(number);
-            commands[number] = role.action.command(*part, pedestrian, initial, ego);
+            commands[number] = role.action.command(*part, |speed| match role.action.frame {
+                ReferenceFrame::Meeting => self.meet(number, self.bumper(), speed).heading,
+                frame => {
+                    let (pedestrian, initial, ego) = self.viewpoint(number);
+                    frame.origin(pedestrian, initial, ego)
+                }
+            });
         }
     }
 

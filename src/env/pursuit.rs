@@ -28,6 +28,12 @@ impl PedestrianEnv {
         WalkCommand { heading: wrap_angle(libm::atan2(meeting.y, meeting.x)), speed }
     }
 
+    /// The middle of the ego's bumper.
+    pub(super) fn bumper(&self) -> Point {
+        let ego = self.world().ego();
+        ego.state.pose.to_world(Vector::new(ego.blueprint.half_length, 0.0))
+    }
+
     fn greatest_speed(&self, pedestrian: usize) -> f64 {
         self.scenario().cast.pedestrian(pedestrian).action.speed.1
     }

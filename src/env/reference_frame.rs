@@ -11,6 +11,9 @@ pub enum ReferenceFrame {
     LineOfSight,
     /// The world's `+x`.
     World,
+    /// The direction in which the pedestrian would meet the middle of the ego's bumper at the speed that it chooses, if the ego kept its
+    /// velocity. Only actions have it: what a controller chooses is a correction of an intercepting pedestrian.
+    Meeting,
 }
 
 impl ReferenceFrame {
@@ -21,6 +24,7 @@ impl ReferenceFrame {
             Self::Initial => initial_heading,
             Self::LineOfSight => libm::atan2(ego.y - pedestrian.y, ego.x - pedestrian.x),
             Self::World => 0.0,
+            Self::Meeting => unreachable!("checked: only actions are measured from the meeting"),
         }
     }
 }
