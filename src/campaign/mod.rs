@@ -19,7 +19,7 @@ mod smoke;
 pub use observer::{Observer, Silent};
 pub use result_store::{Claim, InMemory, Progress, ResultStore};
 pub use run::{Finished, TrainingResult, collect, complete, run, run_tasks};
-pub use search_result::SearchResult;
+pub use search_result::{Evaluated, SearchResult};
 pub use shard::{Shard, deal, shard};
 pub use smoke::smoke;
 pub use stopping::StoppingRule;

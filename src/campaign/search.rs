@@ -1,7 +1,8 @@
 use super::watch::{episodes_seed, flow};
-use super::{Observer, ResultStore, SearchResult, Task, TaskError};
+use super::{Evaluated, Observer, ResultStore, SearchResult, Task, TaskError};
 use crate::compile::Search;
-use crate::falsifier::{Failure, SearchOutcome, Simulator, evaluate, follow};
+use crate::env::{Outcome, Trace};
+use crate::falsifier::{Failure, SearchOutcome, Simulator, evaluate_noting, follow};
 use crate::judge::{Verdict, judge};
 use crate::seed::Seed;
 
@@ -28,9 +29,8 @@ pub fn search(
     // The budget of a search is in ticks, so whether it exceeds the limit is known in advance.
     if let Some(limit @ TaskError::Ticks { .. }) = results.limit(task, search.budget) {
         let spent = SearchOutcome { ticks: 0, episodes: 0, starts: 0, failures: Vec::new(), stopped: false };
-        let (budget, tried) = (search.budget, Vec::new());
-        let verdicts = Vec::new();
-        return Some(SearchResult { key: key.clone(), budget, spent, verdicts, tried, error: Some(limit) });
+        let (budget, verdicts, evaluated) = (search.budget, Vec::new(), Vec::new());
+        return Some(SearchResult { key: key.clone(), budget, spent, verdicts, evaluated, error: Some(limit) });
     }
     let late = || stop() || results.limit(task, 0).is_some();
     let mut simulator = Simulator::new(search.scenario.clone(), search.starts(seed), search.budget, &late);
@@ -40,19 +40,24 @@ pub fn search(
         Err(error) => (None, Some(TaskError::Training(error.into()))),
     };
     let mut spent = simulator.into_spent();
-    let tried = walker.filter(|_| !spent.stopped && search.tries > 0).map_or_else(Vec::new, |mut walker| {
+    let evaluated = walker.filter(|_| !spent.stopped && search.tries > 0).map_or_else(Vec::new, |mut walker| {
         let (fresh, drawn) = (episodes_seed(seed, &key.town), own.child("tries"));
         let mut go_on = |done: u32| {
             let stopped = done < search.tries && late();
             spent.stopped |= stopped;
             flow(stopped)
         };
-        evaluate(walker.as_mut(), &search.scenario, search.tries, &fresh, &drawn, &mut go_on)
+        let mut note = |_: u32, outcome: &Outcome, trace: &Trace| {
+            let verdict = outcome.is_collision().then(|| judge(&trace.main_pair(&search.scenario))).flatten();
+            Evaluated { outcome: *outcome, verdict }
+        };
+        let episodes = 0..search.tries;
+        evaluate_noting(walker.as_mut(), &search.scenario, episodes, &fresh, &drawn, &mut note, &mut go_on)
     });
     let starts = search.starts(seed);
     let verdicts = spent.failures.iter().map(|failure| verdict(search, failure, starts)).collect();
     let error = error.or_else(|| results.limit(task, 0).filter(|_| spent.stopped && !stop()));
-    Some(SearchResult { key: key.clone(), budget: search.budget, spent, verdicts, tried, error })
+    Some(SearchResult { key: key.clone(), budget: search.budget, spent, verdicts, evaluated, error })
 }
 
 /// Repeats a failure outside of the budget and judges it; none when it ends otherwise.

@@ -16,7 +16,16 @@ pub struct SearchResult {
     /// The verdict on each failure, in their order; none for one that does not repeat, with a driver that is not deterministic.
     pub verdicts: Vec<Option<Verdict>>,
     /// Fresh episodes with the walk policy that the search ended up with; empty without one.
-    pub tried: Vec<Outcome>,
+    pub evaluated: Vec<Evaluated>,
     /// Why it ended early.
     pub error: Option<TaskError>,
+}
+
+/// A fresh episode with the walk policy that a search ended up with.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Evaluated {
+    /// Its outcome.
+    pub outcome: Outcome,
+    /// The verdict on its collision; none without one.
+    pub verdict: Option<Verdict>,
 }

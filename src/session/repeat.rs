@@ -139,6 +139,6 @@ impl Source {
 fn search_row(search: &Search, failure: Failure, verdict: Option<Verdict>) -> report::Row {
     let spent = SearchOutcome { ticks: 0, episodes: 0, starts: 0, failures: vec![failure], stopped: false };
     let key = search.key.clone();
-    let (budget, verdicts, tried) = (search.budget, vec![verdict], Vec::new());
-    report::search_failures(&[SearchResult { key, budget, spent, verdicts, tried, error: None }])
+    let (budget, verdicts, evaluated) = (search.budget, vec![verdict], Vec::new());
+    report::search_failures(&[SearchResult { key, budget, spent, verdicts, evaluated, error: None }])
 }

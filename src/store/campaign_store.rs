@@ -6,9 +6,8 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 
 use super::{Found, Header, Id, Ids, State, Store, StoreError, task_name};
-use crate::campaign::{Claim, Progress, ResultStore, SearchResult, Task, TaskError};
+use crate::campaign::{Claim, Evaluated, Progress, ResultStore, SearchResult, Task, TaskError};
 use crate::compile::Campaign;
-use crate::env::Outcome;
 use crate::falsifier::{SearchOutcome, TrainingRun};
 use crate::judge::Verdict;
 use crate::record::{self, Chunk, Chunks, EpisodeRow, Tally};
@@ -59,7 +58,7 @@ struct InHand {
 struct Record {
     spent: SearchOutcome,
     verdicts: Vec<Option<Verdict>>,
-    tried: Vec<Outcome>,
+    evaluated: Vec<Evaluated>,
 }
 
 impl<'a> CampaignStore<'a> {
@@ -267,13 +266,13 @@ impl ResultStore for CampaignStore<'_> {
         if record.is_none() {
             self.store.damaged(self.id(task));
         }
-        let Record { spent, verdicts, tried } = record?;
-        Some(SearchResult { key: planned.key.clone(), budget: planned.budget, spent, verdicts, tried, error: None })
+        let Record { spent, verdicts, evaluated } = record?;
+        Some(SearchResult { key: planned.key.clone(), budget: planned.budget, spent, verdicts, evaluated, error: None })
     }
 
     fn keep_search(&self, search: usize, result: &SearchResult) {
-        let (verdicts, tried) = (result.verdicts.clone(), result.tried.clone());
-        let record = Record { spent: result.spent.clone(), verdicts, tried };
+        let (verdicts, evaluated) = (result.verdicts.clone(), result.evaluated.clone());
+        let record = Record { spent: result.spent.clone(), verdicts, evaluated };
         // An episode in error, or a reward that is not a number, cannot be stored. Such a search is run again.
         let Ok(bytes) = serde_json::to_vec(&record) else { return };
         if serde_json::from_slice::<Record>(&bytes).is_ok_and(|read| read.spent == record.spent) {

@@ -25,6 +25,8 @@ falsifier strategy = cma_es(tries: 1000)
 falsifier tree = mcts(reward: ast, tries: 1000)
 falsifier learner = ppo(reward: r1)
 falsifier pair = ppo(reward: r1, training: two)
+falsifier kinds = archive(reward: moving)
+reward moving { on hit(moving) => 1 }
 "#;
 
 fn campaign(text: &str) -> Campaign {
@@ -49,7 +51,7 @@ fn run(campaign: &Campaign) -> Vec<SearchResult> {
 #[test]
 fn every_falsifier_finds_the_obvious_failure_within_its_budget() {
     let (budget, hold) = (20_001, 20);
-    let plan = obvious("chance, home, meet, cross, strategy, tree, learner, pair", budget, 1);
+    let plan = obvious("chance, home, meet, cross, strategy, tree, learner, pair, kinds", budget, 1);
     for (search, result) in plan.searches.iter().zip(run(&plan)) {
         let (name, spent) = (&search.key.falsifier, &result.spent);
         assert!(spent.ticks <= budget, "{name}: {} ticks", spent.ticks);
@@ -60,8 +62,8 @@ fn every_falsifier_finds_the_obvious_failure_within_its_budget() {
         assert!(spent.failures.is_sorted_by_key(|failure| failure.ticks), "{name}");
         assert!(spent.failures.last().unwrap().ticks <= spent.ticks, "{name}");
         assert!(spent.failures.len() as u64 <= spent.episodes && spent.starts <= spent.episodes, "{name}");
-        let walks = ["chance", "home", "meet", "learner", "pair"].contains(&name.as_str());
-        assert_eq!(result.tried.len(), if walks { 20 } else { 0 }, "{name}");
+        let walks = ["chance", "home", "meet", "learner", "pair", "kinds"].contains(&name.as_str());
+        assert_eq!(result.evaluated.len(), if walks { 20 } else { 0 }, "{name}");
         for failure in &spent.failures {
             let again = failure.replay(&search.scenario, search.starts(&Seed::root(5)));
             assert_eq!(again, Some(failure.outcome), "{name}: a failure does not repeat");
@@ -93,7 +95,7 @@ fn ticks_are_those_of_all_episodes_up_to_the_failure() {
 #[test]
 fn a_budget_too_small_for_a_command_buys_nothing_and_odd_ones_are_never_exceeded() {
     for budget in [1, 19, 20, 39, 1234] {
-        for result in run(&obvious("chance, home, cross, tree, learner, pair", budget, 1)) {
+        for result in run(&obvious("chance, home, cross, tree, learner, pair, kinds", budget, 1)) {
             assert!(result.spent.ticks <= budget, "{}: {budget}", result.key.falsifier);
             if budget < 20 {
                 assert_eq!((result.spent.ticks, result.spent.episodes), (0, 0), "{}", result.key.falsifier);
@@ -104,7 +106,7 @@ fn a_budget_too_small_for_a_command_buys_nothing_and_odd_ones_are_never_exceeded
 
 #[test]
 fn searches_are_the_same_on_any_number_of_threads_and_differ_between_runs() {
-    let plan = obvious("chance, cross, strategy, tree, learner, pair", 6_000, 2);
+    let plan = obvious("chance, cross, strategy, tree, learner, pair, kinds", 6_000, 2);
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| run(&plan))
@@ -112,7 +114,7 @@ fn searches_are_the_same_on_any_number_of_threads_and_differ_between_runs() {
     let (one, four) = (on(1), on(4));
     assert_eq!(one.len(), 12);
     for (a, b) in one.iter().zip(&four) {
-        assert_eq!((&a.key, &a.spent, &a.tried), (&b.key, &b.spent, &b.tried));
+        assert_eq!((&a.key, &a.spent, &a.evaluated), (&b.key, &b.spent, &b.evaluated));
     }
     assert_ne!(one[0].spent.failures, one[1].spent.failures);
 }
@@ -164,4 +166,41 @@ fn the_cells_count_censored_runs() {
     assert_eq!(cell.first_failure.high, None);
     let table = searches(&results);
     assert_eq!(table.height(), 4);
+}
+
+const CROSSING: &str = r#"
+spawn ahead_of_a_moving_car {
+  ego_poses: [(20 m, -1.75 m, 0 deg)]  bearing: -40 deg .. 40 deg  distance: 15 m .. 40 m  ego_speed: 6 m/s .. 8 m/s
+}
+episode until_passed { hold: 10  ticks: 400  end_when: ahead < -6 m }
+reward fault {
+  on hit(attributable) => 1
+  on hit(preventable) => 0.3
+  on hit(moving) => 0.1
+}
+"#;
+
+#[test]
+fn an_archive_finds_more_kinds_of_faults_than_an_interception_and_ends_with_a_better_controller() {
+    let plan = campaign(&format!(
+        "import \"lib/pedestrians.scn\"
+         {CROSSING}
+         campaign faults {{ vehicle: model3 adversary: plausible spawn: ahead_of_a_moving_car episode: until_passed training: ppo_paper
+         search {{ towns: [straight] policies: [blind] falsifiers: [meet, faults] budget: 150_000 runs: 1 episodes: 200 }} }}
+         falsifier faults = archive(reward: fault)"
+    ));
+    let results = run(&plan);
+    let distinct = |result: &SearchResult| {
+        let judged = result.spent.failures.iter().zip(&result.verdicts);
+        let faults = judged.filter(|(_, verdict)| verdict.as_ref().is_some_and(|verdict| verdict.is_attributable()));
+        faults.map(|(failure, _)| failure.cell).collect::<std::collections::BTreeSet<_>>().len()
+    };
+    let controller = |result: &SearchResult| {
+        let faults =
+            result.evaluated.iter().filter(|each| each.verdict.as_ref().is_some_and(|it| it.is_attributable()));
+        faults.count()
+    };
+    let (meet, archive) = (&results[0], &results[1]);
+    assert!(distinct(archive) > 2 * distinct(meet), "{} against {}", distinct(archive), distinct(meet));
+    assert!(controller(archive) > controller(meet), "{} against {}", controller(archive), controller(meet));
 }

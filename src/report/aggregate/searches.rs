@@ -2,10 +2,9 @@ use std::collections::BTreeSet;
 
 use polars::prelude::DataFrame;
 
-use super::search_kinds;
 use super::survival::{MedianTime, median_time};
 use crate::analysis::Impact;
-use crate::campaign::SearchResult;
+use crate::campaign::{Evaluated, SearchResult};
 use crate::compile::SearchKey;
 use crate::env::{Ending, Outcome};
 use crate::falsifier::Failure;
@@ -27,11 +26,14 @@ pub struct Figures {
     failure_rate: Option<f64>,
     first: Option<u64>,
     distinct: usize,
-    /// The number of failures, and the number of their kinds, of those that are preventable and of those that are attributable.
+    /// The number of failures, and the number of their cells, of those that are preventable and of those that are attributable.
     preventable: [usize; 2],
     attributable: [usize; 2],
+    attributable_rate: Option<f64>,
     evaluated_collisions: usize,
     evaluated_rate: Option<f64>,
+    evaluated_attributable: usize,
+    evaluated_attributable_rate: Option<f64>,
     evaluated_reward: Option<f64>,
 }
 
@@ -39,28 +41,33 @@ impl Figures {
     fn new(result: &SearchResult) -> Self {
         let spent = &result.spent;
         let share = |part: usize, whole: u64| (whole > 0).then(|| part as f64 / whole as f64);
-        let kinds: BTreeSet<_> = spent.failures.iter().map(|failure| kind(&failure.outcome)).collect();
+        let cells: BTreeSet<_> = spent.failures.iter().map(|failure| failure.cell).collect();
         let judged = |counts: fn(&Verdict) -> bool| {
             let found = spent.failures.iter().zip(&result.verdicts);
-            let found =
-                found.filter_map(|(failure, verdict)| Some((failure, verdict.as_ref().filter(|all| counts(all))?)));
-            let kinds: Vec<_> = found.map(|(failure, verdict)| search_kinds::kind(&failure.outcome, verdict)).collect();
-            [kinds.len(), kinds.into_iter().collect::<BTreeSet<_>>().len()]
+            let found = found.filter(|(_, verdict)| verdict.as_ref().is_some_and(counts));
+            let cells: Vec<_> = found.map(|(failure, _)| failure.cell).collect();
+            [cells.len(), cells.into_iter().collect::<BTreeSet<_>>().len()]
         };
-        let evaluated_collisions = result.tried.iter().filter(|outcome| outcome.is_collision()).count();
+        let (evaluated, number) = (&result.evaluated, result.evaluated.len() as u64);
+        let evaluated_collisions = evaluated.iter().filter(|each| each.outcome.is_collision()).count();
+        let attributable = |each: &&Evaluated| each.verdict.as_ref().is_some_and(Verdict::is_attributable);
+        let evaluated_attributable = evaluated.iter().filter(attributable).count();
+        let reward: f64 = evaluated.iter().map(|each| each.outcome.reward).sum();
         Self {
             ticks: spent.ticks,
             failures: spent.failures.len(),
             failed_starts: spent.failures.iter().map(|failure| failure.start).collect::<BTreeSet<_>>().len(),
             failure_rate: share(spent.failures.len(), spent.episodes),
             first: spent.failures.first().map(|failure| failure.ticks),
-            distinct: kinds.len(),
+            distinct: cells.len(),
             preventable: judged(Verdict::is_preventable),
             attributable: judged(Verdict::is_attributable),
+            attributable_rate: share(judged(Verdict::is_attributable)[0], spent.episodes),
             evaluated_collisions,
-            evaluated_rate: share(evaluated_collisions, result.tried.len() as u64),
-            evaluated_reward: (!result.tried.is_empty())
-                .then(|| result.tried.iter().map(|outcome| outcome.reward).sum::<f64>() / result.tried.len() as f64),
+            evaluated_rate: share(evaluated_collisions, number),
+            evaluated_attributable,
+            evaluated_attributable_rate: share(evaluated_attributable, number),
+            evaluated_reward: (number > 0).then(|| reward / number as f64),
         }
     }
 }
@@ -111,6 +118,10 @@ pub struct SearchCell {
     pub distinct_attributable_per_million: Average,
     /// Collision rate of the walk policy that it ended up with.
     pub evaluated_rate: Average,
+    /// Share of the controller's episodes that ended in an attributable collision.
+    pub evaluated_attributable_rate: Average,
+    /// Share of the search's own episodes that ended in an attributable collision.
+    pub attributable_rate: Average,
 }
 
 impl SearchCell {
@@ -170,6 +181,8 @@ fn gather(cell: &[&SearchResult]) -> SearchCell {
         attributable_per_million: over(&|figures| per_million(figures.attributable[0], figures.ticks)),
         distinct_attributable_per_million: over(&|figures| per_million(figures.attributable[1], figures.ticks)),
         evaluated_rate: share(over(&|figures| figures.evaluated_rate)),
+        evaluated_attributable_rate: share(over(&|figures| figures.evaluated_attributable_rate)),
+        attributable_rate: share(over(&|figures| figures.attributable_rate)),
     }
 }
 
@@ -213,9 +226,11 @@ const FIRST_FAILURE: &str = "first_failure_ticks";
 const DISTINCT: &str = "distinct_failures";
 const PREVENTABLE: &str = "preventable_failures";
 const ATTRIBUTABLE: &str = "attributable_failures";
+const ATTRIBUTABLE_RATE: &str = "attributable_rate";
 const ATTRIBUTABLE_PER_MILLION: &str = "attributable_per_million_ticks";
 const DISTINCT_PER_MILLION: &str = "distinct_attributable_per_million_ticks";
 const EVALUATED_RATE: &str = "evaluated_rate";
+const EVALUATED_ATTRIBUTABLE_RATE: &str = "evaluated_attributable_rate";
 
 /// The columns of a search's key, without the run.
 pub(super) fn search_key<'t, R>(key: impl Fn(&R) -> &SearchKey + Copy + 't) -> [Entry<'t, R>; 6] {
@@ -300,7 +315,7 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
         count(
             DISTINCT,
             "",
-            "different triples of side of the impact, car moving or standing, and what its driver did at the last decision",
+            "different cells of the failures: see `cell` of `search_failures`",
         )
         .of(|row: &Row<'_>| row.1.distinct as u64),
     )
@@ -310,11 +325,15 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
             .of(|row: &Row<'_>| row.1.attributable[0] as u64),
     )
     .column(
-        count("distinct_preventable", "", "different kinds of preventable failures: as `distinct_failures`, and whether the pedestrian was occluded")
+        number(ATTRIBUTABLE_RATE, "", "share of `episodes` that ended in an attributable failure")
+            .of(|row: &Row<'_>| row.1.attributable_rate),
+    )
+    .column(
+        count("distinct_preventable", "", "different cells of preventable failures")
             .of(|row: &Row<'_>| row.1.preventable[1] as u64),
     )
     .column(
-        count("distinct_attributable", "", "different kinds of attributable failures")
+        count("distinct_attributable", "", "different cells of attributable failures")
             .of(|row: &Row<'_>| row.1.attributable[1] as u64),
     )
     .column(
@@ -322,7 +341,7 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
             .of(|row: &Row<'_>| per_million(row.1.attributable[0], row.1.ticks)),
     )
     .column(
-        number(DISTINCT_PER_MILLION, "", "different kinds of attributable failures in a million of these ticks")
+        number(DISTINCT_PER_MILLION, "", "different cells of attributable failures in a million of these ticks")
             .of(|row: &Row<'_>| per_million(row.1.attributable[1], row.1.ticks)),
     )
     .column(
@@ -331,10 +350,18 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
             "",
             "fresh episodes of the controller that the falsifier ended with, outside the budget; their starts are those of `evaluate`",
         )
-        .of(|row: &Row<'_>| row.0.tried.len() as u64),
+        .of(|row: &Row<'_>| row.0.evaluated.len() as u64),
     )
     .column(count("evaluated_collisions", "", "collisions of these").of(|row: &Row<'_>| row.1.evaluated_collisions as u64))
     .column(number(EVALUATED_RATE, "", "their share of `evaluated_episodes`").of(|row: &Row<'_>| row.1.evaluated_rate))
+    .column(
+        count("evaluated_attributable", "", "attributable collisions of these")
+            .of(|row: &Row<'_>| row.1.evaluated_attributable as u64),
+    )
+    .column(
+        number(EVALUATED_ATTRIBUTABLE_RATE, "", "their share of `evaluated_episodes`")
+            .of(|row: &Row<'_>| row.1.evaluated_attributable_rate),
+    )
     .column(number("evaluated_reward", "", "their mean reward; 0 without a reward").of(|row: &Row<'_>| row.1.evaluated_reward))
 }
 
@@ -377,6 +404,8 @@ pub fn search_cell_columns() -> Table<'static, SearchCell> {
     .columns(averaged(ATTRIBUTABLE_PER_MILLION, |cell| cell.attributable_per_million))
     .columns(averaged(DISTINCT_PER_MILLION, |cell| cell.distinct_attributable_per_million))
     .columns(averaged(EVALUATED_RATE, |cell| cell.evaluated_rate))
+    .columns(averaged(EVALUATED_ATTRIBUTABLE_RATE, |cell| cell.evaluated_attributable_rate))
+    .columns(averaged(ATTRIBUTABLE_RATE, |cell| cell.attributable_rate))
 }
 
 /// The mean of a column over runs with its interval.
