@@ -664,7 +664,7 @@ impl PedestrianEnv {
         commands.copy_from_slice(&self.walks.commands);
         for ((number, role), part) in self.scenario.cast.controlled().zip(action.as_chunks().0) {
             commands[number] = role.action.command(*part, |speed| match role.action.frame {
-                ReferenceFrame::Meeting => self.meet(number, self.bumper(), speed).heading,
+                ReferenceFrame::Meeting => self.meeting(number, self.bumper(), speed).heading,
                 frame => {
                     let (pedestrian, initial, ego) = self.viewpoint(number);
                     frame.origin(pedestrian, initial, ego)

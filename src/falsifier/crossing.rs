@@ -76,7 +76,7 @@ impl Crossing {
             Vector::new(ego.blueprint.half_length, side * (1.0 - 2.0 * self.goal.aim) * ego.blueprint.half_width);
         let aim = pose.to_world(point);
         let wanted = if self.goal.pursuit >= 0.5 {
-            env.meet(pedestrian, aim, speed)
+            env.meeting(pedestrian, aim, speed)
         } else if let Some(line) = self.line {
             WalkCommand { heading: line, speed }
         } else {
