@@ -23,7 +23,7 @@ struct Rows {
 
 impl Rows {
     fn add(&mut self, row: EpisodeRow) {
-        self.ticks += u64::from(row.outcome.ticks);
+        self.ticks += u64::from(row.outcome.ticks) + u64::from(row.outcome.run_up);
         self.others.insert(row.episode, row);
         while let Some(row) = self.others.remove(&self.next) {
             self.settled.push(row);

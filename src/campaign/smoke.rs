@@ -18,7 +18,8 @@ pub fn smoke(campaign: &mut Campaign) {
     }
     campaign.searches.retain(|search| search.key.run == 0);
     for search in &mut campaign.searches {
-        search.budget = search.budget.min(10 * u64::from(search.scenario.episode.ticks));
+        search.budget =
+            search.budget.min(10 * u64::from(search.scenario.episode.ticks + search.scenario.most_run_up()));
         search.tries = search.tries.min(5);
     }
 }

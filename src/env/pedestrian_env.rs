@@ -285,7 +285,7 @@ impl PedestrianEnv {
         let touched = self.world.run_up(&self.controls);
         self.episode.run_up += 1;
         self.meet_at_goal();
-        let over = touched || self.episode.run_up >= self.most_run_up();
+        let over = touched || self.episode.run_up >= self.scenario.most_run_up();
         if self.is_running_up() && over {
             self.place_vehicles(ActorStart::standing(*self.run_up.goal()));
             self.meet();
@@ -300,14 +300,6 @@ impl PedestrianEnv {
             let spawn = &mut self.episode.spawn;
             (spawn.ego, spawn.ego_speed) = (ego.pose, ego.speed);
             self.meet();
-        }
-    }
-
-    /// The greatest number of ticks that the run-up of an episode takes; 0 where episodes have none.
-    pub fn most_run_up(&self) -> u32 {
-        match self.scenario.spawn.ego_speed {
-            EgoSpeed::Steady => RunUp::most_ticks(self.world.dt, self.world.lights.is_some()),
-            EgoSpeed::Drawn(_) => 0,
         }
     }
 

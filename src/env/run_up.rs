@@ -55,11 +55,6 @@ impl RunUp {
         Self { length, goal: Pose::default(), lanes: room(), limit: None, speed: f64::INFINITY, branches: room() }
     }
 
-    /// The greatest number of ticks of this length (s) that a run-up takes.
-    pub fn most_ticks(dt: f64, lights: bool) -> u32 {
-        ((PATIENCE + if lights { LIGHTS } else { 0.0 }) / dt).ceil().min(MOST_TICKS) as u32
-    }
-
     /// Finds the way to a goal on a driving lane.
     pub fn plan(&mut self, town: &Town, goal: Pose, blueprint: &VehicleBlueprint, stream: &mut Stream) {
         self.goal = goal;
@@ -153,6 +148,11 @@ impl RunUp {
         let turned = wrap_angle(state.pose.yaw - self.goal.yaw).abs();
         (-0.5 * step..ASIDE + step).contains(&place.x) && place.y.abs() < ASIDE && turned < std::f64::consts::FRAC_PI_2
     }
+}
+
+/// The greatest number of ticks of this length (s) that a run-up takes, with or without traffic lights.
+pub(super) fn most_ticks(dt: f64, lights: bool) -> u32 {
+    ((PATIENCE + if lights { LIGHTS } else { 0.0 }) / dt).ceil().min(MOST_TICKS) as u32
 }
 
 /// The limit of the speed sign that a vehicle obeys at a pose.

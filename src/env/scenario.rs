@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use super::{Cast, RewardRule, SpawnRule, TestOracle};
+use super::{Cast, EgoSpeed, RewardRule, SpawnRule, TestOracle, run_up};
 use crate::geometry::Obstacles;
 use crate::road::Town;
 use crate::signature::Formula;
@@ -41,6 +41,16 @@ pub struct Scenario {
     pub oracle: Option<Arc<dyn TestOracle>>,
     /// The rule that ends episodes.
     pub episode: EpisodeRule,
+}
+
+impl Scenario {
+    /// The greatest number of ticks of an episode's run-up; 0 where episodes have none.
+    pub fn most_run_up(&self) -> u32 {
+        match self.spawn.ego_speed {
+            EgoSpeed::Steady => run_up::most_ticks(self.episode.tick, self.episode.traffic_lights),
+            EgoSpeed::Drawn(_) => 0,
+        }
+    }
 }
 
 impl std::fmt::Debug for Scenario {

@@ -71,7 +71,7 @@ impl Env for Ground<'_> {
 impl Falsifier for Learning {
     fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
         let hold = u64::from(simulator.env().scenario().episode.hold);
-        let run_up = u64::from(simulator.env().most_run_up());
+        let run_up = u64::from(simulator.env().scenario().most_run_up());
         let stride = self.environments as u64;
         let shares = simulator.shares(stride);
         let mut grounds: Vec<Ground<'_>> =

@@ -88,7 +88,7 @@ impl<'a> Simulator<'a> {
     /// Starts an episode from the start with this number; false when the budget is used up.
     pub fn begin(&mut self, start: u64) -> bool {
         self.stopped |= (self.stop)();
-        self.spent |= self.stopped || self.left() < self.env.most_run_up().into();
+        self.spent |= self.stopped || self.left() < self.scenario.most_run_up().into();
         if !self.spent {
             self.start = start;
             self.commands.clear();
