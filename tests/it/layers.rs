@@ -38,7 +38,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "falsifier",
         ],
     ),
-    ("judge", &["geometry", "sim", "av", "env"]),
+    ("judge", &["statistics", "geometry", "sim", "av", "env"]),
     ("record", &["contained", "statistics", "geometry", "av", "env", "compile", "judge"]),
     ("campaign", &["seed", "statistics", "rl", "env", "compile", "falsifier", "judge", "record"]),
     ("analysis", &["seed", "av", "env", "judge"]),
@@ -63,7 +63,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "analysis",
         ],
     ),
-    ("store", &["files", "rl", "env", "compile", "falsifier", "record", "campaign"]),
+    ("store", &["files", "rl", "env", "compile", "falsifier", "judge", "record", "campaign"]),
     ("process", &["av"]),
     ("lsp", &["contained", "files", "diagnostic", "signature", "units", "lang", "compile", "process"]),
     (

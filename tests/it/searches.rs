@@ -4,6 +4,7 @@ use std::path::Path;
 
 use falsify::internal::campaign::{self, SearchResult, Silent};
 use falsify::internal::compile::{Campaign, Catalog, compile};
+use falsify::internal::report;
 use falsify::internal::seed::Seed;
 
 const PIECES: &str = r#"
@@ -203,4 +204,32 @@ fn an_archive_finds_more_kinds_of_faults_than_an_interception_and_ends_with_a_be
     let (meet, archive) = (&results[0], &results[1]);
     assert!(distinct(archive) > 2 * distinct(meet), "{} against {}", distinct(archive), distinct(meet));
     assert!(controller(archive) > controller(meet), "{} against {}", controller(archive), controller(meet));
+}
+
+#[test]
+fn every_failure_of_a_search_has_a_verdict_and_belongs_to_a_kind() {
+    let campaign = obvious("chance, home, cross", 20_000, 2);
+    let results = run(&campaign);
+    let mut preventable = 0;
+    for result in &results {
+        assert_eq!(result.verdicts.len(), result.spent.failures.len());
+        for (failure, verdict) in result.spent.failures.iter().zip(&result.verdicts) {
+            let verdict = verdict.as_ref().expect("the driver is deterministic");
+            assert_eq!(Some(verdict.impact_speed), failure.outcome.impact_speed());
+            preventable += u64::from(verdict.is_preventable());
+        }
+    }
+    let kinds = report::search_kinds(&results);
+    let failures: usize = results.iter().map(|result| result.spent.failures.len()).sum();
+    assert!(failures > 0 && kinds.iter().map(|kind| kind.failures).sum::<usize>() == failures);
+    for kind in &kinds {
+        let found = results.iter().find(|result| result.key == kind.key).unwrap();
+        assert_eq!(found.verdicts[kind.example].unwrap().label, kind.kind.verdict);
+        assert!(kind.foreseeable <= kind.failures && kind.share <= 1.0);
+    }
+    let table = report::searches(&results);
+    let sum = |name: &str| table.column(name).unwrap().u64().unwrap().into_no_null_iter().sum::<u64>();
+    assert_eq!(sum("preventable_failures"), preventable);
+    assert!(sum("attributable_failures") <= preventable && sum("distinct_preventable") <= preventable);
+    assert_eq!(report::search_failures(&results).height(), failures);
 }
