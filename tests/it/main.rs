@@ -26,6 +26,7 @@ mod interfuser_reference;
 mod interruptions;
 mod judge;
 mod lav_reference;
+mod doubts;
 mod drivers;
 mod editors;
 mod explanations;

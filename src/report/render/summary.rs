@@ -34,13 +34,14 @@ pub fn summary(
     if !manifest.complete {
         let _ = writeln!(page, "**{INCOMPLETE}**\n");
     }
-    if !manifest.smoke && !doubts(&evidence.cells).is_empty() {
+    let doubts = if manifest.smoke { Vec::new() } else { doubts(&evidence.cells) };
+    if !doubts.is_empty() {
         let _ = writeln!(page, "**{DOUBTFUL}**\n");
     }
     if !cells.is_empty() {
         page.push_str(&results(cells).to_markdown());
         page.push_str(&errors(cells));
-        conclusions(cells, evidence).iter().for_each(|section| page.push_str(&section.to_markdown()));
+        conclusions(cells, evidence, &doubts).iter().for_each(|section| page.push_str(&section.to_markdown()));
     }
     sections.iter().for_each(|section| page.push_str(&section.to_markdown()));
     page.push_str(&drivers(&campaign.drivers));

@@ -34,12 +34,16 @@ pub fn write_page(
     let published = beside(&campaign.published, cells);
     let searched = search_cells(&finished.searches);
     let searches = (!searched.is_empty()).then(|| search_section(&searched));
-    let sections: Vec<_> =
-        [searches, learnt(cells, &gathered.evidence), comparisons(&gathered.evidence), transfer(&gathered.evidence)]
-            .into_iter()
-            .flatten()
-            .collect();
     let doubts = if manifest.smoke { Vec::new() } else { doubts(&gathered.evidence.cells) };
+    let sections: Vec<_> = [
+        searches,
+        learnt(cells, &gathered.evidence, &doubts),
+        comparisons(&gathered.evidence),
+        transfer(&gathered.evidence),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
     let page = page(&Contents {
         campaign,
         manifest,

@@ -1,9 +1,9 @@
 use super::names::{head, names};
 use crate::report::render::table::{Column, Section, Table, Value};
-use crate::report::{Cell, Evidence, Learnt, doubts};
+use crate::report::{Cell, Doubt, Evidence, Learnt};
 
-/// Whether the trainings learnt; none when no trained controller was evaluated.
-pub fn learnt(cells: &[Cell], evidence: &Evidence) -> Option<Section> {
+/// Whether the trainings learnt, and the doubts about them; none when no trained controller was evaluated.
+pub fn learnt(cells: &[Cell], evidence: &Evidence, doubts: &[Doubt]) -> Option<Section> {
     let both = cells.iter().zip(&evidence.cells);
     let judged: Vec<_> = both.filter_map(|(cell, found)| Some((cell, found.learning.as_ref()?))).collect();
     if judged.is_empty() {
@@ -51,9 +51,9 @@ pub fn learnt(cells: &[Cell], evidence: &Evidence) -> Option<Section> {
          gain over `random`. A campaign can require all this: `--fail-if 'learnt != yes'`, `--fail-if 'trainings_disagree == yes'`."
             .to_string(),
     ];
-    let doubts: Vec<String> = doubts(&evidence.cells).iter().map(|doubt| format!("- {doubt}")).collect();
     if !doubts.is_empty() {
-        notes.insert(0, doubts.join("\n"));
+        let each: Vec<String> = doubts.iter().map(|doubt| format!("- {doubt}")).collect();
+        notes.insert(0, each.join("\n"));
     }
     Some(Section {
         id: "learnt",

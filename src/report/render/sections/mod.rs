@@ -23,7 +23,7 @@ pub use trainings::trainings_section;
 pub use transfer::transfer;
 
 use super::table::{Section, Table};
-use crate::report::{Cell, Evidence, SearchCell};
+use crate::report::{Cell, Doubt, Evidence, SearchCell};
 
 /// The results of a campaign as text for a terminal.
 pub fn results_for_terminal(campaign: &str, cells: &[Cell]) -> String {
@@ -37,11 +37,11 @@ pub fn searches_for_terminal(cells: &[SearchCell]) -> String {
 }
 
 /// The conclusions from the cells, one section each.
-pub fn conclusions(cells: &[Cell], evidence: &Evidence) -> Vec<Section> {
+pub fn conclusions(cells: &[Cell], evidence: &Evidence, doubts: &[Doubt]) -> Vec<Section> {
     let both: Vec<_> = cells.iter().zip(&evidence.cells).collect();
     let all = [
         avoidable::avoidable(cells),
-        learnt(cells, evidence),
+        learnt(cells, evidence, doubts),
         further_trainings::further_trainings(cells, &both),
         comparisons(evidence),
         transfer(evidence),

@@ -1,0 +1,92 @@
+//! Trainings that learnt nothing: a warning in every output, and a gate that fails.
+
+use std::path::Path;
+use std::process::Output;
+
+use crate::program::falsify;
+
+/// The reward is never paid, so nothing can be learnt. Hits are paid for the second campaign, and the pedestrian that comes near is
+/// worse than `intercept` after so short a training.
+const SCENARIO: &str = r#"
+edition 1
+import "std/paper.scn"
+import "std/drivers.scn"
+import "std/towns.scn"
+training short = ppo(steps: 256, steps_per_update: 128)
+reward unpaid { on hit => 0 }
+campaign unpaid_hits {
+  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: short
+  train { towns: [harbour] policies: [behavior] rewards: [unpaid] runs: 1 }
+  evaluate { towns: [harbour] policies: [behavior] pedestrians: [trained, random] episodes: 10 }
+}
+campaign short_of_steps {
+  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds  training: short
+  train { towns: [harbour] policies: [behavior] rewards: [r1] runs: 2 }
+  evaluate { towns: [harbour] policies: [behavior] pedestrians: [trained, random, intercept] episodes: 120 }
+}
+"#;
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&[output.stdout.as_slice(), &output.stderr].concat()).into_owned()
+}
+
+fn read(folder: &Path, file: &str) -> String {
+    std::fs::read_to_string(folder.join(file)).unwrap()
+}
+
+#[test]
+fn a_training_that_learnt_nothing_is_a_warning_in_every_output_and_fails_a_gate() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    std::fs::write(here.join("doubtful.scn"), SCENARIO).unwrap();
+    let run = falsify(&["run", "doubtful.scn"], here);
+    assert_eq!(run.status.code(), Some(0), "a warning is no failure: {run:?}");
+    let text = said(&run);
+    assert!(text.contains("warning"), "{text}");
+    assert!(text.contains("no sign of learning in 1 of 1 trainings: rewards of 0.000 an episode"), "{text}");
+    assert!(text.contains("2 of 2 trainings got less reward than the untrained `intercept`"), "{text}");
+    assert!(text.contains("train for more `steps`"), "{text}");
+    for (campaign, doubt) in
+        [("unpaid_hits", "no sign of learning"), ("short_of_steps", "got less reward than the untrained")]
+    {
+        let report = here.join("reports").join(campaign);
+        let summary = read(&report, "summary.md");
+        assert!(summary.contains("Some trainings may have learned nothing") && summary.contains(doubt), "{summary}");
+        let page = read(&report, "report.html");
+        assert!(page.contains(doubt) && page.contains("Did the trainings learn?"), "{campaign}");
+    }
+    let cells = read(&here.join("reports/short_of_steps"), "cells.csv");
+    let column = cells.lines().next().unwrap().split(',').position(|name| name == "learnt").unwrap();
+    let learnt: Vec<&str> = cells.lines().skip(1).map(|line| line.split(',').nth(column).unwrap()).collect();
+    assert_eq!(learnt, ["no", "", ""]);
+
+    // The same from the store, for programs.
+    let json = falsify(&["run", "--format", "json", "--fail-if", "learnt != yes", "doubtful.scn"], here);
+    assert_eq!(json.status.code(), Some(7), "{json:?}");
+    let events: Vec<serde_json::Value> =
+        String::from_utf8_lossy(&json.stdout).lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let warned =
+        |campaign: &str| events.iter().any(|event| event["event"] == "warning" && event["campaign"] == campaign);
+    assert!(warned("unpaid_hits") && warned("short_of_steps"), "{events:?}");
+    assert!(said(&json).contains("learnt is no"), "{}", said(&json));
+
+    // No training hides what `intercept` finds.
+    let of_trained = ["--fail-if", "collision_rate > 0.3 and controller == trained"];
+    let of_all = ["--fail-if", "max over controllers collision_rate > 0.3"];
+    for (gate, code) in [(of_trained, 0), (of_all, 7)] {
+        let run = falsify(&[&["run", "doubtful.scn"], &gate[..]].concat(), here);
+        assert_eq!(run.status.code(), Some(code), "{gate:?}: {}", said(&run));
+    }
+}
+
+#[test]
+fn a_smoke_run_has_no_doubts() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    std::fs::write(here.join("doubtful.scn"), SCENARIO).unwrap();
+    let run = falsify(&["run", "--smoke", "doubtful.scn"], here);
+    assert_eq!(run.status.code(), Some(0), "{run:?}");
+    assert!(!said(&run).contains("no sign of learning"), "{}", said(&run));
+    let summary = read(&here.join("reports/unpaid_hits-smoke"), "summary.md");
+    assert!(!summary.contains("no sign of learning") && summary.contains("Did the trainings learn?"), "{summary}");
+}
