@@ -41,20 +41,11 @@ impl PedestrianMotion {
 
     /// Measures states that are `dt` (s) apart. A part of an episode is a part of the slice.
     pub fn of(states: &[PedestrianState], dt: f64) -> Self {
-        let greatest = |squares: f64| squares.sqrt();
-        let peak_speed = greatest(states.iter().map(|state| state.velocity.norm_squared()).fold(0.0, f64::max));
-        let tick = greatest(change_after(states, 1));
-        // Two velocities that are n ticks apart differ by at most n times the greatest change of a tick, and by twice the greatest speed.
-        // So most episodes need only the longest lag.
+        let stretches: Vec<Stretch> = stretches(states);
+        let peak_speed = stretches.iter().map(|stretch| stretch.velocity.norm_squared()).fold(0.0, f64::max).sqrt();
+        let tick = stretches.windows(2).map(|pair| pair[0].squared_change(&pair[1])).fold(0.0, f64::max).sqrt();
         let longest = (((SECOND + ROUNDING) / dt) as usize).max(1);
-        let mut change = tick;
-        for lag in (2..=longest).rev() {
-            if change >= (lag as f64 * tick).min(2.0 * peak_speed) {
-                break;
-            }
-            change = change.max(greatest(change_after(states, lag)));
-        }
-        Self { peak_speed, peak_acceleration: tick / dt, velocity_change: change }
+        Self { peak_speed, peak_acceleration: tick / dt, velocity_change: greatest_change(&stretches, longest).sqrt() }
     }
 
     /// Whether the pedestrian kept all [bounds](Self::FORESEEABLE) of a foreseeable one.
@@ -66,14 +57,39 @@ impl PedestrianMotion {
     }
 }
 
-/// The square of the greatest difference of two velocities that are `lag` states apart.
-fn change_after(states: &[PedestrianState], lag: usize) -> f64 {
-    let later = states.get(lag..).unwrap_or_default();
-    let change = |(before, after): (&PedestrianState, &PedestrianState)| -> f64 {
-        let change: Vector = after.velocity - before.velocity;
-        change.norm_squared()
-    };
-    states.iter().zip(later).map(change).fold(0.0, f64::max)
+/// Consecutive states with the same velocity.
+struct Stretch {
+    first: usize,
+    last: usize,
+    velocity: Vector,
+}
+
+impl Stretch {
+    /// The square of the difference of two velocities.
+    fn squared_change(&self, later: &Self) -> f64 {
+        (later.velocity - self.velocity).norm_squared()
+    }
+}
+
+fn stretches(states: &[PedestrianState]) -> Vec<Stretch> {
+    let mut all: Vec<Stretch> = Vec::new();
+    for (tick, state) in states.iter().enumerate() {
+        match all.last_mut() {
+            Some(stretch) if stretch.velocity == state.velocity => stretch.last = tick,
+            _ => all.push(Stretch { first: tick, last: tick, velocity: state.velocity }),
+        }
+    }
+    all
+}
+
+/// The square of the greatest difference of two velocities that are at most this number of ticks apart.
+fn greatest_change(stretches: &[Stretch], ticks: usize) -> f64 {
+    let mut greatest = 0.0_f64;
+    for (number, stretch) in stretches.iter().enumerate() {
+        let near = stretches[number + 1..].iter().take_while(|later| later.first - stretch.last <= ticks);
+        greatest = near.map(|later| stretch.squared_change(later)).fold(greatest, f64::max);
+    }
+    greatest
 }
 
 #[cfg(test)]
@@ -138,7 +154,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_shortcut_equals_a_comparison_of_all_pairs(
+        fn stretches_give_what_a_comparison_of_all_states_gives(
             steps in prop::collection::vec((-1.0..1.0_f64, -1.0..1.0_f64, any::<bool>()), 0..80),
         ) {
             let mut velocity = (0.0, 0.0);
