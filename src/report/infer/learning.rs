@@ -142,7 +142,10 @@ impl Learning {
                 least.map(|baseline| Reason::NotAbove { count, of, than: baseline.into(), rewards })
             }
         };
-        let disagree = (self.disagree() == Some(true)).then(|| Reason::Disagree { rewards: self.rewards.clone() });
+        // Of trainings that are all doubtful it says nothing more that they disagree.
+        let all = matches!(&learnt, Some(Reason::Below { count, .. } | Reason::NotAbove { count, .. }) if *count == of);
+        let disagree =
+            (!all && self.disagree() == Some(true)).then(|| Reason::Disagree { rewards: self.rewards.clone() });
         learnt.into_iter().chain(disagree).collect()
     }
 }

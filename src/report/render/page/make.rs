@@ -127,7 +127,7 @@ fn head(contents: &Contents<'_>) -> Markup {
             @if !campaign.docs.is_empty() { p.lead { (prose(&campaign.docs.join("\n"))) } }
             @if manifest.smoke { p.warn { (SMOKE) } }
             @if !manifest.complete { p.warn { (INCOMPLETE) } }
-            @for doubt in contents.doubts.iter().take(DOUBTS) { p.warn { (doubt) "." } }
+            @for doubt in contents.doubts.iter().take(DOUBTS) { p.warn { (prose(&format!("{doubt}."))) } }
             @if contents.doubts.len() > DOUBTS {
                 p.warn { a href="#learnt" { (contents.doubts.len() - DOUBTS) " more doubts about trainings" } }
             }

@@ -12,7 +12,7 @@ use crate::report::{PublishedComparison, Spread};
 use crate::statistics::wilson;
 
 /// Width and height of the picture of a rate.
-const SIZE: (f64, f64) = (136.0, 26.0);
+const SIZE: (f64, f64) = (96.0, 26.0);
 /// Its margin at both ends.
 const END: f64 = 6.0;
 
