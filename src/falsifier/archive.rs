@@ -13,7 +13,7 @@ use crate::units::Dimension;
 
 /// A quality-diversity search: it keeps the best crossings of each [`FailureCell`], and varies them at new starts.
 ///
-/// Every start is used once. A crossing is a [`Goal`] of five numbers, carried out in closed loop by [`Crossing`]. An elite is drawn by three
+/// Every start is used once. A crossing is a [`Goal`] of six numbers, carried out in closed loop by [`Crossing`]. An elite is drawn by three
 /// factors: how near the start is to the one where it was found, what its variations have earned since, and how seldom its cell was filled.
 /// So the search neither finds one fault a thousand times nor leaves what works. The end of the budget chooses the controller that it
 /// returns: on starts of their own, the elites must earn more than `intercept`.
@@ -47,7 +47,7 @@ impl Archive {
             Param::with_default(
                 "explore",
                 share(0.0, 1.0),
-                "0.15",
+                "0.1",
                 "Share of the starts at which a crossing is drawn uniformly.",
             ),
             Param::with_default(
@@ -232,7 +232,10 @@ impl Archive {
         let explore = stream.random::<f64>() < self.explore;
         let parent = if explore { None } else { elites.draw(context, self.novelty, stream) };
         let Some(parent) = parent else {
-            return (Goal::new(std::array::from_fn(|_| stream.random())), None);
+            // Before the first failure every second try intercepts.
+            let uniform = explore || stream.random::<f64>() < 0.5;
+            let goal = if uniform { Goal::new(std::array::from_fn(|_| stream.random())) } else { Goal::INTERCEPT };
+            return (goal, None);
         };
         let mut parents = [parent; CANDIDATES];
         for other in &mut parents[1..] {
@@ -243,9 +246,13 @@ impl Archive {
                 elites.all[parent].goal.components().map(|share| share + self.spread * standard_normal(stream));
             Goal::new(varied)
         });
+        // The interception competes with the variations.
+        let goals: [Goal; CANDIDATES + 1] =
+            std::array::from_fn(|place| goals.get(place).copied().unwrap_or(Goal::INTERCEPT));
         let expected = elites.expect(context, &goals);
-        let best = (0..CANDIDATES).max_by(|a, b| expected[*a].total_cmp(&expected[*b])).expect("there are candidates");
-        (goals[best], Some(parents[best]))
+        let best = (0..goals.len()).max_by(|a, b| expected[*a].total_cmp(&expected[*b]));
+        let best = best.expect("there are candidates");
+        (goals[best], parents.get(best).copied())
     }
 }
 

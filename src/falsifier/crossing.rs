@@ -11,6 +11,8 @@ pub struct Goal {
     pub pace: f64,
     /// The point of the car that it aims at, across the bumper: 0 is the corner on its own side at the start, 1 the other.
     pub aim: f64,
+    /// How deep in the car that point is: 0 is at the bumper, 1 at the middle of the car.
+    pub depth: f64,
     /// Its direction: 0.5 is straight across the car's path, 0 is 75° towards the car, 1 is 75° away from it.
     pub slant: f64,
     /// Its time in hand (s, from −0.5 to 2.5): it sets off this long before the last moment at which it would still meet the car.
@@ -21,23 +23,23 @@ pub struct Goal {
 
 impl Goal {
     /// The number of components.
-    pub const DIM: usize = 5;
-    /// Walks at once and as fast as it can to where it would meet the middle of the car.
-    pub const INTERCEPT: Self = Self { pace: 1.0, aim: 0.5, slant: 0.5, hurry: 1.0, pursuit: 1.0 };
+    pub const DIM: usize = 6;
+    /// Walks at once and as fast as it can to where it would meet the middle of the car: the controller `intercept`.
+    pub const INTERCEPT: Self = Self { pace: 1.0, aim: 0.5, depth: 1.0, slant: 0.5, hurry: 1.0, pursuit: 1.0 };
 
     /// The goal of these components, each cut to 0 .. 1.
     pub fn new(components: [f64; Self::DIM]) -> Self {
-        let [pace, aim, slant, hurry, pursuit] = components.map(|share| share.clamp(0.0, 1.0));
-        Self { pace, aim, slant, hurry, pursuit }
+        let [pace, aim, depth, slant, hurry, pursuit] = components.map(|share| share.clamp(0.0, 1.0));
+        Self { pace, aim, depth, slant, hurry, pursuit }
     }
 
     /// Its components.
     pub fn components(&self) -> [f64; Self::DIM] {
-        [self.pace, self.aim, self.slant, self.hurry, self.pursuit]
+        [self.pace, self.aim, self.depth, self.slant, self.hurry, self.pursuit]
     }
 }
 
-/// Crosses the car's path towards a point of its front: a pedestrian with a plan of five numbers instead of a network.
+/// Crosses the car's path towards a point of its front: a pedestrian with a plan of six numbers instead of a network.
 ///
 /// It waits until it has to set off, then walks on a straight line at one speed, or pursues the car. It assumes that the car keeps its
 /// velocity, and looks again at every decision until it sets off.
@@ -72,8 +74,9 @@ impl Crossing {
         let speed = (high * (STROLL + (1.0 - STROLL) * self.goal.pace)).max(low);
         let here = walker.state.pose.position();
         let side = *self.side.get_or_insert(if pose.to_local(here).y > 0.0 { 1.0 } else { -1.0 });
-        let point =
-            Vector::new(ego.blueprint.half_length, side * (1.0 - 2.0 * self.goal.aim) * ego.blueprint.half_width);
+        let (half_length, half_width) = (ego.blueprint.half_length, ego.blueprint.half_width);
+        let across = side * (1.0 - 2.0 * self.goal.aim) * half_width;
+        let point = Vector::new((1.0 - self.goal.depth) * half_length, across);
         let aim = pose.to_world(point);
         let wanted = if self.goal.pursuit >= 0.5 {
             env.meeting(pedestrian, aim, speed)
