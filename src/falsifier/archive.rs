@@ -13,9 +13,10 @@ use crate::units::Dimension;
 
 /// A quality-diversity search: it keeps the best crossings of each [`FailureCell`], and varies them at new starts.
 ///
-/// Every start is used once. A crossing is a [`Goal`] of six numbers, carried out in closed loop by [`Crossing`]. An elite is drawn by three
-/// factors: how near the start is to the one where it was found, what its variations have earned since, and how seldom its cell was filled.
-/// So the search neither finds one fault a thousand times nor leaves what works. The end of the budget chooses the controller that it
+/// A crossing is a [`Goal`] of six numbers, carried out in closed loop by [`Crossing`]. An elite is drawn by three factors: how near the start
+/// is to the one where it was found, what its variations have earned since, and how seldom its cell was filled. So the search neither finds
+/// one fault a thousand times nor leaves what works. What similar crossings earned at similar starts says what a variation can be expected to
+/// earn. A start from which nothing is expected is left at once, and a promising one gets several tries. The end of the budget chooses the controller that it
 /// returns: on starts of their own, the elites must earn more than `intercept`.
 ///
 /// # Source
@@ -26,6 +27,8 @@ pub struct Archive {
     explore: f64,
     /// Standard deviation of a variation, in shares of a goal's range.
     spread: f64,
+    /// Most tries from one start.
+    tries: u32,
     /// Exponent of the preference for seldom cells; 0 for none.
     novelty: f64,
     /// Most elites of a cell.
@@ -57,6 +60,12 @@ impl Archive {
                 "Standard deviation of a variation; 1 is the whole range of a component.",
             ),
             Param::with_default(
+                "tries",
+                Type::Integer { min: 1, max: 1000 },
+                "8",
+                "Most crossings that are tried from one start, while they promise more than the average.",
+            ),
+            Param::with_default(
                 "novelty",
                 share(0.0, 5.0),
                 "0.5",
@@ -84,6 +93,7 @@ impl Archive {
         Self {
             explore: arguments.number("explore"),
             spread: arguments.number("spread"),
+            tries: arguments.integer("tries") as u32,
             novelty: arguments.number("novelty"),
             elites: arguments.integer("elites") as usize,
             choice: arguments.number("choice"),
@@ -129,6 +139,15 @@ impl Elite {
     }
 }
 
+/// A goal for a start.
+struct Proposal {
+    goal: Goal,
+    /// The elite that it varies.
+    parent: Option<usize>,
+    /// What it can be expected to earn.
+    expected: f64,
+}
+
 /// A crossing that was tried.
 #[derive(Debug, Clone, Copy)]
 struct Try {
@@ -143,8 +162,14 @@ struct Elites {
     all: Vec<Elite>,
     filled: BTreeMap<FailureCell, usize>,
     memory: VecDeque<Try>,
+    /// What all tries have earned, and their number.
+    earned: f64,
+    tries: f64,
 }
 
+/// A start is left at once if it promises less than this share of the average, once there were enough tries.
+const HOPELESS: f64 = 0.5;
+const FIRST_TRIES: usize = 100;
 /// Most tries that are remembered.
 const MEMORY: usize = 4000;
 /// Goals that differ by this in one component are as far apart as contexts that differ by their scale.
@@ -183,11 +208,18 @@ impl Elites {
         Some(sums.partition_point(|sum| *sum <= drawn).min(self.all.len() - 1))
     }
 
+    /// What the tries have earned on average.
+    fn average(&self) -> f64 {
+        self.earned / self.tries.max(1.0)
+    }
+
     /// Remembers a try.
     fn remember(&mut self, tried: Try) {
         if self.memory.len() == MEMORY {
             self.memory.pop_front();
         }
+        self.earned += tried.reward;
+        self.tries += 1.0;
         self.memory.push_back(tried);
     }
 
@@ -227,15 +259,15 @@ impl Elites {
 }
 
 impl Archive {
-    /// A goal for a start, and the elite that it varies.
-    fn propose(&self, elites: &Elites, context: &Context, stream: &mut Stream) -> (Goal, Option<usize>) {
+    /// A goal for a start.
+    fn propose(&self, elites: &Elites, context: &Context, stream: &mut Stream) -> Proposal {
         let explore = stream.random::<f64>() < self.explore;
         let parent = if explore { None } else { elites.draw(context, self.novelty, stream) };
         let Some(parent) = parent else {
             // Before the first failure every second try intercepts.
             let uniform = explore || stream.random::<f64>() < 0.5;
             let goal = if uniform { Goal::new(std::array::from_fn(|_| stream.random())) } else { Goal::INTERCEPT };
-            return (goal, None);
+            return Proposal { goal, parent: None, expected: elites.expect(context, &[goal])[0] };
         };
         let mut parents = [parent; CANDIDATES];
         for other in &mut parents[1..] {
@@ -252,7 +284,45 @@ impl Archive {
         let expected = elites.expect(context, &goals);
         let best = (0..goals.len()).max_by(|a, b| expected[*a].total_cmp(&expected[*b]));
         let best = best.expect("there are candidates");
-        (goals[best], parents.get(best).copied())
+        Proposal { goal: goals[best], parent: parents.get(best).copied(), expected: expected[best] }
+    }
+}
+
+impl Archive {
+    /// Tries crossings from one start while they promise more than the search has earned on average; none when the budget is used up.
+    fn search_from(
+        &self,
+        start: u64,
+        simulator: &mut Simulator<'_>,
+        elites: &mut Elites,
+        stream: &mut Stream,
+    ) -> Option<()> {
+        for number in 0..self.tries {
+            if !simulator.begin(start) {
+                return None;
+            }
+            let context = context(simulator.env());
+            let proposal = self.propose(elites, &context, stream);
+            let average = elites.average();
+            let promising = match number {
+                0 => proposal.expected >= HOPELESS * average || stream.random::<f64>() < self.explore,
+                _ => proposal.expected > average,
+            };
+            if elites.memory.len() >= FIRST_TRIES && !promising {
+                return Some(());
+            }
+            let goal = proposal.goal;
+            let reward = run(simulator, &mut Crossing::new(goal))?;
+            elites.remember(Try { context, goal, reward });
+            if let Some(parent) = proposal.parent {
+                elites.all[parent].earned += reward.max(0.0);
+                elites.all[parent].tries += 1.0;
+            }
+            if let Some(cell) = FailureCell::new(simulator.env()).filter(|_| reward > 0.0) {
+                elites.add(Elite { context, goal, cell, reward, earned: 0.0, tries: 0.0 }, self.elites);
+            }
+        }
+        Some(())
     }
 }
 
@@ -262,20 +332,11 @@ impl Falsifier for Archive {
         let mut elites = Elites::default();
         let (budget, mut start) = (simulator.left(), 0);
         let kept = (budget as f64 * self.choice) as u64;
-        while simulator.left() > kept && simulator.begin(start) {
+        while simulator.left() > kept {
+            if self.search_from(start, simulator, &mut elites, &mut stream).is_none() {
+                break;
+            }
             start += 1;
-            let context = context(simulator.env());
-            let (goal, parent) = self.propose(&elites, &context, &mut stream);
-            let Some(outcome) = run(simulator, &mut Crossing::new(goal)) else { break };
-            elites.remember(Try { context, goal, reward: outcome });
-            if let Some(parent) = parent {
-                elites.all[parent].earned += outcome.max(0.0);
-                elites.all[parent].tries += 1.0;
-            }
-            if let Some(cell) = FailureCell::new(simulator.env()).filter(|_| outcome > 0.0) {
-                let elite = Elite { context, goal, cell, reward: outcome, earned: 0.0, tries: 0.0 };
-                elites.add(elite, self.elites);
-            }
         }
         let mut found = Found { elites, crossing: Crossing::new(Goal::INTERCEPT), begun: false };
         // The same starts for both, one after another.
