@@ -70,8 +70,8 @@ impl LaneNetwork {
     ///
     /// # Source
     /// CARLA `road/MapBuilder.cpp`: the sign of the lane's number decides which end of the next road a car enters, not the file's
-    /// contact points. A link applies to the nearest section that has a lane of that number. The lanes before a lane are those that
-    /// lead to it.
+    /// contact points. A link applies to the nearest section that has a lane of that number; a right lane without a link to the next section
+    /// continues under its own number, a left one ends. The lanes before a lane are those that lead to it.
     pub fn new(roads: &[Road], junctions: &[Junction]) -> Self {
         let mut network =
             Self { lanes: Vec::new(), ids: Vec::new(), roads: Vec::new(), sections: Vec::new(), links: Vec::new() };
@@ -150,7 +150,7 @@ impl LaneNetwork {
             }
         };
         if if lane.forward() { (after as usize) < road.sections.len() } else { before > 0 } {
-            return linked.and_then(inside).into_iter().collect();
+            return linked.or(lane.forward().then_some(lane.id)).and_then(inside).into_iter().collect();
         }
         match beyond {
             Some(RoadLink::Road(next, _)) => linked.and_then(|id| self.edge(roads, next, id)).into_iter().collect(),
@@ -158,10 +158,15 @@ impl LaneNetwork {
                 let connections = junctions.get(junction.0 as usize).map_or(&[][..], |found| &found.connections);
                 let order = orders.get(junction.0 as usize).map_or(&[][..], Vec::as_slice);
                 let mut ways: Vec<LaneSlot> = Vec::new();
-                let connections = order.iter().filter_map(|place| connections.get(*place));
-                for connection in connections.filter(|each| each.incoming == lane.road) {
-                    for (_, to) in connection.lane_links.iter().filter(|(from, _)| *from == lane.id) {
-                        ways.extend(self.edge(roads, connection.connecting, *to).filter(|slot| !ways.contains(slot)));
+                for connection in order.iter().filter_map(|place| connections.get(*place)) {
+                    let Some(connecting) = roads.get(connection.connecting.0 as usize) else { continue };
+                    if let Some(entries) = entries(connecting, lane) {
+                        ways.extend(entries.into_iter().filter_map(|id| self.edge(roads, connection.connecting, id)));
+                    } else if connection.incoming == lane.road {
+                        for (_, to) in connection.lane_links.iter().filter(|(from, _)| *from == lane.id) {
+                            let way = self.edge(roads, connection.connecting, *to);
+                            ways.extend(way.filter(|slot| !ways.contains(slot)));
+                        }
                     }
                 }
                 ways
@@ -272,6 +277,28 @@ impl LaneNetwork {
         let (t, half) = (lane.centre.value(s), lane.width.value(s) / 2.0);
         [line.beside(t + half), line.beside(t - half)]
     }
+}
+
+/// The lanes of a connecting road that a lane enters, by the links of the connecting road's lanes; none if those say nothing about the road
+/// of the lane, as in a direct junction.
+///
+/// # Source
+/// CARLA 0.9.16, as its client library behaves: it takes neither the incoming road of a connection nor its lane links. A way that two
+/// connections name is there twice.
+fn entries(connecting: &Road, lane: &NetworkLane) -> Option<Vec<LaneId>> {
+    let leads = |link: Option<RoadLink>| matches!(link, Some(RoadLink::Road(road, _)) if road == lane.road);
+    let right = connecting.sections.first().filter(|_| leads(connecting.predecessor));
+    let left = connecting.sections.last().filter(|_| leads(connecting.successor));
+    let right = right.into_iter().flat_map(|section| &section.lanes).filter(|each| each.id < 0);
+    let left = left.into_iter().flat_map(|section| &section.lanes).filter(|each| each.id > 0);
+    let links = right.map(|each| (each.id, each.predecessor)).chain(left.map(|each| (each.id, each.successor)));
+    let links: Vec<(LaneId, LaneId)> = links.filter_map(|(id, link)| Some((id, link?))).collect();
+    if links.is_empty() {
+        return None;
+    }
+    let mut entered: Vec<LaneId> = links.into_iter().filter(|(_, from)| *from == lane.id).map(|(id, _)| id).collect();
+    entered.sort_unstable();
+    Some(entered)
 }
 
 /// The heading of a lane whose centre moves sideways with a slope.

@@ -104,7 +104,7 @@ fn lanes(
     admitted.filter_map(|lane| network.slot_of(index, section as u32, lane.id)).collect()
 }
 
-/// Reads speed signs: objects named `Speed_NN` and signals of type 274, in km/h whatever their unit.
+/// Reads speed signs: objects named `Speed_NN` or `speed_NN` and signals of type 274, in km/h whatever their unit.
 pub(super) fn speed_signs(
     context: &mut Context,
     roads: &Roads,
@@ -138,7 +138,10 @@ pub(super) fn limit(node: Node) -> Option<f64> {
             .attribute("subtype")
             .filter(|text| text.parse::<f64>().is_ok_and(|n| n > 0.0))
             .or(node.attribute("value"))?,
-        _ => node.attribute("name")?.strip_prefix("Speed_")?,
+        _ => {
+            let name = node.attribute("name")?;
+            name.strip_prefix("Speed_").or_else(|| name.strip_prefix("speed_"))?
+        }
     };
     text.trim().parse().ok().filter(|limit: &f64| *limit > 0.0 && *limit < 1000.0)
 }

@@ -61,7 +61,9 @@ fn ahead(town: &Town, from: Waypoint, distance: f64) -> Vec<Waypoint> {
 fn lanes_lead_through_the_bend() {
     let town = town(BEND);
     assert!(town.warnings.is_empty(), "{:?}", town.warnings);
-    let [inside] = ahead(&town, eastbound(99.0), 1.0 + 31.41592653589793 / 2.0)[..] else { panic!() };
+    // Two connections lead over the road in the junction, so CARLA has each way twice.
+    let [inside, again] = ahead(&town, eastbound(99.0), 1.0 + 31.41592653589793 / 2.0)[..] else { panic!() };
+    assert_eq!(inside, again);
     assert!(town.is_junction(inside));
     let pose = town.pose(inside);
     let radius = 20.0 + 1.75;
@@ -520,6 +522,32 @@ fn the_order_at_a_fork_is_that_of_the_numbers_of_the_connections() {
 }
 
 #[test]
+fn a_right_lane_without_a_link_goes_on_in_the_next_section_and_a_left_one_ends() {
+    let town = town(&SECTIONS.replace(
+        r#"<lane id="-1" type="driving"><link><successor id="0"/></link>"#,
+        r#"<lane id="-1" type="driving">"#,
+    ));
+    let after = |section, lane, s| ahead(&town, Waypoint { section, lane, ..eastbound(s) }, 20.0);
+    assert_eq!(after(2, -1, 50.0).iter().map(|way| (way.section, way.lane)).collect::<Vec<_>>(), [(3, -1)]);
+    let left = SECTIONS.replace(
+        r#"<laneSection s="30"><right>"#,
+        r#"<laneSection s="30"><left><lane id="1" type="driving"><width a="3"/></lane></left><right>"#,
+    );
+    let town = self::town(&left);
+    let way = Waypoint { section: 2, lane: 1, ..eastbound(35.0) };
+    assert!(ahead(&town, way, 10.0).is_empty());
+}
+
+#[test]
+fn junctions_are_linked_by_their_lanes_as_in_carla() {
+    // The incoming roads and the lane links of the connections lead nowhere; the links of the connecting road's lanes count.
+    let xml = BEND.replace(r#"incomingRoad="1" connectingRoad="2""#, r#"incomingRoad="3" connectingRoad="2""#);
+    let town = town(&xml.replace(r#"<laneLink from="-1" to="-1"/>"#, r#"<laneLink from="-7" to="-7"/>"#));
+    let ways = ahead(&town, eastbound(99.0), 2.0);
+    assert!(ways.len() == 2 && ways.iter().all(|way| (way.road, way.lane) == (RoadIndex(1), -1)), "{ways:?}");
+}
+
+#[test]
 fn what_has_no_effect_is_counted() {
     let signs = r#"<signals><signal id="1" s="5" t="-3" type="206"/><signal id="2" s="6" t="-3" type="206"/><signal id="3" s="6" type="1000002"/>
         <signal id="8" s="7" orientation="+" type="274" value="50"><validity fromLane="9" toLane="9"/></signal></signals></road>"#;
@@ -536,6 +564,8 @@ fn what_has_no_effect_is_counted() {
 
 #[test]
 fn the_last_signal_of_a_number_counts_and_references_repeat_it() {
+    let map = |name: &str| read(&BEND.replace("Speed_30", name), "signs").unwrap().speed_signs.len();
+    assert_eq!((map("speed_30"), map("Speed_30"), map("SPEED_30")), (1, 1, 0));
     let signals = r#"<signals><signal id="1" s="5" orientation="-" type="274" subtype="30"/><signal id="1" s="60" orientation="-" type="274" subtype="60"/></signals></road>"#;
     let map = BEND.replace("</objects>\n</road>", &format!("</objects>{signals}"));
     let map =
