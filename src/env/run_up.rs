@@ -100,7 +100,7 @@ impl RunUp {
             let start = town.lane_start(here)?;
             let room = (here.s - start.s).abs();
             if room >= left {
-                return Some(here.moved_back(left));
+                return Some(town.moved(here, -left));
             }
             left -= room;
             self.branches.clear();

@@ -99,6 +99,7 @@ mod tests {
             name: String::new(),
             length: 120.0,
             junction: None,
+            left_hand: false,
             plan_view: PlanView::new(vec![spiral, line, arc]),
             lane_offset: Profile::default(),
             sections: vec![LaneSection { start: 0.0, end: 120.0, lanes: Vec::new() }],

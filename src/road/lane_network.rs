@@ -20,6 +20,8 @@ pub(super) struct NetworkLane {
     /// Where its section starts and ends along the road (m).
     pub start: f64,
     pub end: f64,
+    /// Whether the driving direction is that of growing `s`.
+    forward: bool,
     /// Whether its road lies in a junction.
     pub in_junction: bool,
     /// Whether its centre line is one straight line.
@@ -33,7 +35,7 @@ pub(super) struct NetworkLane {
 impl NetworkLane {
     /// Whether the driving direction is that of growing `s`.
     pub fn forward(&self) -> bool {
-        self.id < 0
+        self.forward
     }
 
     /// Where driving along it starts and ends, along the road (m).
@@ -87,6 +89,7 @@ impl LaneNetwork {
                         kind: lane.kind,
                         start: section.start,
                         end: section.end,
+                        forward: road.is_forward(lane.id),
                         in_junction: road.junction.is_some(),
                         straight: is_straight(road, section.start, section.end),
                         centre: centre(road, &section.lanes, lane.id, section.start, section.end),
@@ -150,7 +153,7 @@ impl LaneNetwork {
             }
         };
         if if lane.forward() { (after as usize) < road.sections.len() } else { before > 0 } {
-            return linked.or(lane.forward().then_some(lane.id)).and_then(inside).into_iter().collect();
+            return linked.or((lane.id < 0).then_some(lane.id)).and_then(inside).into_iter().collect();
         }
         match beyond {
             Some(RoadLink::Road(next, _)) => linked.and_then(|id| self.edge(roads, next, id)).into_iter().collect(),
@@ -175,12 +178,13 @@ impl LaneNetwork {
         }
     }
 
-    /// The lane at which a car enters a road: the first right lane of a number from the start of the road, the first left one
-    /// from its end.
+    /// The lane at which a car enters a road: the first lane of a number from the start of the road if it is driven forward, else from its
+    /// end.
     fn edge(&self, roads: &[Road], road: RoadIndex, id: LaneId) -> Option<LaneSlot> {
-        let mut sections = 0..roads.get(road.0 as usize)?.sections.len() as u32;
+        let entered = roads.get(road.0 as usize)?;
+        let mut sections = 0..entered.sections.len() as u32;
         let slot = |section| self.slot_of(road, section, id);
-        if id < 0 { sections.find_map(slot) } else { sections.rev().find_map(slot) }
+        if entered.is_forward(id) { sections.find_map(slot) } else { sections.rev().find_map(slot) }
     }
 
     /// All lanes.
@@ -233,7 +237,7 @@ impl LaneNetwork {
         let line = roads[lane.road.0 as usize].plan_view.point(s);
         let (t, slope) = lane.centre.at(s).map_or((0.0, 0.0), |cubic| (cubic.value(s), cubic.slope(s)));
         let place = line.beside(t);
-        Pose { x: place.x, y: place.y, yaw: heading(&line, lane.id, slope) }
+        Pose { x: place.x, y: place.y, yaw: heading(&line, lane.forward(), slope) }
     }
 
     /// How high a lane lies (m).
@@ -287,11 +291,12 @@ impl LaneNetwork {
 /// connections name is there twice.
 fn entries(connecting: &Road, lane: &NetworkLane) -> Option<Vec<LaneId>> {
     let leads = |link: Option<RoadLink>| matches!(link, Some(RoadLink::Road(road, _)) if road == lane.road);
-    let right = connecting.sections.first().filter(|_| leads(connecting.predecessor));
-    let left = connecting.sections.last().filter(|_| leads(connecting.successor));
-    let right = right.into_iter().flat_map(|section| &section.lanes).filter(|each| each.id < 0);
-    let left = left.into_iter().flat_map(|section| &section.lanes).filter(|each| each.id > 0);
-    let links = right.map(|each| (each.id, each.predecessor)).chain(left.map(|each| (each.id, each.successor)));
+    let first = connecting.sections.first().filter(|_| leads(connecting.predecessor));
+    let last = connecting.sections.last().filter(|_| leads(connecting.successor));
+    let driven = |each: &&Lane, forward| each.id != 0 && connecting.is_forward(each.id) == forward;
+    let forth = first.into_iter().flat_map(|section| &section.lanes).filter(|each| driven(each, true));
+    let back = last.into_iter().flat_map(|section| &section.lanes).filter(|each| driven(each, false));
+    let links = forth.map(|each| (each.id, each.predecessor)).chain(back.map(|each| (each.id, each.successor)));
     let links: Vec<(LaneId, LaneId)> = links.filter_map(|(id, link)| Some((id, link?))).collect();
     if links.is_empty() {
         return None;
@@ -306,8 +311,8 @@ fn entries(connecting: &Road, lane: &NetworkLane) -> Option<Vec<LaneId>> {
 /// # Source
 /// CARLA `road/Lane.cpp`, `ComputeTransform`: the slope is added as if it were the angle. For a slope m beside a line of curvature κ
 /// the exact angle is atan(m / (1 − κ t)), so the difference is at most |m|³/3 beside a straight line.
-pub(super) fn heading(line: &CurvePoint, id: LaneId, slope: f64) -> f64 {
-    wrap_angle(if id > 0 { line.yaw + slope + std::f64::consts::PI } else { line.yaw + slope })
+pub(super) fn heading(line: &CurvePoint, forward: bool, slope: f64) -> f64 {
+    wrap_angle(if forward { line.yaw + slope } else { line.yaw + slope + std::f64::consts::PI })
 }
 
 /// The lateral position of a lane's centre as one profile: the offset of lane 0, the lanes between, and half of its own width.

@@ -57,6 +57,8 @@ pub struct Road {
     pub length: f64,
     /// The junction it lies in.
     pub junction: Option<JunctionIndex>,
+    /// Whether it is driven on the left, so that the right lanes are those against the reference line.
+    pub left_hand: bool,
     /// The reference line.
     pub plan_view: PlanView,
     /// Lateral offset of lane 0 from the reference line, positive to the left (m).
@@ -70,6 +72,11 @@ pub struct Road {
 }
 
 impl Road {
+    /// Whether a lane is driven along the reference line.
+    pub fn is_forward(&self, id: LaneId) -> bool {
+        (id < 0) != self.left_hand
+    }
+
     /// The section that contains `s` (m).
     pub fn section_at(&self, s: f64) -> usize {
         self.sections.partition_point(|section| section.start <= s).saturating_sub(1)
@@ -82,14 +89,14 @@ impl Road {
         self.sections.partition_point(|section| section.start < start)..after
     }
 
-    /// The centre of a lane at `s` (m), heading along its driving direction (right-hand traffic).
+    /// The centre of a lane at `s` (m), heading along its driving direction.
     ///
     /// None when the section has no such lane.
     pub fn lane_pose(&self, section: usize, id: LaneId, s: f64) -> Option<Pose> {
         let (t, slope) = self.lane_centre(section, id, s)?;
         let line = self.plan_view.point(s);
         let centre = line.beside(t);
-        Some(Pose { x: centre.x, y: centre.y, yaw: heading(&line, id, slope) })
+        Some(Pose { x: centre.x, y: centre.y, yaw: heading(&line, self.is_forward(id), slope) })
     }
 
     /// Lateral position of a lane's centre, positive to the left (m), and its slope along the road.

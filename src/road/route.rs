@@ -254,7 +254,7 @@ mod tests {
         for rule in [ForkRule::AnyBranch, ForkRule::NamedTurn] {
             for inside in town.predecessors(goal) {
                 let before = town.predecessors(inside).next().unwrap();
-                let start = before.moved_back(30.0);
+                let start = town.moved(before, -30.0);
                 let walk = |lanes: &[Waypoint], seed: u64| {
                     let (mut walk, mut stream) = (RandomWalk::new(rule), Seed::root(seed).stream());
                     walk.take(lanes);

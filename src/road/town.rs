@@ -146,12 +146,26 @@ impl Town {
 
     /// The lane to the right in driving direction, at the same distance along the road.
     pub fn right_lane(&self, waypoint: Waypoint) -> Option<Waypoint> {
-        self.beside(waypoint, waypoint.lane.checked_add(waypoint.lane.signum())?)
+        if self.is_left_hand(waypoint) { self.inner(waypoint) } else { self.outer(waypoint) }
     }
 
     /// The lane to the left in driving direction, at the same distance along the road; beyond the middle it is the first
-    /// lane of the other direction.
+    /// lane of the other direction. With left-hand traffic that is so on the right.
     pub fn left_lane(&self, waypoint: Waypoint) -> Option<Waypoint> {
+        if self.is_left_hand(waypoint) { self.outer(waypoint) } else { self.inner(waypoint) }
+    }
+
+    fn is_left_hand(&self, waypoint: Waypoint) -> bool {
+        self.roads.get(waypoint.road.0 as usize).is_some_and(|road| road.left_hand)
+    }
+
+    /// The next lane away from the reference line.
+    fn outer(&self, waypoint: Waypoint) -> Option<Waypoint> {
+        self.beside(waypoint, waypoint.lane.checked_add(waypoint.lane.signum())?)
+    }
+
+    /// The next lane towards the reference line, and beyond it.
+    fn inner(&self, waypoint: Waypoint) -> Option<Waypoint> {
         let lane = waypoint.lane;
         self.beside(waypoint, if lane.unsigned_abs() == 1 { -lane } else { lane - lane.signum() })
     }
@@ -202,9 +216,13 @@ impl Town {
 
     /// The waypoint `distance` (m) along a stretch in driving direction, clamped to it.
     pub fn along(&self, stretch: &LaneStretch, distance: f64) -> Waypoint {
-        let moved = distance.clamp(0.0, stretch.length.max(0.0));
-        let s = stretch.start.s + if stretch.start.lane < 0 { moved } else { -moved };
-        Waypoint { s, ..stretch.start }
+        self.moved(stretch.start, distance.clamp(0.0, stretch.length.max(0.0)))
+    }
+
+    /// The place this far (m) along the driving direction, on the same lane or beyond its end; negative distances are back.
+    pub fn moved(&self, waypoint: Waypoint, distance: f64) -> Waypoint {
+        let forward = self.roads.get(waypoint.road.0 as usize).is_none_or(|road| road.is_forward(waypoint.lane));
+        Waypoint { s: waypoint.s + if forward { distance } else { -distance }, ..waypoint }
     }
 
     /// The planner of routes with a point every `sampling` (m), built on the first call.

@@ -19,11 +19,6 @@ impl Waypoint {
     pub fn is_on_lane_of(&self, other: &Self) -> bool {
         (self.road, self.section, self.lane) == (other.road, other.section, other.lane)
     }
-
-    /// The place this far (m) back against the driving direction, on the same lane.
-    pub fn moved_back(self, distance: f64) -> Self {
-        Self { s: if self.lane < 0 { self.s - distance } else { self.s + distance }, ..self }
-    }
 }
 
 /// A driving lane of one section outside junctions, on which an episode may start.

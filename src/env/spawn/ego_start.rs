@@ -71,7 +71,7 @@ impl EgoStart {
                 });
                 let piece = &pieces[found.unwrap_or(last)];
                 let lane = lane_of(town, &piece.from).expect("checked: the piece lies on a lane");
-                town.pose(further(lane, left.min(piece.length)))
+                town.pose(town.moved(lane, left.min(piece.length)))
             }
         }
     }
@@ -122,11 +122,6 @@ impl RoadShape {
     }
 }
 
-/// The waypoint `distance` (m) further along the same lane.
-fn further(lane: Waypoint, distance: f64) -> Waypoint {
-    Waypoint { s: lane.s + if lane.lane < 0 { distance } else { -distance }, ..lane }
-}
-
 /// The driving lane whose middle is nearest.
 fn lane_of(town: &Town, pose: &Pose) -> Option<Waypoint> {
     town.nearest_lane(pose.position(), LaneFilter::Driving)
@@ -138,10 +133,7 @@ fn room_ahead(town: &Town, from: Waypoint) -> f64 {
         let start = stretch.start;
         (start.road, start.section, start.lane) == (from.road, from.section, from.lane)
     };
-    town.driving_lanes().iter().find(same).map_or(0.0, |stretch| {
-        let gone = if from.lane < 0 { from.s - stretch.start.s } else { stretch.start.s - from.s };
-        stretch.length - gone
-    })
+    town.driving_lanes().iter().find(same).map_or(0.0, |stretch| stretch.length - (from.s - stretch.start.s).abs())
 }
 
 /// Checks that a car can start at a pose: near the middle of a driving lane and about along it.

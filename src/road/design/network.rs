@@ -127,6 +127,7 @@ impl Network {
             name: name.to_owned(),
             length,
             junction: None,
+            left_hand: false,
             plan_view,
             lane_offset: Profile::default(),
             sections: vec![LaneSection { start: 0.0, end: length, lanes }],

@@ -98,9 +98,6 @@ pub enum OpenDriveProblem {
     /// Lane sections are not in order, or start beyond the road's end.
     #[error("lane sections out of order or beyond the road's end; put in order")]
     SectionOrder,
-    /// A road is driven on the left.
-    #[error("left-hand traffic; lanes are driven as in right-hand traffic, the wrong way")]
-    LeftHandTraffic,
     /// A link names a junction by a number that a road has too, or a road by a number that a junction has too.
     #[error("`{element}` should lead to a {wanted}, but there is a {found} {id}, and CARLA takes that")]
     AmbiguousLink {

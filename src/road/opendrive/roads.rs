@@ -55,9 +55,6 @@ fn road(context: &mut Context, node: Node) -> Option<Road> {
         context.warn(node, OpenDriveProblem::NoReferenceLine);
         return None;
     }
-    if node.attribute("rule").is_some_and(|rule| rule.trim().eq_ignore_ascii_case("LHT")) {
-        context.warn(node, OpenDriveProblem::LeftHandTraffic);
-    }
     let lanes = child(node, "lanes");
     let sections = lanes.map(|lanes| lanes::sections(context, lanes, length)).unwrap_or_default();
     if sections.is_empty() {
@@ -69,6 +66,7 @@ fn road(context: &mut Context, node: Node) -> Option<Road> {
         name: node.attribute("name").unwrap_or_default().to_owned(),
         length,
         junction: None,
+        left_hand: node.attribute("rule").is_some_and(|rule| rule.trim().eq_ignore_ascii_case("LHT")),
         plan_view: plan_view.with_elevation(elevation(context, node)),
         lane_offset: lanes.map_or_else(|| Profile::constant(0.0), |lanes| lanes::offset(context, lanes)),
         sections,

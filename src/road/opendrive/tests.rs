@@ -204,15 +204,37 @@ fn other_ways_to_write_the_same_are_read() {
 }
 
 #[test]
-fn left_hand_traffic_and_ambiguous_links_are_said() {
-    let parts = read(&BEND.replace("id=\"3\" junction", "id=\"3\" rule=\"LHT\" junction"), "bend").unwrap();
-    assert_eq!(parts.warnings[0].problem, OpenDriveProblem::LeftHandTraffic);
+fn ambiguous_links_are_said() {
     // As in CARLA, the number of a road wins over that of a junction.
     let xml = BEND.replace("elementId=\"9\"", "elementId=\"3\"").replace("junction id=\"9\"", "junction id=\"3\"");
     let town = town(&xml.replace("junction=\"9\"", "junction=\"3\""));
     let said = "line 4, road 1: `successor` should lead to a junction, but there is a road 3, and CARLA takes that";
     assert_eq!(town.warnings[0].to_string(), said);
     assert!(ahead(&town, eastbound(99.0), 2.0).is_empty());
+}
+
+#[test]
+fn left_hand_traffic_is_driven_on_the_left() {
+    let xml = BEND.replace("<road name", "<road rule=\"LHT\" name");
+    let town = town(&xml);
+    assert!(town.warnings.is_empty(), "{:?}", town.warnings);
+    let north = Waypoint { road: RoadIndex(2), lane: -1, ..eastbound(1.0) };
+    // The right lanes lead back through the bend, and the left ones ahead.
+    assert!(wrap_angle(town.pose(north).yaw + std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+    assert_eq!(ahead(&town, north, 2.0)[0].road, RoadIndex(1));
+    let east = Waypoint { lane: 1, ..eastbound(99.0) };
+    assert!(town.pose(east).yaw.abs() < 1e-12);
+    assert_eq!((ahead(&town, east, 2.0)[0].road, ahead(&town, east, 2.0)[0].lane), (RoadIndex(1), 1));
+    assert_eq!(
+        (town.right_lane(east), town.left_lane(east)),
+        (Some(eastbound(99.0)), Some(Waypoint { lane: 2, ..east }))
+    );
+    let stretch = town
+        .driving_lanes()
+        .iter()
+        .find(|stretch| stretch.start.lane == 1 && stretch.start.road == RoadIndex(0))
+        .unwrap();
+    assert_eq!((town.along(stretch, 10.0).s, town.moved(east, -9.0).s), (10.0, 90.0));
 }
 
 /// Three sections of a road, written in the wrong order: two lanes, the outer one starts in the second section and continues as

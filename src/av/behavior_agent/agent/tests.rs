@@ -24,6 +24,7 @@ fn town(in_junction: bool) -> Town {
         id: 7,
         name: String::new(),
         length: 200.0,
+        left_hand: false,
         junction: in_junction.then_some(JunctionIndex(0)),
         plan_view: PlanView::new(vec![Geometry::line(0.0, Pose::default(), 200.0)]),
         lane_offset: Width::constant(0.0),
