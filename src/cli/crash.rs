@@ -32,10 +32,7 @@ pub fn listen() {
 #[expect(clippy::exit, reason = "other threads may wait for the one that panicked")]
 fn end(panic: &PanicHookInfo, message: &str, no_thread: bool) {
     if ENDING.swap(true, Ordering::Relaxed) {
-        // Another thread reports its panic and ends the process.
-        loop {
-            std::thread::park();
-        }
+        wait_for_the_end();
     }
     process::end_all();
     if no_thread {
@@ -52,6 +49,13 @@ fn end(panic: &PanicHookInfo, message: &str, no_thread: bool) {
         console::fail("this is a bug in falsify; what was finished before is not lost");
     }
     std::process::exit(ExitCode::Internal as i32)
+}
+
+/// Waits until another thread, which reports its own panic, has ended the process.
+fn wait_for_the_end() -> ! {
+    loop {
+        std::thread::park();
+    }
 }
 
 /// Whether the message of a panic says that a thread could not be started, as std, rayon and tokio word it.

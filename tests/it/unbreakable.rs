@@ -236,7 +236,7 @@ fn under_any_limit_there_is_the_right_result_or_a_clear_error() {
         match output.status.code() {
             Some(0) => assert!(episodes("limited") == wanted, "{limit}"),
             Some(1 | 2 | 6) => {
-                assert!(error(&output).contains("error:") && !error(&output).contains("bug"), "{limit}: {output:?}")
+                assert!(error(&output).contains("error:") && !error(&output).contains("bug"), "{limit}: {output:?}");
             }
             // The loader of the system needs files, too.
             Some(127) => assert!(error(&output).contains("loading shared libraries"), "{limit}: {output:?}"),

@@ -63,7 +63,7 @@ fn without_html(page: &str) -> String {
         let next = rest.chars().next().unwrap_or(' ');
         match letter {
             '<' if !rest.starts_with("br>") && (next.is_ascii_alphabetic() || "/!?".contains(next)) => {
-                safe.push_str("&lt;")
+                safe.push_str("&lt;");
             }
             // Markdown reads entities, also in the addresses of links.
             '&' if next == '#' || next.is_ascii_alphabetic() => safe.push_str("&amp;"),
