@@ -43,6 +43,13 @@ impl NetworkLane {
         if self.forward() { (self.start, self.end) } else { (self.end, self.start) }
     }
 
+    /// Whether this lane leads to another one of its road only since both have the same number: the file has no link.
+    fn continues_unlinked(&self, roads: &[Road], next: &Self) -> bool {
+        let own = roads[self.road.0 as usize].sections[self.section as usize].lane(self.id);
+        let linked = own.and_then(|own| if self.forward { own.successor } else { own.predecessor });
+        linked.is_none() && (self.road, self.id) == (next.road, next.id) && self.section != next.section
+    }
+
     /// The waypoint at a distance along the road (m), clamped to the lane.
     pub fn waypoint(&self, s: f64) -> Waypoint {
         Waypoint {
@@ -114,7 +121,10 @@ impl LaneNetwork {
             self.lanes.iter().map(|lane| self.ways_on(lane, roads, junctions, &orders)).collect();
         let mut back = vec![Vec::new(); ways.len()];
         for (from, to) in ways.iter().zip(0..).flat_map(|(ways, from)| ways.iter().map(move |to| (from, *to))) {
-            back[to as usize].push(from);
+            // CARLA continues a lane without a link, and does not go back over it.
+            if !self.lanes[from as usize].continues_unlinked(roads, &self.lanes[to as usize]) {
+                back[to as usize].push(from);
+            }
         }
         let mut links = Vec::new();
         let mut append = |slots: &[LaneSlot]| {

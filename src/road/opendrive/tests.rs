@@ -551,6 +551,10 @@ fn a_right_lane_without_a_link_goes_on_in_the_next_section_and_a_left_one_ends()
     ));
     let after = |section, lane, s| ahead(&town, Waypoint { section, lane, ..eastbound(s) }, 20.0);
     assert_eq!(after(2, -1, 50.0).iter().map(|way| (way.section, way.lane)).collect::<Vec<_>>(), [(3, -1)]);
+    // Back, only the lane with a link is found.
+    let mut back = Vec::new();
+    town.previous(Waypoint { section: 3, lane: -1, ..eastbound(61.0) }, 5.0, &mut back);
+    assert_eq!(back.iter().map(|way| (way.section, way.lane)).collect::<Vec<_>>(), [(2, -2)]);
     let left = SECTIONS.replace(
         r#"<laneSection s="30"><right>"#,
         r#"<laneSection s="30"><left><lane id="1" type="driving"><width a="3"/></lane></left><right>"#,
