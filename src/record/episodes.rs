@@ -128,7 +128,7 @@ pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
         .column(EGO_YAW.of(|row: &EpisodeRow| row.outcome.spawn.ego.yaw.to_degrees()))
         .column(EGO_SPEED.of(|row: &EpisodeRow| row.outcome.spawn.ego_speed))
         .column(RUN_UP.of(|row: &EpisodeRow| row.outcome.run_up))
-        .column(PLACED.of(placed).aggregated([metric::PLACED_STARTS.at(80), metric::PLACED_RATE.at(81)]))
+        .column(PLACED.of(placed).aggregated([metric::PLACED_STARTS.at(56), metric::PLACED_RATE.at(57)]))
         .column(PEDESTRIAN_X.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.x))
         .column(PEDESTRIAN_Y.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.y))
         .column(PEDESTRIAN_YAW.of(|row: &EpisodeRow| row.outcome.spawn.pedestrian.yaw.to_degrees()))

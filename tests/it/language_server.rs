@@ -165,7 +165,7 @@ fn words_are_explained_where_they_stand() {
         ("hit(", "touch"),
         ("v_c", "speed"),
         ("m/s)", "**m/s**: speed"),
-        ("front)", "In the parentheses: `front`"),
+        ("front)", "`front` within the front sector"),
         ("vehicle:", "name of a vehicle; must be given"),
         ("train {", "Trains one pedestrian"),
         ("towns:", "Towns to train in"),

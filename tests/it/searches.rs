@@ -113,7 +113,7 @@ fn searches_are_the_same_on_any_number_of_threads_and_differ_between_runs() {
         pool.install(|| run(&plan))
     };
     let (one, four) = (on(1), on(4));
-    assert_eq!(one.len(), 12);
+    assert_eq!(one.len(), 14);
     for (a, b) in one.iter().zip(&four) {
         assert_eq!((&a.key, &a.spent, &a.evaluated), (&b.key, &b.spent, &b.evaluated));
     }
