@@ -33,22 +33,16 @@ impl FalseAlarms {
         if free.trial.least_gap <= 0.0 || !free.trial.moved {
             return;
         }
-        let mut at_gate = None;
         for reference in Reference::ALL {
             if self.stopped(reference) {
                 continue;
             }
             let trial = match reference.model() {
                 Model::Delayed(driver) => {
-                    let look = || free.noticed(encounter, &driver);
-                    let noticed = if driver.gate.is_some() { *at_gate.get_or_insert_with(look) } else { look() };
+                    let noticed = free.noticed(encounter, &driver);
                     free.braked(encounter, driver, noticed)
                 }
-                // Most approaches give these two no reason to brake, and a look at each tick is enough to see that.
-                Model::Other(mut driver) => match free.is_braked(encounter, driver.as_mut()) {
-                    true => Trial::new(encounter, driver.as_mut()),
-                    false => continue,
-                },
+                Model::Other(mut driver) => Trial::new(encounter, driver.as_mut()),
             };
             self.braked[reference as usize] |= trial.braked;
             self.stopped[reference as usize] |= trial.stopped;

@@ -1,13 +1,11 @@
 use super::Encounter;
-use crate::av::reference_drivers::{DelayedBrake, OwnMotion, ReferenceDriver};
+use crate::av::reference_drivers::{DelayedBrake, OwnMotion, ReferenceDriver, Threat};
 use crate::geometry::{OrientedBox, first_touch};
 
 /// Number of steps of a tick: reference drivers react in hundredths of a second.
 const STEPS: u32 = 5;
 /// An upper bound of the distance (m) that the rotation of the car moves a corner of it within a step.
 const TURNING: f64 = 0.05;
-/// Farther apart than this (m) the two count as clear of each other in a tick.
-const CLEAR: f64 = 1.0;
 /// Below this speed (m/s) the car stands.
 pub(super) const STANDING: f64 = 0.1;
 
@@ -49,15 +47,6 @@ impl Car {
         (self.speed, self.acceleration) = (next, -braking);
     }
 
-    /// Moves on at the pace, to this share of a tick. As in the simulator the car keeps the tick's first speed until the tick's end.
-    fn keep_pace(&mut self, encounter: &Encounter<'_>, tick: usize, share: f64) {
-        self.way = encounter.way_at(tick, share);
-        if share >= 1.0 {
-            self.speed = encounter.pace_at(tick + 1);
-            self.fastest = self.fastest.max(self.speed);
-        }
-    }
-
     fn has_stopped(&self) -> bool {
         self.interfered && self.speed <= STANDING
     }
@@ -77,10 +66,21 @@ pub(super) struct FreeRun {
     least_gaps: Vec<f64>,
 }
 
+/// A driver that never brakes.
+struct Never;
+
+impl ReferenceDriver for Never {
+    fn begin(&mut self) {}
+
+    fn brake(&mut self, _: &OwnMotion, _: Option<&Threat>, _: f64) -> Option<f64> {
+        None
+    }
+}
+
 impl FreeRun {
     pub(super) fn new(encounter: &mut Encounter<'_>) -> Self {
         let mut least_gaps = Vec::new();
-        let trial = Trial::run::<DelayedBrake>(encounter, None, 0, None, &mut |gap| least_gaps.push(gap));
+        let trial = Trial::run(encounter, &mut Never, 0, None, &mut |gap| least_gaps.push(gap));
         Self { trial, least_gaps }
     }
 
@@ -98,24 +98,13 @@ impl FreeRun {
         })
     }
 
-    /// Whether a driver that decides in each step would brake before the end, at a resolution of a tick.
-    pub(super) fn is_braked(&self, encounter: &Encounter<'_>, driver: &mut dyn ReferenceDriver) -> bool {
-        driver.begin();
-        (0..self.least_gaps.len()).any(|tick| {
-            let (speed, acceleration) = (encounter.pace_at(tick), encounter.acceleration(tick));
-            let own = OwnMotion { speed, acceleration, intended: 0.0, length: 2.0 * encounter.half.x };
-            let threat = encounter.threat(tick, 0.0, encounter.way_at(tick, 0.0));
-            driver.brake(&own, threat.as_ref(), encounter.dt).is_some()
-        })
-    }
-
     /// The trial of a driver that noticed the pedestrian at this time (s), if it did.
     pub(super) fn braked(&self, encounter: &mut Encounter<'_>, driver: DelayedBrake, noticed: Option<f64>) -> Trial {
         let Some(noticed) = noticed else { return self.trial };
         let first = ((noticed + driver.profile.wait) / encounter.dt) as usize;
         let Some(least_gap) = self.least_gaps.get(first) else { return self.trial };
         let mut driver = driver.having_noticed(first as f64 * encounter.dt - noticed);
-        Trial::run(encounter, Some(&mut driver), first, Some(*least_gap), &mut |_| ())
+        Trial::run(encounter, &mut driver, first, Some(*least_gap), &mut |_| ())
     }
 }
 
@@ -123,14 +112,14 @@ impl Trial {
     /// Simulates an encounter with a reference driver.
     pub fn new(encounter: &mut Encounter<'_>, driver: &mut dyn ReferenceDriver) -> Self {
         driver.begin();
-        Self::run(encounter, Some(driver), 0, None, &mut |_| ())
+        Self::run(encounter, driver, 0, None, &mut |_| ())
     }
 
-    /// Simulates an encounter from a tick on, up to which the driver has not interfered and the gap was at least this (m). Without a driver the
-    /// car never brakes. `ticked` gets the least gap up to each tick.
+    /// Simulates an encounter from a tick on, up to which the driver has not interfered and the gap was at least this (m). `ticked` gets the
+    /// least gap up to each tick.
     fn run<D: ReferenceDriver + ?Sized>(
         encounter: &mut Encounter<'_>,
-        mut driver: Option<&mut D>,
+        driver: &mut D,
         first: usize,
         least_gap: Option<f64>,
         ticked: &mut dyn FnMut(f64),
@@ -150,60 +139,44 @@ impl Trial {
             ticked(least_gap);
             let (from, to) = (encounter.steps[number].position, encounter.steps[number + 1].position);
             let chord = to - from;
-            // Where the two cannot come near in this tick, the gap is measured at its end only.
-            let moved = car.speed * tick + chord.norm() + f64::from(STEPS) * TURNING;
-            let near = far + moved + CLEAR;
-            let is_clear = (from - outline.pose.position()).norm_squared() > near * near;
-            if is_clear && driver.is_none() {
-                let time = number as f64 * tick;
-                if encounter.threat(number, 0.0, car.way).is_none() {
-                    return car.trial(None, time, least_gap);
-                }
-                car.keep_pace(encounter, number, 1.0);
-                outline = encounter.outline(car.way);
-                least_gap = least_gap.min(gap(&outline, to));
-                number += 1;
-                continue;
-            }
             for step in 0..STEPS {
                 let share = f64::from(step) * part;
                 let time = (number as f64 + share) * tick;
-                let before_speed = car.speed;
+                let intended = if car.interfered { 0.0 } else { encounter.intended(number, share) };
+                let acceleration = if car.interfered { car.acceleration } else { encounter.acceleration(number) };
+                let own = OwnMotion { speed: car.speed, acceleration, intended, length: 2.0 * half.x };
                 let threat = encounter.threat(number, share, car.way);
-                let braking = driver.as_mut().and_then(|driver| {
-                    let intended = if car.interfered { 0.0 } else { encounter.intended(number, share) };
-                    let acceleration = if car.interfered { car.acceleration } else { encounter.acceleration(number) };
-                    let own = OwnMotion { speed: car.speed, acceleration, intended, length: 2.0 * half.x };
-                    driver.brake(&own, threat.as_ref(), dt)
-                });
+                let braking = driver.brake(&own, threat.as_ref(), dt);
                 let stood = car.has_stopped();
                 if car.interfered || braking.is_some() {
                     car.brake(braking.unwrap_or(0.0), dt);
                 } else {
-                    car.keep_pace(encounter, number, if step + 1 == STEPS { 1.0 } else { share + part });
+                    // As in the simulator: the car keeps the tick's first speed until the tick's end.
+                    car.way = encounter.way_at(number, share + part);
+                    if step + 1 == STEPS {
+                        car.speed = encounter.pace_at(number + 1);
+                        car.fastest = car.fastest.max(car.speed);
+                    }
                 }
                 if threat.is_none() || (stood && car.has_stopped()) {
                     return car.trial(None, time, least_gap);
-                }
-                if is_clear && step + 1 < STEPS {
-                    continue;
                 }
                 let before = outline;
                 outline = encounter.outline(car.way);
                 let (start, end) = (from + chord * share, from + chord * (share + part));
                 // The distance of the centres bounds the gap from below; most steps need no more.
-                let moved = before_speed * dt + chord.norm() * part + TURNING;
+                let moved = own.speed * dt + chord.norm() * part + TURNING;
                 let reach = far + least_gap.max(moved);
                 if (end - outline.pose.position()).norm_squared() > reach * reach {
                     continue;
                 }
                 let left = gap(&outline, end);
                 least_gap = least_gap.min(left);
-                if is_clear || left > moved {
+                if left > moved {
                     continue;
                 }
                 if let Some(touch) = first_touch(start, end, radius, &before, &outline) {
-                    let impact = before_speed + (car.speed - before_speed) * touch.fraction;
+                    let impact = own.speed + (car.speed - own.speed) * touch.fraction;
                     let impact_speed = (impact > STANDING).then_some(impact);
                     return car.trial(impact_speed, time + touch.fraction * dt, 0.0);
                 }
