@@ -32,7 +32,7 @@ pub struct Situation {
     pub pace: f64,
     /// Least distance so far from the pedestrian's disc to the ego's box (m); 0 at a hit.
     pub miss_distance: f64,
-    /// Least time to collision so far, both keeping their velocities (s); [`HORIZON`] when they were never on course to touch.
+    /// Least time to collision so far, both keeping their velocities (s); 10 s when they were never on course to touch.
     pub min_ttc: f64,
     /// Greatest deceleration of the ego in the last decision (m/s²); 0 when it did not slow down.
     pub ego_deceleration: f64,

@@ -83,7 +83,7 @@ pub struct Verdict {
     pub warning: f64,
     /// The car's speed when the danger started (m/s).
     pub danger_speed: f64,
-    /// Whether the pedestrian moved as people do up to the touch: [`PedestrianMotion::is_foreseeable`].
+    /// Whether the pedestrian moved as people do up to the touch: [`PedestrianMotion::is_foreseeable`](super::PedestrianMotion::is_foreseeable).
     pub foreseeable: bool,
     /// Whether the pedestrian could be seen before the touch.
     pub sight: Sight,

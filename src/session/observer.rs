@@ -87,7 +87,7 @@ pub enum Notice {
         /// The name of the report.
         campaign: String,
         /// The reason, and what to try.
-        doubt: Doubt,
+        doubt: Box<Doubt>,
     },
     /// A folder to merge from holds no tasks.
     #[error("there are no tasks in `{folder}`", folder = folder.display())]

@@ -91,7 +91,7 @@ impl Source {
         let again = match FailureCell::of_pair(&pair, outcome.last_mode) {
             Some(cell) => {
                 let (start, ticks, commands) = (failure.start, failure.ticks, failure.commands);
-                search_row(search, Failure { start, ticks, commands, outcome, cell }, verdict)
+                search_row(search, Failure { start, ticks, commands, outcome, cell }, verdict.as_ref())
             }
             None => Default::default(),
         };
@@ -136,9 +136,9 @@ impl Source {
 }
 
 /// The row of a failure in the table of its search.
-fn search_row(search: &Search, failure: Failure, verdict: Option<Verdict>) -> report::Row {
+fn search_row(search: &Search, failure: Failure, verdict: Option<&Verdict>) -> report::Row {
     let spent = SearchOutcome { ticks: 0, episodes: 0, starts: 0, failures: vec![failure], stopped: false };
     let key = search.key.clone();
-    let (budget, verdicts, evaluated) = (search.budget, vec![verdict], Vec::new());
+    let (budget, verdicts, evaluated) = (search.budget, vec![verdict.copied()], Vec::new());
     report::search_failures(&[SearchResult { key, budget, spent, verdicts, evaluated, error: None }])
 }

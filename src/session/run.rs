@@ -121,7 +121,7 @@ impl Session {
         self.notice_errors(&gathered, &name);
         let doubts = if options.smoke { Vec::new() } else { report::doubts(&gathered.evidence.cells) };
         for doubt in &doubts {
-            self.observer.notice(&Notice::DoubtfulTraining { campaign: name.clone(), doubt: doubt.clone() });
+            self.observer.notice(&Notice::DoubtfulTraining { campaign: name.clone(), doubt: Box::new(doubt.clone()) });
         }
         let times = Times { trainings: results.training_seconds(), run: began.elapsed().as_secs_f64() };
         let manifest = self.manifest(campaign, options, files, &finished, &gathered, &times);

@@ -80,7 +80,8 @@ fn what_a_plausible_pedestrian_does_in_free_space_is_foreseeable() {
         let scenario = scenario(&plan, name);
         Arc::new(Scenario { obstacles: Arc::new(Obstacles::new(&[])), ..Scenario::clone(&scenario) })
     };
-    let walkers: [(&str, fn() -> Box<dyn WalkPolicy>); 3] = [
+    type MakeWalker = fn() -> Box<dyn WalkPolicy>;
+    let walkers: [(&str, MakeWalker); 3] = [
         ("random", || Box::new(Random::default())),
         ("homing", || Box::new(Homing)),
         ("intercept", || Box::new(Intercept)),
