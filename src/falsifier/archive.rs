@@ -169,6 +169,8 @@ struct Elites {
 
 /// A start is left at once if it promises less than this share of the average, once there were enough tries.
 const HOPELESS: f64 = 0.5;
+/// Share of the hopeless starts that are tried all the same. Without it a search whose starts cost no tick might never end.
+const SECOND_LOOK: f64 = 0.1;
 const FIRST_TRIES: usize = 100;
 /// Most tries that are remembered.
 const MEMORY: usize = 4000;
@@ -286,9 +288,7 @@ impl Archive {
         let best = best.expect("there are candidates");
         Proposal { goal: goals[best], parent: parents.get(best).copied(), expected: expected[best] }
     }
-}
 
-impl Archive {
     /// Tries crossings from one start while they promise more than the search has earned on average; none when the budget is used up.
     fn search_from(
         &self,
@@ -305,7 +305,7 @@ impl Archive {
             let proposal = self.propose(elites, &context, stream);
             let average = elites.average();
             let promising = match number {
-                0 => proposal.expected >= HOPELESS * average || stream.random::<f64>() < self.explore,
+                0 => proposal.expected >= HOPELESS * average || stream.random::<f64>() < SECOND_LOOK,
                 _ => proposal.expected > average,
             };
             if elites.memory.len() >= FIRST_TRIES && !promising {

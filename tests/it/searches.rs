@@ -27,6 +27,7 @@ falsifier tree = mcts(reward: ast, tries: 1000)
 falsifier learner = ppo(reward: r1)
 falsifier pair = ppo(reward: r1, training: two)
 falsifier kinds = archive(reward: moving)
+falsifier narrow = archive(reward: moving, explore: 0, choice: 0)
 reward moving { on hit(moving) => 1 }
 "#;
 
@@ -52,7 +53,7 @@ fn run(campaign: &Campaign) -> Vec<SearchResult> {
 #[test]
 fn every_falsifier_finds_the_obvious_failure_within_its_budget() {
     let (budget, hold) = (20_001, 20);
-    let plan = obvious("chance, home, meet, cross, strategy, tree, learner, pair, kinds", budget, 1);
+    let plan = obvious("chance, home, meet, cross, strategy, tree, learner, pair, kinds, narrow", budget, 1);
     for (search, result) in plan.searches.iter().zip(run(&plan)) {
         let (name, spent) = (&search.key.falsifier, &result.spent);
         assert!(spent.ticks <= budget, "{name}: {} ticks", spent.ticks);
@@ -63,7 +64,7 @@ fn every_falsifier_finds_the_obvious_failure_within_its_budget() {
         assert!(spent.failures.is_sorted_by_key(|failure| failure.ticks), "{name}");
         assert!(spent.failures.last().unwrap().ticks <= spent.ticks, "{name}");
         assert!(spent.failures.len() as u64 <= spent.episodes && spent.starts <= spent.episodes, "{name}");
-        let walks = ["chance", "home", "meet", "learner", "pair", "kinds"].contains(&name.as_str());
+        let walks = ["chance", "home", "meet", "learner", "pair", "kinds", "narrow"].contains(&name.as_str());
         assert_eq!(result.evaluated.len(), if walks { 20 } else { 0 }, "{name}");
         for failure in &spent.failures {
             let again = failure.replay(&search.scenario, search.starts(&Seed::root(5)));
