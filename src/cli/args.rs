@@ -5,6 +5,7 @@ use super::cache::{self, CacheOptions};
 use super::check::{self, CheckOptions};
 use super::config::{self, ConfigOptions};
 use super::debug::{self, DebugOptions};
+use super::demo::{self, DemoOptions};
 use super::explain::{self, ExplainOptions};
 use super::fmt::{self, FmtOptions};
 use super::lsp;
@@ -13,33 +14,25 @@ use super::merge::{self, MergeOptions};
 use super::new::{self, NewOptions};
 use super::render::{self, RenderOptions};
 use super::replay::{self, ReplayOptions};
-use super::run::RunOptions;
+use super::run::{self, RunOptions};
 use super::status::{self, StatusOptions};
 use super::verify::{self, VerifyOptions};
 
 const EXAMPLES: &str = "\
 Examples:
-  falsify run scenarios/*.scn                run all campaigns, reports go to reports/
-  falsify run --smoke scenarios/*.scn        see in seconds whether everything works
-  falsify run --list scenarios/*.scn         list what would be run and why, and what is stored
-  falsify run --set 'ppo_paper.steps=10000' my.scn
-                                             change a value without touching the file
-  falsify run --fail-if 'preventable_rate > 0.05' --junit out.xml my.scn
-                                             pass or fail, for continuous integration
-  falsify replay 1a2b3c4d:17                 see a failure again, `render` draws it
-  falsify check my.scn                       find mistakes without running anything
-  falsify check --sample 1000 my.scn         see where episodes would start, and what is rejected
-  falsify av check -- python3 my_av.py       see whether a driver of your own speaks the protocol
+  falsify demo                               a first result without any file
   falsify new my.scn                         start from a commented file
+  falsify check my.scn                       find mistakes without running anything
+  falsify run my.scn                         run its campaigns, reports go to reports/
+  falsify replay 1a2b3c4d:17                 see a failure again, `render` draws it
   falsify explain missing-unit               what a message means
-  falsify map Town02.xodr --waypoints 2      draw a map, list its contents
 
 Exit codes:
   0 done   1 internal error   2 wrong usage or missing file   3 errors in a scenario
   4 nothing to run   5 a run or a driver failed   6 a report cannot be written   7 a --fail-if condition is true
   8 a repetition differs from its report   9 tasks to merge are missing   130 stopped by Ctrl-C or SIGTERM";
 
-/// Finds the ways a self-driving car hits a pedestrian.
+/// Searches for the faults of a self-driving car towards pedestrians.
 #[derive(Debug, Parser)]
 #[command(version, after_help = EXAMPLES, max_term_width = 100)]
 pub struct Arguments {
@@ -55,10 +48,10 @@ pub struct Arguments {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Run the campaigns of scenario files: train pedestrians, evaluate them, search for failures, and write reports.
-    #[command(after_help = EXAMPLES)]
+    #[command(after_help = run::EXAMPLES, disable_help_flag = true)]
     Run(RunOptions),
     /// Merge the work of the shards of a run, and write its reports.
-    #[command(after_help = merge::EXAMPLES)]
+    #[command(after_help = merge::EXAMPLES, disable_help_flag = true)]
     Merge(MergeOptions),
     /// Show how far the campaigns of a folder are, whether a process works on them, and how to continue.
     #[command(after_help = status::EXAMPLES)]
@@ -84,6 +77,9 @@ pub enum Command {
     /// Explain a diagnostic, a form, a kind or a key of the language.
     #[command(after_help = explain::EXAMPLES)]
     Explain(ExplainOptions),
+    /// Run the scenario inside the program and write its report: a first result without any file.
+    #[command(after_help = demo::EXAMPLES)]
+    Demo(DemoOptions),
     /// Write a commented scenario to start from.
     #[command(after_help = new::EXAMPLES)]
     New(NewOptions),

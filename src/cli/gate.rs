@@ -15,10 +15,10 @@ pub struct GateOptions {
     /// Fail (exit code 7) when this is true of a cell, as 'preventable_rate > 0.05' or 'collision_rate_wilson_low > 0.2 and town == village':
     /// columns of the table `cells`, or of `search_cells`, as 'attributable_failures > 0'; may be given several times. `max over controllers
     /// COLUMN` judges the worst controller of each place, 'learnt != yes' requires that every training learnt.
-    #[arg(long, value_name = "CONDITION")]
+    #[arg(long, value_name = "CONDITION", help_heading = "Gates")]
     pub fail_if: Vec<String>,
     /// Also write the results as JUnit XML, one test case for each cell.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Gates")]
     pub junit: Option<PathBuf>,
 }
 

@@ -15,13 +15,13 @@ use crate::session::{Input, Notice, Observer, Session};
 #[derive(Debug, Default, Args)]
 pub struct GivenOptions {
     /// Take the roads of a town from an OpenDRIVE map instead; buildings are kept.
-    #[arg(long, value_name = "TOWN=FILE", value_parser = town_and_file)]
+    #[arg(long, value_name = "TOWN=FILE", value_parser = town_and_file, help_heading = "Scenario")]
     pub map: Vec<(String, PathBuf)>,
     /// Give a parameter or a key of a declaration another value, as `far=20 m` or `ppo_paper.steps=1000`.
-    #[arg(long, value_name = "NAME=VALUE")]
+    #[arg(long, value_name = "NAME=VALUE", help_heading = "Scenario")]
     pub set: Vec<String>,
     /// Let scenarios name programs as drivers, which `run` starts; use it only with files that you trust.
-    #[arg(long)]
+    #[arg(long, help_heading = "Scenario")]
     pub allow_external: bool,
 }
 

@@ -28,6 +28,8 @@ mod sample;
 mod fmt;
 mod explain;
 mod new;
+mod demo;
+mod welcome;
 mod debug;
 mod lsp;
 mod map;
@@ -93,6 +95,7 @@ fn run_command() -> ExitCode {
         args::Command::Check(options) => check::check(&options),
         args::Command::Explain(options) => explain::explain(&options),
         args::Command::New(options) => new::new(&options),
+        args::Command::Demo(options) => demo::demo(&options),
         args::Command::Debug(options) => debug::debug(&options),
         args::Command::Lsp { .. } => lsp::lsp(),
         args::Command::Fmt(options) => fmt::fmt(&options),
@@ -112,6 +115,12 @@ fn parse(command: &mut Command) -> Result<(Arguments, ArgMatches), ExitCode> {
     let parsed = command.try_get_matches_from_mut(std::env::args_os());
     let parsed = parsed.and_then(|matches| Ok((Arguments::from_arg_matches(&matches)?, matches)));
     parsed.map_err(|error| {
+        if error.kind() == clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
+            && std::env::args_os().len() < 2
+        {
+            console::note(welcome::WELCOME);
+            return ExitCode::Usage;
+        }
         // Help and version are not errors.
         let code = if error.use_stderr() { ExitCode::Usage } else { ExitCode::Done };
         let _ = error.print();

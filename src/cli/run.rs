@@ -23,6 +23,17 @@ use crate::session::{
 };
 use crate::store::Limits;
 
+/// Shown after the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  falsify run scenarios/*.scn                run all campaigns, reports go to reports/
+  falsify run --smoke my.scn                 see in seconds whether everything works
+  falsify run --list my.scn                  list what would be run and why, and what is stored
+  falsify run --set 'ppo_paper.steps=10000' my.scn
+  falsify run --fail-if 'preventable_rate > 0.05' --junit out.xml my.scn
+
+Exit codes: see falsify --help";
+
 /// Options of `falsify run`.
 #[derive(Debug, Args)]
 pub struct RunOptions {
@@ -33,58 +44,61 @@ pub struct RunOptions {
     #[command(flatten)]
     pub given: GivenOptions,
     /// Folder for the reports, one folder in it for each campaign.
-    #[arg(long, short, default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
+    #[arg(long, short, default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR", help_heading = "Output")]
     pub out: PathBuf,
     /// Folder for finished and unfinished work, which several folders for reports may share. Without it, OUT/.falsify.
-    #[arg(long, env = "FALSIFY_CACHE", value_name = "DIR")]
+    #[arg(long, env = "FALSIFY_CACHE", value_name = "DIR", help_heading = "Work")]
     pub cache: Option<PathBuf>,
     /// Seed of all random numbers.
-    #[arg(long, default_value_t = 1, env = "FALSIFY_SEED", value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    #[arg(long, default_value_t = 1, env = "FALSIFY_SEED", value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64), help_heading = "What runs")]
     pub seed: u64,
     /// Number of threads; results do not depend on it. 0: one for every core.
-    #[arg(long, short = 'j', default_value_t = 0, env = "FALSIFY_THREADS", value_name = "N", value_parser = clap::value_parser!(u16).range(..=256), allow_negative_numbers = true)]
+    #[arg(long, short = 'j', default_value_t = 0, env = "FALSIFY_THREADS", value_name = "N", value_parser = clap::value_parser!(u16).range(..=256), allow_negative_numbers = true, help_heading = "Work")]
     pub threads: u16,
     /// File formats of the tables of a report.
-    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [TableFormat::Csv, TableFormat::Parquet], env = "FALSIFY_FORMATS", value_name = "FORMATS")]
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [TableFormat::Csv, TableFormat::Parquet], env = "FALSIFY_FORMATS", value_name = "FORMATS", help_heading = "Output")]
     pub formats: Vec<TableFormat>,
     /// Form of the output; `json` is one event a line (reports/README.md).
-    #[arg(long, value_enum, default_value_t = Output::Human, env = "FALSIFY_FORMAT", value_name = "FORMAT")]
+    #[arg(long, value_enum, default_value_t = Output::Human, env = "FALSIFY_FORMAT", value_name = "FORMAT", help_heading = "Output")]
     pub format: Output,
     /// Form of the progress on the error stream.
-    #[arg(long, value_enum, default_value_t = Showing::Auto, env = "FALSIFY_PROGRESS", value_name = "HOW")]
+    #[arg(long, value_enum, default_value_t = Showing::Auto, env = "FALSIFY_PROGRESS", value_name = "HOW", help_heading = "Output")]
     pub progress: Showing,
     /// List what would be run and why, and what is stored already; then stop.
-    #[arg(long)]
+    #[arg(long, help_heading = "What runs")]
     pub list: bool,
     /// Run only a quick check of the whole pipeline: one run, two updates, five episodes. Reports go to NAME-smoke.
-    #[arg(long)]
+    #[arg(long, help_heading = "What runs")]
     pub smoke: bool,
     /// Repeat all work, also what is stored.
-    #[arg(long)]
+    #[arg(long, help_heading = "What runs")]
     pub fresh: bool,
     /// Run one of several parts, as 3/16, and write no report; `auto/16` takes the number from SLURM_ARRAY_TASK_ID or
     /// JOB_COMPLETION_INDEX.
-    #[arg(long, value_name = "I/N", conflicts_with_all = ["fresh", "list", "ticks", "fail_if", "junit"])]
+    #[arg(long, value_name = "I/N", conflicts_with_all = ["fresh", "list", "ticks", "fail_if", "junit"], help_heading = "What runs")]
     pub shard: Option<NamedShard>,
     /// Of a shard, run only these tasks; other shards then find their results.
-    #[arg(long, value_enum, value_name = "TASKS", requires = "shard")]
+    #[arg(long, value_enum, value_name = "TASKS", requires = "shard", help_heading = "What runs")]
     pub only: Option<Only>,
     /// Seconds between saves of unfinished work: at most this much is lost when the program is killed.
-    #[arg(long, default_value_t = 5.0, value_name = "SECONDS", value_parser = seconds)]
+    #[arg(long, default_value_t = 5.0, value_name = "SECONDS", value_parser = seconds, help_heading = "Work")]
     pub checkpoint: f64,
     /// Stop a training, 10,000 episodes or a search after this time (s). It is then in error, and the next run continues it. With 0 it ends
     /// after one update, if that takes less than a second, or one episode.
-    #[arg(long, alias = "cell-time", value_name = "SECONDS")]
+    #[arg(long, alias = "cell-time", value_name = "SECONDS", help_heading = "Work")]
     pub task_time: Option<u64>,
     /// Stop them after this number of simulator ticks.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), help_heading = "Work")]
     pub max_ticks: Option<u64>,
     /// Which episodes are also written tick by tick, as ticks.parquet; they are simulated once more for it.
-    #[arg(long, value_enum, default_value_t = TickChoice::None, value_name = "WHICH")]
+    #[arg(long, value_enum, default_value_t = TickChoice::None, value_name = "WHICH", help_heading = "Output")]
     pub ticks: TickChoice,
     /// Conditions under which it fails.
     #[command(flatten)]
     pub gate: GateOptions,
+    /// Print help.
+    #[arg(long, short, action = clap::ArgAction::HelpShort)]
+    pub help: Option<bool>,
 }
 
 /// The part of a shard that is run.

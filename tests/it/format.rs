@@ -33,9 +33,7 @@ fn holds(text: &str) -> bool {
 
 #[test]
 fn every_shipped_file_is_laid_out() {
-    let mut files = shipped("scenarios");
-    files.push(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/cli/starter.scn"));
-    for file in files {
+    for file in shipped("scenarios").into_iter().chain(shipped("src/cli/templates")) {
         let text = std::fs::read_to_string(&file).unwrap();
         let laid_out = format(Sources::default().add(&file, text.as_str()), &text).unwrap();
         assert!(laid_out == text, "run `falsify fmt {}`", file.display());

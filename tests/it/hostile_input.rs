@@ -32,9 +32,14 @@ fn survive_in_time(name: &str, text: String) -> Option<&'static str> {
 }
 
 fn shipped() -> Vec<String> {
-    ["scenarios/first_look.scn", "scenarios/lib/paper.scn", "scenarios/lib/drivers.scn", "src/cli/starter.scn"]
-        .map(|path| std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap())
-        .to_vec()
+    [
+        "scenarios/first_look.scn",
+        "scenarios/lib/paper.scn",
+        "scenarios/lib/drivers.scn",
+        "src/cli/templates/crossing.scn",
+    ]
+    .map(|path| std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap())
+    .to_vec()
 }
 
 #[test]

@@ -1,0 +1,123 @@
+//! What a new user meets: `falsify` alone, the demonstration, the templates of `falsify new`, and help that fits on two screens.
+
+use std::path::Path;
+
+use crate::program::{command, error, falsify, said};
+use crate::shipped::shipped;
+
+/// The names of the templates, from the help of `falsify new`.
+fn templates() -> Vec<String> {
+    let help = said(&command().args(["new", "--help"]).output().unwrap());
+    let (_, list) = help.split_once("--template <NAME>").unwrap();
+    let listed = list
+        .split("--color")
+        .next()
+        .unwrap()
+        .lines()
+        .filter_map(|line| line.trim().strip_prefix("- ")?.split(':').next());
+    listed.map(str::to_string).collect()
+}
+
+fn python_is_there() -> bool {
+    std::process::Command::new("python3").arg("--version").output().is_ok_and(|output| output.status.success())
+}
+
+#[test]
+fn every_template_checks_and_survives_a_smoke_run() {
+    let names = templates();
+    let files = shipped("src/cli/templates");
+    let stems: Vec<String> = files
+        .iter()
+        .map(|file| file.file_stem().unwrap().to_string_lossy().into_owned())
+        .filter(|name| name != "demo")
+        .collect();
+    let mut sorted = names.clone();
+    sorted.sort();
+    assert_eq!(sorted, stems, "each template has a file and each file is a template");
+    for name in names {
+        let folder = tempfile::tempdir().unwrap();
+        let written = falsify(&["new", "my.scn", "--template", &name], folder.path());
+        assert!(written.status.success(), "{name}: {written:?}");
+        // The last line is the command that runs it.
+        let text = said(&written);
+        let next = text.lines().last().unwrap().strip_prefix("next: falsify ").unwrap();
+        let checked = falsify(&["check", "--allow-external", "my.scn"], folder.path());
+        assert!(checked.status.success() && checked.stderr.is_empty(), "{name}: {checked:?}");
+        if name == "own-driver" && !python_is_there() {
+            eprintln!("skipped: there is no python3");
+            continue;
+        }
+        let words: Vec<&str> = next.split(' ').chain(["--smoke"]).collect();
+        let run = falsify(&words, folder.path());
+        assert!(run.status.success(), "{name}: {}", error(&run));
+        assert!(said(&run).contains("report.html"), "{name}");
+    }
+}
+
+#[test]
+fn every_template_has_a_pedestrian_that_can_exist_and_pays_for_attributable_failures() {
+    for file in shipped("src/cli/templates") {
+        let text = std::fs::read_to_string(&file).unwrap();
+        let (name, body) = (file.display(), text.as_str());
+        assert!(body.contains("on hit(attributable) => 1\n"), "{name}");
+        let bounded =
+            body.contains("import plausible from") || body.contains("turn_rate: ") && body.contains("acceleration: ");
+        assert!(bounded, "{name}");
+        assert!(!body.contains("on hit => "), "{name} pays for any touch");
+    }
+}
+
+#[test]
+fn a_template_replaces_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("my_av.py"), "mine").unwrap();
+    let written = falsify(&["new", "--template", "own-driver"], folder.path());
+    assert!(written.status.success() && error(&written).contains("`my_av.py` exists already"), "{written:?}");
+    assert_eq!(std::fs::read_to_string(folder.path().join("my_av.py")).unwrap(), "mine");
+    let again = falsify(&["new"], folder.path());
+    assert_eq!(again.status.code(), Some(2));
+    assert!(error(&again).contains("`scenario.scn` exists already and was left alone"), "{again:?}");
+    assert!(std::fs::read_to_string(folder.path().join("scenario.scn")).unwrap().contains("python3 my_av.py"));
+}
+
+#[test]
+fn the_demonstration_needs_no_file_and_can_be_repeated() {
+    let folder = tempfile::tempdir().unwrap();
+    for _ in 0..2 {
+        let output = falsify(&["demo", "--smoke"], folder.path());
+        assert!(output.status.success(), "{}", error(&output));
+        let text = said(&output);
+        let page = Path::new("falsify-demo/demo-smoke/report.html");
+        assert!(text.contains(&format!("open {}", page.display())), "{text}");
+        assert!(folder.path().join(page).exists());
+    }
+    // A file of the user at this place is not replaced.
+    std::fs::write(folder.path().join("falsify-demo/demo.scn"), "mine").unwrap();
+    let output = falsify(&["demo", "--smoke"], folder.path());
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    assert_eq!(std::fs::read_to_string(folder.path().join("falsify-demo/demo.scn")).unwrap(), "mine");
+}
+
+#[test]
+fn the_program_alone_names_commands_that_exist() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = falsify(&[], folder.path());
+    assert_eq!(output.status.code(), Some(2));
+    let text = error(&output);
+    let commands: Vec<&str> =
+        text.lines().filter_map(|line| line.strip_prefix("  falsify ")?.split_whitespace().next()).collect();
+    assert!(commands.len() >= 5, "{text}");
+    for name in commands {
+        let help = falsify(&[name, "--help"], folder.path());
+        assert!(help.status.success(), "{name}: {help:?}");
+    }
+}
+
+#[test]
+fn help_of_run_has_groups_and_fits_on_two_screens() {
+    let help = said(&command().args(["run", "--help"]).output().unwrap());
+    for group in ["Scenario:", "What runs:", "Output:", "Work:", "Gates:"] {
+        assert!(help.lines().any(|line| line == group), "{group} is not in\n{help}");
+    }
+    assert!(help.lines().count() <= 100, "{} lines:\n{help}", help.lines().count());
+}
