@@ -159,4 +159,8 @@ impl DrivingPolicy for Aeb {
     fn mode(&self) -> DrivingMode {
         self.mode
     }
+
+    fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
+        Some(Box::new(self.clone()))
+    }
 }

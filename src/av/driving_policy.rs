@@ -79,6 +79,11 @@ pub trait DrivingPolicy: Send {
         None
     }
 
+    /// A copy in its present state, with its memory; none for a driver whose memory is elsewhere, as in another process.
+    fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
+        None
+    }
+
     /// Makes another policy like this one for a batch. Policies of a batch drive at the same time, each in its own world. None
     /// when a batch is no faster than one episode after another.
     fn clone_for_batch(&self) -> Option<Box<dyn DrivingPolicy>> {

@@ -221,4 +221,8 @@ impl DrivingPolicy for Idm {
     fn mode(&self) -> DrivingMode {
         self.mode
     }
+
+    fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
+        Some(Box::new(self.clone()))
+    }
 }

@@ -124,4 +124,8 @@ impl DrivingPolicy for OracleBrake {
     fn mode(&self) -> DrivingMode {
         self.mode
     }
+
+    fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
+        Some(Box::new(self.clone()))
+    }
 }

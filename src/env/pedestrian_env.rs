@@ -371,6 +371,28 @@ impl PedestrianEnv {
         self.last_fault.filter(|_| self.faults_in_a_row >= MOST_FAULTS)
     }
 
+    /// A copy in its present state, if all drivers can be copied.
+    pub fn snapshot(&self) -> Option<Self> {
+        let policies = self.policies.iter().map(|policy| policy.snapshot()).collect::<Option<_>>()?;
+        Some(Self {
+            policies,
+            scenario: self.scenario.clone(),
+            world: self.world.clone(),
+            sensors: self.sensors.clone(),
+            starts: self.starts.clone(),
+            run_up: self.run_up.clone(),
+            path: self.path.clone(),
+            controls: self.controls.clone(),
+            walks: self.walks.clone(),
+            bounds: self.bounds.clone(),
+            decisions: self.decisions.clone(),
+            near: self.near.clone(),
+            trace: self.trace.clone(),
+            motions: self.motions.clone(),
+            ..*self
+        })
+    }
+
     /// Another environment of the same scenario and seed, if the ego's driver is faster in a batch.
     pub fn clone_for_batch(&self) -> Option<Self> {
         let ego = self.policies[0].clone_for_batch()?;
@@ -531,7 +553,7 @@ impl PedestrianEnv {
         commands.copy_from_slice(&self.walks.commands);
         for ((number, role), part) in self.scenario.cast.controlled().zip(action.as_chunks().0) {
             commands[number] = role.action.command(*part, |speed| match role.action.frame {
-                ReferenceFrame::Meeting => self.meeting(number, self.bumper(), speed).heading,
+                ReferenceFrame::Meeting => self.meeting(number, self.bumper(), speed, 1.0).heading,
                 frame => {
                     let (pedestrian, initial, ego) = self.viewpoint(number);
                     frame.origin(pedestrian, initial, ego)

@@ -15,16 +15,17 @@ impl PedestrianEnv {
     /// The command of an intercepting pedestrian: to the nearest place where it can meet an ego that keeps its velocity, or straight at
     /// the ego when there is none.
     pub fn intercept(&self, pedestrian: usize) -> WalkCommand {
-        self.meeting(pedestrian, self.world().ego().state.pose.position(), self.greatest_speed(pedestrian))
+        self.meeting(pedestrian, self.world().ego().state.pose.position(), self.greatest_speed(pedestrian), 1.0)
     }
 
     /// The command of a pedestrian that meets a point of the ego at this speed (m/s), if the ego keeps its velocity; straight at the point
-    /// when it cannot meet it.
-    pub fn meeting(&self, pedestrian: usize, point: Point, speed: f64) -> WalkCommand {
+    /// when it cannot meet it. `lead` is the share of the ego's way until then by which it aims ahead of the point: 1 meets it, 0 walks
+    /// straight at it.
+    pub fn meeting(&self, pedestrian: usize, point: Point, speed: f64, lead: f64) -> WalkCommand {
         let (pose, ego) = (&self.world().pedestrians[pedestrian].state.pose, &self.world().ego().state);
         let offset = point - pose.position();
         let velocity = ego.pose.forward() * ego.speed;
-        let place = offset + velocity * meeting_time(offset, velocity, speed).unwrap_or(0.0);
+        let place = offset + velocity * (lead * meeting_time(offset, velocity, speed).unwrap_or(0.0));
         WalkCommand { heading: wrap_angle(libm::atan2(place.y, place.x)), speed }
     }
 

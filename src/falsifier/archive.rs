@@ -3,7 +3,7 @@ use std::collections::{BTreeMap, VecDeque};
 use rand::RngExt;
 
 use super::crossing::{Crossing, Goal};
-use super::{Falsifier, Intercept, Simulator, WalkPolicy};
+use super::{Falsifier, Homing, Intercept, Simulator, WalkPolicy};
 use crate::env::{FailureCell, PedestrianEnv};
 use crate::rl::{TrainError, standard_normal};
 use crate::seed::{Seed, Stream};
@@ -14,13 +14,16 @@ use crate::units::Dimension;
 /// A quality-diversity search: it keeps the best crossings of each [`FailureCell`], and varies them at new starts.
 ///
 /// A crossing is a [`Goal`] of six numbers, carried out in closed loop by [`Crossing`]. An elite is drawn by three factors: how near the start
-/// is to the one where it was found, what its variations have earned since, and how seldom its cell was filled. So the search neither finds
-/// one fault a thousand times nor leaves what works. What similar crossings earned at similar starts says what a variation can be expected to
-/// earn. A start from which nothing is expected is left at once, and a promising one gets several tries. The end of the budget chooses the controller that it
-/// returns: on starts of their own, the elites must earn more than `intercept`.
+/// is to the one where it was found, what its variations have earned since, and how little its cell has earned. A failure *gains* less
+/// the more its cell has earned before. So the search neither finds one fault a thousand times nor leaves what works.
+///
+/// What similar crossings gained at similar starts says what a variation can be expected to gain. A start is left as soon as a further
+/// try promises less per tick than the search gained lately, as a forager leaves a patch. The end of the budget chooses the controller
+/// that it returns: on starts of their own, the elites must earn more than `intercept` and `homing`.
 ///
 /// # Source
-/// Mouret and Clune, *Illuminating search spaces by mapping elites*, arXiv 1504.04909, with a start as the context of an elite.
+/// Mouret and Clune, *Illuminating search spaces by mapping elites*, arXiv 1504.04909, with a start as the context of an elite; Charnov, *Optimal
+/// foraging, the marginal value theorem*, Theoretical Population Biology 9 (1976).
 #[derive(Debug, Clone, Copy)]
 pub struct Archive {
     /// Share of the starts at which a goal is drawn uniformly.
@@ -29,7 +32,7 @@ pub struct Archive {
     spread: f64,
     /// Most tries from one start.
     tries: u32,
-    /// Exponent of the preference for seldom cells; 0 for none.
+    /// Exponent of the preference for cells that have earned little; 0 for none.
     novelty: f64,
     /// Most elites of a cell.
     elites: usize,
@@ -62,14 +65,14 @@ impl Archive {
             Param::with_default(
                 "tries",
                 Type::Integer { min: 1, max: 1000 },
-                "8",
-                "Most crossings that are tried from one start, while they promise more than the average.",
+                "32",
+                "Most crossings that are tried from one start, while they promise more than another start.",
             ),
             Param::with_default(
                 "novelty",
                 share(0.0, 5.0),
-                "0.5",
-                "Exponent of the preference for seldom failures; 0 for none.",
+                "1",
+                "Exponent of the preference for failures of a kind that was seldom found; 0 for none.",
             ),
             Param::with_default(
                 "elites",
@@ -81,7 +84,7 @@ impl Archive {
                 "choice",
                 share(0.0, 0.5),
                 "0.1",
-                "Share of the budget that compares what was found with `intercept`, to choose the controller.",
+                "Share of the budget that compares what was found with `intercept` and `homing`, to choose the controller.",
             ),
         ];
         let doc = "A quality-diversity search over crossings: keeps the best of each kind of failure, and varies them at new starts.";
@@ -144,7 +147,7 @@ struct Proposal {
     goal: Goal,
     /// The elite that it varies.
     parent: Option<usize>,
-    /// What it can be expected to earn.
+    /// What it can be expected to gain.
     expected: f64,
 }
 
@@ -154,23 +157,28 @@ struct Try {
     context: Context,
     goal: Goal,
     reward: f64,
+    /// The cell of its failure, if it failed.
+    cell: Option<FailureCell>,
+    /// What it gained when it was tried.
+    gain: f64,
+    /// The ticks of the episode, and those with its share of a run-up.
+    ticks: (f64, f64),
 }
 
-/// The elites, the number of failures of each cell, and the last tries.
+/// The elites, what each cell has earned, and the last tries.
 #[derive(Debug, Clone, Default)]
 struct Elites {
     all: Vec<Elite>,
-    filled: BTreeMap<FailureCell, usize>,
+    earned: BTreeMap<FailureCell, f64>,
     memory: VecDeque<Try>,
-    /// What all tries have earned, and their number.
-    earned: f64,
-    tries: f64,
+    /// Ticks that were left of the budget after the last try.
+    left: u64,
 }
 
-/// A start is left at once if it promises less than this share of the average, once there were enough tries.
-const HOPELESS: f64 = 0.5;
-/// Share of the hopeless starts that are tried all the same. Without it a search whose starts cost no tick might never end.
+/// Share of the starts that are tried although they promise little. Without it a search whose starts cost no tick might never end.
 const SECOND_LOOK: f64 = 0.1;
+/// Number of the last tries whose gain is compared with what a start promises.
+const LATELY: usize = 200;
 const FIRST_TRIES: usize = 100;
 /// Most tries that are remembered.
 const MEMORY: usize = 4000;
@@ -180,13 +188,13 @@ const GOAL_SCALE: f64 = 0.15;
 const REACH: f64 = 4.0;
 const PRIOR: f64 = 0.5;
 /// Variations of which the most promising is tried, and elites among which a controller chooses.
-const CANDIDATES: usize = 4;
+const CANDIDATES: usize = 8;
+const FIXED: [Goal; 2] = [Goal::INTERCEPT, Goal::HOMING];
 const FINALISTS: usize = 32;
 
 impl Elites {
     /// Adds a failure; of a full cell the elite with the least value leaves.
     fn add(&mut self, elite: Elite, most: usize) {
-        *self.filled.entry(elite.cell).or_default() += 1;
         let cell = self.all.iter().enumerate().filter(|(_, each)| each.cell == elite.cell);
         if cell.clone().count() < most {
             self.all.push(elite);
@@ -199,8 +207,7 @@ impl Elites {
     fn draw(&self, context: &Context, novelty: f64, stream: &mut Stream) -> Option<usize> {
         let weight = |elite: &Elite| {
             let near = kernel(context, &elite.context);
-            let seldom = libm::pow(self.filled[&elite.cell] as f64, -novelty);
-            near * near * elite.value() * seldom
+            near * near * self.gain(elite.value(), Some(elite.cell), novelty)
         };
         let mut sums: Vec<f64> = Vec::with_capacity(self.all.len());
         for elite in &self.all {
@@ -210,9 +217,18 @@ impl Elites {
         Some(sums.partition_point(|sum| *sum <= drawn).min(self.all.len() - 1))
     }
 
-    /// What the tries have earned on average.
-    fn average(&self) -> f64 {
-        self.earned / self.tries.max(1.0)
+    /// What a reward gains: less if it is for a failure of a cell that has earned much.
+    fn gain(&self, reward: f64, cell: Option<FailureCell>, novelty: f64) -> f64 {
+        let before = cell.and_then(|cell| self.earned.get(&cell)).copied().unwrap_or(0.0);
+        reward * libm::pow(1.0 + before, -novelty)
+    }
+
+    /// What the last tries gained per tick, run-ups included, and the mean ticks of an episode.
+    fn lately(&self) -> (f64, f64) {
+        let last = || self.memory.iter().rev().take(LATELY);
+        let sum = |of: fn(&Try) -> f64| last().map(of).sum::<f64>();
+        let (all, own) = (sum(|tried| tried.ticks.1), sum(|tried| tried.ticks.0));
+        (sum(|tried| tried.gain) / all.max(1.0), own / last().count().max(1) as f64)
     }
 
     /// Remembers a try.
@@ -220,13 +236,14 @@ impl Elites {
         if self.memory.len() == MEMORY {
             self.memory.pop_front();
         }
-        self.earned += tried.reward;
-        self.tries += 1.0;
+        if let Some(cell) = tried.cell {
+            *self.earned.entry(cell).or_default() += tried.reward.max(0.0);
+        }
         self.memory.push_back(tried);
     }
 
-    /// What goals can be expected to earn at a start: a mean over similar tries at similar starts, weighted by a biweight kernel.
-    fn expect<const N: usize>(&self, context: &Context, goals: &[Goal; N]) -> [f64; N] {
+    /// What goals can be expected to gain at a start: a mean over similar tries at similar starts, weighted by a biweight kernel.
+    fn expect<const N: usize>(&self, context: &Context, goals: &[Goal; N], novelty: f64) -> [f64; N] {
         let mut sums = [(PRIOR, 0.0); N];
         for tried in &self.memory {
             let parts = context.iter().zip(&tried.context).zip(SCALES).map(|((a, b), scale)| (a - b) / scale);
@@ -235,28 +252,31 @@ impl Elites {
                 continue;
             }
             let there = tried.goal.components();
+            let gain = self.gain(tried.reward, tried.cell, novelty);
             for (goal, (weight, earned)) in goals.iter().zip(&mut sums) {
                 let parts = goal.components().into_iter().zip(there).map(|(a, b)| (a - b) / GOAL_SCALE);
                 let share = 1.0 - (apart + parts.map(|part| part * part).sum::<f64>()) / REACH;
                 if share > 0.0 {
                     *weight += share * share;
-                    *earned += share * share * tried.reward;
+                    *earned += share * share * gain;
                 }
             }
         }
         sums.map(|(weight, earned)| earned / weight)
     }
 
-    /// The goal that promises most at a start; none without an elite.
-    fn best(&self, context: &Context) -> Option<Goal> {
+    /// The goal that promises most at a start: one of an elite, or of a scripted controller.
+    fn best(&self, context: &Context) -> Goal {
         let promise = |elite: &Elite| kernel(context, &elite.context) * elite.value();
         let mut order: Vec<(f64, Goal)> = self.all.iter().map(|elite| (promise(elite), elite.goal)).collect();
         order.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let first = order.first()?.1;
-        let candidates: [Goal; FINALISTS] = std::array::from_fn(|place| order.get(place).map_or(first, |each| each.1));
-        let expected = self.expect(context, &candidates);
+        let elites = order.into_iter().map(|(_, goal)| goal);
+        let fallback = std::iter::repeat(Goal::INTERCEPT);
+        let mut finalists = FIXED.into_iter().chain(elites).chain(fallback);
+        let candidates: [Goal; FINALISTS] = std::array::from_fn(|_| finalists.next().expect("it repeats"));
+        let expected = self.expect(context, &candidates, 0.0);
         let best = expected.iter().zip(candidates).max_by(|a, b| a.0.total_cmp(b.0));
-        best.map(|(_, goal)| goal)
+        best.expect("there are finalists").1
     }
 }
 
@@ -266,10 +286,11 @@ impl Archive {
         let explore = stream.random::<f64>() < self.explore;
         let parent = if explore { None } else { elites.draw(context, self.novelty, stream) };
         let Some(parent) = parent else {
-            // Before the first failure every second try intercepts.
-            let uniform = explore || stream.random::<f64>() < 0.5;
-            let goal = if uniform { Goal::new(std::array::from_fn(|_| stream.random())) } else { Goal::INTERCEPT };
-            return Proposal { goal, parent: None, expected: elites.expect(context, &[goal])[0] };
+            // Before the first failure two thirds of the tries are those of the scripted controllers.
+            let uniform = Goal::new(std::array::from_fn(|_| stream.random()));
+            let fixed = FIXED.get(stream.random_range(0..=FIXED.len())).filter(|_| !explore);
+            let goal = *fixed.unwrap_or(&uniform);
+            return Proposal { goal, parent: None, expected: elites.expect(context, &[goal], self.novelty)[0] };
         };
         let mut parents = [parent; CANDIDATES];
         for other in &mut parents[1..] {
@@ -280,16 +301,16 @@ impl Archive {
                 elites.all[parent].goal.components().map(|share| share + self.spread * standard_normal(stream));
             Goal::new(varied)
         });
-        // The interception competes with the variations.
-        let goals: [Goal; CANDIDATES + 1] =
-            std::array::from_fn(|place| goals.get(place).copied().unwrap_or(Goal::INTERCEPT));
-        let expected = elites.expect(context, &goals);
+        // The scripted controllers compete with the variations.
+        let goals: [Goal; CANDIDATES + FIXED.len()] =
+            std::array::from_fn(|place| goals.get(place).copied().unwrap_or_else(|| FIXED[place - CANDIDATES]));
+        let expected = elites.expect(context, &goals, self.novelty);
         let best = (0..goals.len()).max_by(|a, b| expected[*a].total_cmp(&expected[*b]));
         let best = best.expect("there are candidates");
         Proposal { goal: goals[best], parent: parents.get(best).copied(), expected: expected[best] }
     }
 
-    /// Tries crossings from one start while they promise more than the search has earned on average; none when the budget is used up.
+    /// Tries crossings from one start while they promise more per tick than the search gained lately; none when the budget is used up.
     fn search_from(
         &self,
         start: u64,
@@ -303,22 +324,26 @@ impl Archive {
             }
             let context = context(simulator.env());
             let proposal = self.propose(elites, &context, stream);
-            let average = elites.average();
-            let promising = match number {
-                0 => proposal.expected >= HOPELESS * average || stream.random::<f64>() < SECOND_LOOK,
-                _ => proposal.expected > average,
-            };
+            let (rate, ticks) = elites.lately();
+            let promising =
+                proposal.expected > rate * ticks || (number == 0 && stream.random::<f64>() < SECOND_LOOK);
             if elites.memory.len() >= FIRST_TRIES && !promising {
                 return Some(());
             }
             let goal = proposal.goal;
+            let ready = simulator.left();
             let reward = run(simulator, &mut Crossing::new(goal))?;
-            elites.remember(Try { context, goal, reward });
+            let left = simulator.left();
+            let cell = FailureCell::new(simulator.env());
+            let gain = elites.gain(reward, cell, self.novelty);
+            let ticks = ((ready - left) as f64, (elites.left - left) as f64);
+            elites.left = left;
+            elites.remember(Try { context, goal, reward, cell, gain, ticks });
             if let Some(parent) = proposal.parent {
                 elites.all[parent].earned += reward.max(0.0);
                 elites.all[parent].tries += 1.0;
             }
-            if let Some(cell) = FailureCell::new(simulator.env()).filter(|_| reward > 0.0) {
+            if let Some(cell) = cell.filter(|_| reward > 0.0) {
                 elites.add(Elite { context, goal, cell, reward, earned: 0.0, tries: 0.0 }, self.elites);
             }
         }
@@ -329,8 +354,8 @@ impl Archive {
 impl Falsifier for Archive {
     fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn WalkPolicy>>, TrainError> {
         let mut stream = seed.child("archive").stream();
-        let mut elites = Elites::default();
         let (budget, mut start) = (simulator.left(), 0);
+        let mut elites = Elites { left: budget, ..Elites::default() };
         let kept = (budget as f64 * self.choice) as u64;
         while simulator.left() > kept {
             if self.search_from(start, simulator, &mut elites, &mut stream).is_none() {
@@ -339,22 +364,30 @@ impl Falsifier for Archive {
             start += 1;
         }
         let mut found = Found { elites, crossing: Crossing::new(Goal::INTERCEPT), begun: false };
-        // The same starts for both, one after another.
-        let (mut sums, mut played) = ([0.0; 2], 0);
+        // The same starts for all, one after another.
+        let mut sums = [0.0; 3];
         loop {
-            let candidates: [&mut dyn WalkPolicy; 2] = [&mut found, &mut Intercept];
-            let mut earned = [None; 2];
+            let candidates: [&mut dyn WalkPolicy; 3] = [&mut found, &mut Intercept, &mut Homing];
+            let mut earned = [0.0; 3];
+            let mut complete = true;
             for (walker, earned) in candidates.into_iter().zip(&mut earned) {
-                if simulator.begin(start) {
-                    *earned = run(simulator, walker);
-                }
+                let reward = if simulator.begin(start) { run(simulator, walker) } else { None };
+                complete &= reward.is_some();
+                *earned = reward.unwrap_or(0.0);
             }
-            let [Some(ours), Some(baseline)] = earned else { break };
-            sums = [sums[0] + ours, sums[1] + baseline];
-            (start, played) = (start + 1, played + 1);
+            if !complete {
+                break;
+            }
+            for (sum, earned) in sums.iter_mut().zip(earned) {
+                *sum += earned;
+            }
+            start += 1;
         }
-        let chosen: Box<dyn WalkPolicy> =
-            if played > 0 && sums[0] >= sums[1] { Box::new(found) } else { Box::new(Intercept) };
+        let chosen: Box<dyn WalkPolicy> = match sums {
+            [ours, intercept, homing] if ours >= intercept.max(homing) => Box::new(found),
+            [_, intercept, homing] if intercept >= homing => Box::new(Intercept),
+            _ => Box::new(Homing),
+        };
         Ok(Some(chosen))
     }
 }
@@ -382,7 +415,7 @@ impl WalkPolicy for Found {
     fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]) {
         if !self.begun {
             self.begun = true;
-            self.crossing = Crossing::new(self.elites.best(&context(env)).unwrap_or(Goal::INTERCEPT));
+            self.crossing = Crossing::new(self.elites.best(&context(env)));
         }
         self.crossing.choose(env, commands);
     }

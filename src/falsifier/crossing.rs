@@ -17,7 +17,8 @@ pub struct Goal {
     pub slant: f64,
     /// Its time in hand (s, from −0.5 to 2.5): it sets off this long before the last moment at which it would still meet the car.
     pub hurry: f64,
-    /// Its reaction to the car: below one half it keeps its line, from there on it walks to where the two would meet now.
+    /// Its reaction to the car: below one half it keeps its line. At one half it walks straight at the car, and the more it leads the nearer
+    /// this is to 1: then it walks to where the two would meet.
     pub pursuit: f64,
 }
 
@@ -26,6 +27,9 @@ impl Goal {
     pub const DIM: usize = 6;
     /// Walks at once and as fast as it can to where it would meet the middle of the car: the controller `intercept`.
     pub const INTERCEPT: Self = Self { pace: 1.0, aim: 0.5, depth: 1.0, slant: 0.5, hurry: 1.0, pursuit: 1.0 };
+
+    /// Walks at once and as fast as it can straight at the middle of the car: the controller `homing`.
+    pub const HOMING: Self = Self { pursuit: 0.5, ..Self::INTERCEPT };
 
     /// The goal of these components, each cut to 0 .. 1.
     pub fn new(components: [f64; Self::DIM]) -> Self {
@@ -79,7 +83,7 @@ impl Crossing {
         let point = Vector::new((1.0 - self.goal.depth) * half_length, across);
         let aim = pose.to_world(point);
         let wanted = if self.goal.pursuit >= 0.5 {
-            env.meeting(pedestrian, aim, speed)
+            env.meeting(pedestrian, aim, speed, 2.0 * self.goal.pursuit - 1.0)
         } else if let Some(line) = self.line {
             WalkCommand { heading: line, speed }
         } else {

@@ -10,8 +10,9 @@ use crate::sim::WalkCommand;
 /// The simulator of a falsifier: it counts ticks against a budget and stores every failure.
 ///
 /// A decision is carried out only when the budget has all the ticks that it may take, and an episode starts only when it has those of the
-/// longest run-up. So the budget is never exceeded. Ticks of a run-up count, since they cost as much as others. An episode that is given
-/// up, or that the budget cuts off, only costs its ticks.
+/// longest run-up. So the budget is never exceeded. Ticks of a run-up count, since they cost as much as others. A start that is tried
+/// again at once continues from a copy of its first tick where the drivers can be copied, so its run-up is driven and counted once. An
+/// episode that is given up, or that the budget cuts off, only costs its ticks.
 pub struct Simulator<'a> {
     scenario: Arc<Scenario>,
     seed: Seed,
@@ -19,6 +20,8 @@ pub struct Simulator<'a> {
     budget: u64,
     used: u64,
     start: u64,
+    /// The first tick of the last start that had a run-up, and its number.
+    ready: Option<(u64, PedestrianEnv)>,
     commands: Vec<WalkCommand>,
     /// Memory for the commands of a decision.
     chosen: Vec<WalkCommand>,
@@ -58,6 +61,7 @@ impl<'a> Simulator<'a> {
             budget,
             used: 0,
             start: 0,
+            ready: None,
             commands: Vec::new(),
             chosen,
             episodes: 0,
@@ -88,14 +92,23 @@ impl<'a> Simulator<'a> {
     /// Starts an episode from the start with this number; false when the budget is used up.
     pub fn begin(&mut self, start: u64) -> bool {
         self.stopped |= (self.stop)();
-        self.spent |= self.stopped || self.left() < self.scenario.most_run_up().into();
-        if !self.spent {
-            self.start = start;
-            self.commands.clear();
-            self.env.begin(start);
-            self.used += u64::from(self.env.run_up_ticks());
+        let ready = self.ready.as_ref().filter(|(number, _)| *number == start).and_then(|(_, env)| env.snapshot());
+        self.spent |= self.stopped || (ready.is_none() && self.left() < self.scenario.most_run_up().into());
+        if self.spent {
+            return false;
         }
-        !self.spent
+        self.start = start;
+        self.commands.clear();
+        match ready {
+            Some(env) => self.env = env,
+            None => {
+                self.env.begin(start);
+                self.used += u64::from(self.env.run_up_ticks());
+                let has_run_up = self.env.run_up_ticks() > 0;
+                self.ready = has_run_up.then(|| self.env.snapshot()).flatten().map(|env| (start, env));
+            }
+        }
+        true
     }
 
     /// Carries out a decision, one command for each pedestrian; none when the budget is used up. The step reports whether the episode is

@@ -208,6 +208,10 @@ impl DrivingPolicy for BehaviorAgent {
     fn mode(&self) -> DrivingMode {
         self.mode
     }
+
+    fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
+        Some(Box::new(self.clone()))
+    }
 }
 
 #[cfg(test)]

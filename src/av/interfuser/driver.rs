@@ -170,6 +170,10 @@ impl DrivingPolicy for InterFuser {
     fn mode(&self) -> DrivingMode {
         self.command.1
     }
+
+    fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
+        Some(Box::new(self.clone()))
+    }
 }
 
 fn mode(reason: Reason) -> DrivingMode {

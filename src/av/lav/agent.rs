@@ -224,6 +224,10 @@ impl DrivingPolicy for Lav {
     fn mode(&self) -> DrivingMode {
         self.mode
     }
+
+    fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
+        Some(Box::new(self.clone()))
+    }
 }
 
 #[cfg(test)]

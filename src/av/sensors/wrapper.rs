@@ -182,6 +182,20 @@ impl DrivingPolicy for SensorWrapper {
         self.driver.fault()
     }
 
+    fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
+        Some(Box::new(Self {
+            driver: self.driver.snapshot()?,
+            model: self.model.clone(),
+            people: self.people.clone(),
+            cars: self.cars.clone(),
+            ghost: self.ghost.clone(),
+            history: self.history.clone(),
+            pedestrians: self.pedestrians.clone(),
+            vehicles: self.vehicles.clone(),
+            ..*self
+        }))
+    }
+
     fn clone_for_batch(&self) -> Option<Box<dyn DrivingPolicy>> {
         let driver = self.driver.clone_for_batch()?;
         Some(Box::new(Self::new(driver, self.model.clone())))
