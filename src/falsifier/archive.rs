@@ -71,7 +71,7 @@ impl Archive {
             Param::with_default(
                 "novelty",
                 share(0.0, 5.0),
-                "1",
+                "0.5",
                 "Exponent of the preference for failures of a kind that was seldom found; 0 for none.",
             ),
             Param::with_default(
@@ -175,6 +175,17 @@ struct Elites {
     left: u64,
 }
 
+/// The experience of the last tries.
+#[derive(Debug, Clone, Copy)]
+struct Lately {
+    /// Gain per tick, with the run-ups of all starts, also of those that were left at once.
+    rate: f64,
+    /// Mean ticks of an episode without its run-up.
+    ticks: f64,
+    /// Mean gain.
+    gain: f64,
+}
+
 /// Share of the starts that are tried although they promise little. Without it a search whose starts cost no tick might never end.
 const SECOND_LOOK: f64 = 0.1;
 /// Number of the last tries whose gain is compared with what a start promises.
@@ -184,7 +195,7 @@ const FIRST_TRIES: usize = 100;
 const MEMORY: usize = 4000;
 /// Goals that differ by this in one component are as far apart as contexts that differ by their scale.
 const GOAL_SCALE: f64 = 0.15;
-/// The square of the distance from which on a try says nothing, and the weight of the prior: that nothing is earned.
+/// The square of the distance from which on a try says nothing, and the weight of the prior: the mean gain of the last tries.
 const REACH: f64 = 4.0;
 const PRIOR: f64 = 0.5;
 /// Variations of which the most promising is tried, and elites among which a controller chooses.
@@ -223,12 +234,13 @@ impl Elites {
         reward * libm::pow(1.0 + before, -novelty)
     }
 
-    /// What the last tries gained per tick, run-ups included, and the mean ticks of an episode.
-    fn lately(&self) -> (f64, f64) {
+    /// What the last tries gained per tick with their run-ups, the mean ticks of their episodes, and their mean gain.
+    fn lately(&self) -> Lately {
         let last = || self.memory.iter().rev().take(LATELY);
         let sum = |of: fn(&Try) -> f64| last().map(of).sum::<f64>();
         let (all, own) = (sum(|tried| tried.ticks.1), sum(|tried| tried.ticks.0));
-        (sum(|tried| tried.gain) / all.max(1.0), own / last().count().max(1) as f64)
+        let (gain, count) = (sum(|tried| tried.gain), last().count().max(1) as f64);
+        Lately { rate: gain / all.max(1.0), ticks: own / count, gain: gain / count }
     }
 
     /// Remembers a try.
@@ -244,7 +256,8 @@ impl Elites {
 
     /// What goals can be expected to gain at a start: a mean over similar tries at similar starts, weighted by a biweight kernel.
     fn expect<const N: usize>(&self, context: &Context, goals: &[Goal; N], novelty: f64) -> [f64; N] {
-        let mut sums = [(PRIOR, 0.0); N];
+        let prior = if novelty > 0.0 { self.lately().gain } else { 0.0 };
+        let mut sums = [(PRIOR, PRIOR * prior); N];
         for tried in &self.memory {
             let parts = context.iter().zip(&tried.context).zip(SCALES).map(|((a, b), scale)| (a - b) / scale);
             let apart: f64 = parts.map(|part| part * part).sum();
@@ -324,7 +337,7 @@ impl Archive {
             }
             let context = context(simulator.env());
             let proposal = self.propose(elites, &context, stream);
-            let (rate, ticks) = elites.lately();
+            let Lately { rate, ticks, .. } = elites.lately();
             let promising =
                 proposal.expected > rate * ticks || (number == 0 && stream.random::<f64>() < SECOND_LOOK);
             if elites.memory.len() >= FIRST_TRIES && !promising {
