@@ -1,7 +1,9 @@
 use std::sync::Arc;
 
 use crate::diagnostic::Diagnostic;
-use crate::falsifier::{Archive, Falsifier, Homing, Intercept, Learning, OpenLoop, Random, TreeSearch, Walking};
+use crate::falsifier::{
+    Archive, Exhaustive, Falsifier, Homing, Intercept, Learning, OpenLoop, Random, TreeSearch, Walking,
+};
 use crate::lang::diagnostics;
 use crate::lang::hir::Declaration;
 use crate::rl::PpoConfig;
@@ -34,6 +36,7 @@ pub fn kinds() -> Vec<FalsifierKind> {
         },
         FalsifierKind { signature: TreeSearch::signature, make: |arguments, _| Arc::new(TreeSearch::new(arguments)) },
         FalsifierKind { signature: Archive::signature, make: |arguments, _| Arc::new(Archive::new(arguments)) },
+        FalsifierKind { signature: Exhaustive::signature, make: |arguments, _| Arc::new(Exhaustive::new(arguments)) },
         FalsifierKind {
             signature: Learning::signature,
             make: |_, (config, environments)| Arc::new(Learning::new(config.clone(), *environments)),

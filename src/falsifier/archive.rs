@@ -338,8 +338,7 @@ impl Archive {
             let context = context(simulator.env());
             let proposal = self.propose(elites, &context, stream);
             let Lately { rate, ticks, .. } = elites.lately();
-            let promising =
-                proposal.expected > rate * ticks || (number == 0 && stream.random::<f64>() < SECOND_LOOK);
+            let promising = proposal.expected > rate * ticks || (number == 0 && stream.random::<f64>() < SECOND_LOOK);
             if elites.memory.len() >= FIRST_TRIES && !promising {
                 return Some(());
             }

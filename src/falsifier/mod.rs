@@ -22,11 +22,13 @@ mod open_loop;
 mod tree_search;
 mod crossing;
 mod archive;
+mod exhaustive;
 mod learning;
 
 pub use archive::Archive;
 pub use crossing::{Crossing, Goal};
 pub use episodes::{evaluate, evaluate_noting};
+pub use exhaustive::Exhaustive;
 pub use failure::{Failure, follow};
 pub use homing::Homing;
 pub use intercept::Intercept;

@@ -22,6 +22,7 @@ pub fn catalogue() -> Vec<TableReference> {
         aggregate::learning_curve_table().reference(),
         aggregate::search_table().reference(),
         aggregate::search_cell_columns().reference(),
+        aggregate::search_comparison_columns().reference(),
         aggregate::failure_table().reference(),
         aggregate::search_kind_columns().reference(),
         aggregate::tick_table().reference(),

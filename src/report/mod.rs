@@ -16,9 +16,10 @@ mod folder;
 mod write;
 
 pub use aggregate::{
-    Agreement, Average, Cell, Episodes, Gathered, MedianTime, Metrics, PublishedComparison, Run, SearchCell,
-    SearchKind, Spread, Wanted, beside, gather, learning_curve, metrics, published, search_cell_table, search_cells,
-    search_failures, search_kind_table, search_kinds, searches, ticks, write_ticks,
+    Agreement, Average, Cell, Episodes, Gathered, MedianTime, Metrics, PublishedComparison, Run, SEARCH_COMPARISONS,
+    SearchCell, SearchKind, Spread, Wanted, beside, gather, learning_curve, metrics, published, search_cell_table,
+    search_cells, search_comparison_table, search_comparisons, search_failures, search_kind_table, search_kinds,
+    searches, ticks, write_ticks,
 };
 pub use catalogue::{catalogue, column_reference};
 pub use failure_modes::FailureModes;

@@ -7,8 +7,9 @@ use super::render::{
     summary, trainings_section, write_page,
 };
 use super::{
-    FailureModes, Gathered, Manifest, Metrics, ReportFolder, WriteError, beside, infer, learning_curve, published,
-    search_cell_table, search_cells, search_failures, search_kind_table, search_kinds, searches, town_map,
+    FailureModes, Gathered, Manifest, Metrics, ReportFolder, SEARCH_COMPARISONS, WriteError, beside, infer,
+    learning_curve, published, search_cell_table, search_cells, search_comparison_table, search_comparisons,
+    search_failures, search_kind_table, search_kinds, searches, town_map,
 };
 use crate::campaign::Finished;
 use crate::compile::{Campaign, TrainingKey};
@@ -82,6 +83,8 @@ pub fn write(
         let searched = search_cells(&finished.searches);
         folder.table("searches", &searches(&finished.searches))?;
         folder.table("search_cells", &search_cell_table(&searched))?;
+        let compared = search_comparisons(&finished.searches);
+        folder.table(SEARCH_COMPARISONS, &search_comparison_table(&compared))?;
         folder.table("search_failures", &search_failures(&finished.searches))?;
         folder.table(SEARCH_KINDS, &search_kind_table(&search_kinds(&finished.searches)))?;
         sections.push(search_section(&searched));

@@ -28,6 +28,7 @@ falsifier learner = ppo(reward: r1)
 falsifier pair = ppo(reward: r1, training: two)
 falsifier kinds = archive(reward: moving)
 falsifier narrow = archive(reward: moving, explore: 0, choice: 0)
+falsifier grid = exhaustive(levels: 2)
 reward moving { on hit(moving) => 1 }
 "#;
 
@@ -53,7 +54,7 @@ fn run(campaign: &Campaign) -> Vec<SearchResult> {
 #[test]
 fn every_falsifier_finds_the_obvious_failure_within_its_budget() {
     let (budget, hold) = (20_001, 20);
-    let plan = obvious("chance, home, meet, cross, strategy, tree, learner, pair, kinds, narrow", budget, 1);
+    let plan = obvious("chance, home, meet, cross, strategy, tree, learner, pair, kinds, narrow, grid", budget, 1);
     for (search, result) in plan.searches.iter().zip(run(&plan)) {
         let (name, spent) = (&search.key.falsifier, &result.spent);
         assert!(spent.ticks <= budget, "{name}: {} ticks", spent.ticks);

@@ -11,6 +11,7 @@ mod learning_curve;
 mod survival;
 mod searches;
 mod search_kinds;
+mod search_comparisons;
 mod published;
 mod ticks;
 mod tick_file;
@@ -20,6 +21,9 @@ pub use gathered::{Gathered, gather};
 pub use learning_curve::{learning_curve, learning_curve_table};
 pub use metrics::{CELLS, Cell, Metrics, RUNS, Spread, metrics, references};
 pub use published::{Agreement, PublishedComparison, beside, published, published_table};
+pub use search_comparisons::{
+    SEARCH_COMPARISONS, search_comparison_columns, search_comparison_table, search_comparisons,
+};
 pub use search_kinds::{SEARCH_KINDS, SearchKind, search_kind_columns, search_kind_table, search_kinds};
 pub use searches::{
     Average, COMMANDS, FAILURE, FAILURES, FOUND_AFTER, START, SearchCell, failure_table, search_cell_columns,

@@ -30,6 +30,8 @@ pub struct Figures {
     preventable: [usize; 2],
     attributable: [usize; 2],
     attributable_rate: Option<f64>,
+    attributable_starts: usize,
+    attributable_start_rate: Option<f64>,
     evaluated_collisions: usize,
     evaluated_rate: Option<f64>,
     evaluated_attributable: usize,
@@ -38,7 +40,17 @@ pub struct Figures {
 }
 
 impl Figures {
-    fn new(result: &SearchResult) -> Self {
+    /// The figures by which two searches are compared, with their names.
+    pub(super) fn compared(&self) -> [(&'static str, Option<f64>); 4] {
+        [
+            (DISTINCT_PER_MILLION, per_million(self.attributable[1], self.ticks)),
+            (ATTRIBUTABLE_RATE, self.attributable_rate),
+            (ATTRIBUTABLE_START_RATE, self.attributable_start_rate),
+            (EVALUATED_ATTRIBUTABLE_RATE, self.evaluated_attributable_rate),
+        ]
+    }
+
+    pub(super) fn new(result: &SearchResult) -> Self {
         let spent = &result.spent;
         let share = |part: usize, whole: u64| (whole > 0).then(|| part as f64 / whole as f64);
         let cells: BTreeSet<_> = spent.failures.iter().map(|failure| failure.cell).collect();
@@ -48,6 +60,9 @@ impl Figures {
             let cells: Vec<_> = found.map(|(failure, _)| failure.cell).collect();
             [cells.len(), cells.into_iter().collect::<BTreeSet<_>>().len()]
         };
+        let found = spent.failures.iter().zip(&result.verdicts);
+        let faults = found.filter(|(_, verdict)| verdict.as_ref().is_some_and(Verdict::is_attributable));
+        let attributable_starts = faults.map(|(failure, _)| failure.start).collect::<BTreeSet<_>>().len();
         let (evaluated, number) = (&result.evaluated, result.evaluated.len() as u64);
         let evaluated_collisions = evaluated.iter().filter(|each| each.outcome.is_collision()).count();
         let attributable = |each: &&Evaluated| each.verdict.as_ref().is_some_and(Verdict::is_attributable);
@@ -63,6 +78,8 @@ impl Figures {
             preventable: judged(Verdict::is_preventable),
             attributable: judged(Verdict::is_attributable),
             attributable_rate: share(judged(Verdict::is_attributable)[0], spent.episodes),
+            attributable_starts,
+            attributable_start_rate: share(attributable_starts, spent.starts),
             evaluated_collisions,
             evaluated_rate: share(evaluated_collisions, number),
             evaluated_attributable,
@@ -122,6 +139,8 @@ pub struct SearchCell {
     pub evaluated_attributable_rate: Average,
     /// Share of the search's own episodes that ended in an attributable collision.
     pub attributable_rate: Average,
+    /// Share of the starts from which it found one.
+    pub attributable_start_rate: Average,
 }
 
 impl SearchCell {
@@ -183,6 +202,7 @@ fn gather(cell: &[&SearchResult]) -> SearchCell {
         evaluated_rate: share(over(&|figures| figures.evaluated_rate)),
         evaluated_attributable_rate: share(over(&|figures| figures.evaluated_attributable_rate)),
         attributable_rate: share(over(&|figures| figures.attributable_rate)),
+        attributable_start_rate: share(over(&|figures| figures.attributable_start_rate)),
     }
 }
 
@@ -227,6 +247,7 @@ const DISTINCT: &str = "distinct_failures";
 const PREVENTABLE: &str = "preventable_failures";
 const ATTRIBUTABLE: &str = "attributable_failures";
 const ATTRIBUTABLE_RATE: &str = "attributable_rate";
+const ATTRIBUTABLE_START_RATE: &str = "attributable_start_rate";
 const ATTRIBUTABLE_PER_MILLION: &str = "attributable_per_million_ticks";
 const DISTINCT_PER_MILLION: &str = "distinct_attributable_per_million_ticks";
 const EVALUATED_RATE: &str = "evaluated_rate";
@@ -329,6 +350,14 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
             .of(|row: &Row<'_>| row.1.attributable_rate),
     )
     .column(
+        count("attributable_starts", "", "starts from which an attributable failure was found")
+            .of(|row: &Row<'_>| row.1.attributable_starts as u64),
+    )
+    .column(
+        number(ATTRIBUTABLE_START_RATE, "", "their share of `starts`; for an exhaustive search the ceiling of all others")
+            .of(|row: &Row<'_>| row.1.attributable_start_rate),
+    )
+    .column(
         count("distinct_preventable", "", "different cells of preventable failures")
             .of(|row: &Row<'_>| row.1.preventable[1] as u64),
     )
@@ -406,6 +435,7 @@ pub fn search_cell_columns() -> Table<'static, SearchCell> {
     .columns(averaged(EVALUATED_RATE, |cell| cell.evaluated_rate))
     .columns(averaged(EVALUATED_ATTRIBUTABLE_RATE, |cell| cell.evaluated_attributable_rate))
     .columns(averaged(ATTRIBUTABLE_RATE, |cell| cell.attributable_rate))
+    .columns(averaged(ATTRIBUTABLE_START_RATE, |cell| cell.attributable_start_rate))
 }
 
 /// The mean of a column over runs with its interval.

@@ -13,8 +13,10 @@ pub fn search_section(cells: &[SearchCell]) -> Section {
         Column::text("failed starts"),
         Column::text("kinds of failures"),
         Column::text("attributable failures"),
+        Column::text("starts with one"),
         Column::text("kinds of these per million ticks"),
         Column::text("evaluated afterwards"),
+        Column::text("attributable"),
     ]);
     let row = |cell: &SearchCell| {
         vec![
@@ -28,8 +30,10 @@ pub fn search_section(cells: &[SearchCell]) -> Section {
             average(cell.failed_starts, 1),
             average(cell.distinct, 1),
             average(cell.attributable, 1),
+            average(cell.attributable_start_rate, 3),
             average(cell.distinct_attributable_per_million, 1),
             average(cell.evaluated_rate, 2),
+            average(cell.evaluated_attributable_rate, 3),
         ]
     };
     Section {
@@ -45,9 +49,10 @@ pub fn search_section(cells: &[SearchCell]) -> Section {
              Brookmeyer and Crowley's; an empty end is one that the runs do not show. The other intervals are Student's 95 % over runs."
                 .into(),
             "A falsifier that leaves a start when it has failed spends few episodes on failures. So compare *failed starts* between \
-             methods, not failures of episodes. A kind of failure is the side of the impact, whether the car moved, and what its driver was doing. \
-             A failure is *attributable* when both careful humans avoid it and the pedestrian moves as people do; its kind also says whether it was occluded. \
-             *Evaluated afterwards* is the collision rate of the controller with which the falsifier ends, in fresh episodes; `–` if there is none."
+             methods, not failures of episodes. Kinds of failures are the different cells that were filled: place on the car, direction of the walk, both speeds, what the driver was doing. \
+             A failure is *attributable* when both careful humans avoid it and the pedestrian moves as people do. \
+             *Evaluated afterwards* are the collision rate and the rate of attributable collisions of the controller with which the falsifier \
+             ends, in fresh episodes; `–` if there is none. Pairs of falsifiers and of drivers are compared in `search_comparisons`."
                 .into(),
         ],
     }
