@@ -33,26 +33,34 @@ pub mod env;
 pub mod compile;
 #[path = "judge/mod.rs"]
 pub mod judge;
+#[cfg(feature = "program")]
 #[path = "record/mod.rs"]
 pub mod record;
 #[path = "falsifier/mod.rs"]
 pub mod falsifier;
+#[cfg(feature = "program")]
 #[path = "campaign/mod.rs"]
 pub mod campaign;
+#[cfg(feature = "program")]
 #[path = "analysis/mod.rs"]
 pub mod analysis;
+#[cfg(feature = "program")]
 #[path = "report/mod.rs"]
 pub mod report;
+#[cfg(feature = "program")]
 #[path = "store/mod.rs"]
 pub mod store;
 #[path = "process/mod.rs"]
 pub mod process;
+#[cfg(feature = "program")]
 #[path = "session/mod.rs"]
 pub mod session;
+#[cfg(feature = "program")]
 #[path = "lsp/mod.rs"]
 pub mod lsp;
+#[cfg(feature = "program")]
 #[path = "cli/mod.rs"]
 pub mod cli;
-#[cfg(any(fuzzing, test))]
+#[cfg(all(feature = "program", any(fuzzing, test)))]
 #[path = "fuzzing.rs"]
 pub mod fuzzing;

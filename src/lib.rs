@@ -56,11 +56,14 @@ extern crate alloc;
 pub mod internal;
 
 // Modules name each other as `crate::NAME`.
+#[cfg(feature = "program")]
+use internal::{analysis, campaign, cli, files, lsp, record, report, store};
 use internal::{
-    analysis, av, campaign, cli, compile, contained, diagnostic, env, falsifier, files, geometry, judge, lang, lsp,
-    process, record, report, rl, road, seed, signature, sim, statistics, store, units,
+    av, compile, contained, diagnostic, env, falsifier, geometry, judge, lang, process, rl, road, seed, signature, sim,
+    statistics, units,
 };
 
+#[cfg(feature = "program")]
 #[doc(inline)]
 pub use internal::session;
 
@@ -93,6 +96,7 @@ pub mod driving {
     pub use crate::sim::Control;
 }
 
+#[cfg(feature = "program")]
 /// The data of a run, a report and a repeated episode.
 pub mod results {
     #[doc(inline)]

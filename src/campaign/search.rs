@@ -1,6 +1,6 @@
-use super::watch::{episodes_seed, flow};
+use super::watch::flow;
 use super::{Evaluated, Observer, ResultStore, SearchResult, Task, TaskError};
-use crate::compile::Search;
+use crate::compile::{Search, episodes_seed};
 use crate::env::{Outcome, Trace};
 use crate::falsifier::{Failure, SearchOutcome, Simulator, evaluate_noting, follow};
 use crate::judge::{Verdict, judge};

@@ -1,6 +1,6 @@
 use std::ops::{ControlFlow, Range};
 
-use crate::compile::{ControllerKind, Evaluation};
+use crate::compile::{ControllerKind, Evaluation, episodes_seed};
 use crate::env::{Outcome, Trace};
 use crate::falsifier::{ActionMode, Homing, Intercept, Random, TrainedWalker, WalkPolicy, evaluate_noting};
 use crate::rl::ActorCritic;
@@ -52,11 +52,6 @@ pub(super) fn watch_numbered<T>(
     let own = own.child(evaluation.controller.name()).index(evaluation.trained.run.into());
     let starts = episodes_seed(seed, &evaluation.town);
     evaluate_noting(walker.as_mut(), &evaluation.scenario, episodes, &starts, &own, note, observer)
-}
-
-/// The seed of the episodes of all evaluations in a town: the same for all drivers, controllers and rewards.
-pub(super) fn episodes_seed(seed: &Seed, town: &str) -> Seed {
-    seed.child("evaluate").child(town)
 }
 
 /// Breaks when `stop` is true.

@@ -42,7 +42,7 @@ pub use fingerprint::Fingerprint;
 pub use lower::{Compiled, Overrides, compile, compile_with};
 pub use plan::{
     Campaign, ControllerKind, Documented, Driver, Evaluation, NamedTown, Plan, Published, PublishedCell,
-    PublishedFigure, Search, SearchKey, Training, TrainingKey,
+    PublishedFigure, Search, SearchKey, Training, TrainingKey, episodes_seed,
 };
 pub use policy_kind::{MakePolicy, PolicyKind};
 pub use published::published_columns;

@@ -8,6 +8,7 @@ use crate::env::Scenario;
 use crate::falsifier::Falsifier;
 use crate::rl::PpoConfig;
 use crate::road::Town;
+use crate::seed::Seed;
 use crate::signature::Arguments;
 
 /// Everything that is run.
@@ -305,4 +306,9 @@ pub struct Search {
     pub tries: u32,
     /// The digest of what the files say about it.
     pub fingerprint: Fingerprint,
+}
+
+/// The seed of the episodes of all evaluations in a town: the same for all drivers, controllers and rewards.
+pub fn episodes_seed(seed: &Seed, town: &str) -> Seed {
+    seed.child("evaluate").child(town)
 }

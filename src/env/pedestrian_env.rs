@@ -552,13 +552,26 @@ impl PedestrianEnv {
     pub fn write_commands(&self, action: &[f64], commands: &mut [WalkCommand]) {
         commands.copy_from_slice(&self.walks.commands);
         for ((number, role), part) in self.scenario.cast.controlled().zip(action.as_chunks().0) {
-            commands[number] = role.action.command(*part, |speed| match role.action.frame {
-                ReferenceFrame::Meeting => self.meeting(number, self.bumper(), speed, 1.0).heading,
-                frame => {
-                    let (pedestrian, initial, ego) = self.viewpoint(number);
-                    frame.origin(pedestrian, initial, ego)
-                }
-            });
+            commands[number] = role.action.command(*part, |speed| self.origin(number, role.action.frame, speed));
+        }
+    }
+
+    /// Writes the joint action for commands of all pedestrians: the inverse of [`PedestrianEnv::write_commands`], up to rounding. In the
+    /// frame of the world and in natural units nothing is rounded.
+    pub fn write_action(&self, commands: &[WalkCommand], action: &mut [f64]) {
+        for ((number, role), part) in self.scenario.cast.controlled().zip(action.as_chunks_mut().0) {
+            *part = role.action.action_for(commands[number], |speed| self.origin(number, role.action.frame, speed));
+        }
+    }
+
+    /// The direction of heading 0 of a pedestrian's actions in the world (rad), at a chosen speed (m/s).
+    fn origin(&self, pedestrian: usize, frame: ReferenceFrame, speed: f64) -> f64 {
+        match frame {
+            ReferenceFrame::Meeting => self.meeting(pedestrian, self.bumper(), speed, 1.0).heading,
+            frame => {
+                let (pose, initial, ego) = self.viewpoint(pedestrian);
+                frame.origin(pose, initial, ego)
+            }
         }
     }
 

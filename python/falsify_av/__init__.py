@@ -1,0 +1,27 @@
+"""Environments in which a pedestrian looks for the failures of a self-driving car.
+
+``make`` and ``make_vec`` give Gymnasium environments of a scenario file, ``falsify_av.sb3.make_vec`` one for stable-baselines3, and
+``falsify_av.pettingzoo.parallel_env`` one for PettingZoo. ``check`` returns what is wrong with scenario files.
+"""
+
+from gymnasium import register as _register
+
+from .environments import PedestrianEnv, PedestrianVectorEnv, make, make_vec
+from .scenarios import Diagnostic, ScenarioError, check, scenarios
+
+__all__ = [
+    "Diagnostic",
+    "PedestrianEnv",
+    "PedestrianVectorEnv",
+    "ScenarioError",
+    "check",
+    "make",
+    "make_vec",
+    "scenarios",
+]
+
+_register(
+    "falsify_av/Pedestrian-v0",
+    entry_point="falsify_av.environments:PedestrianEnv",
+    vector_entry_point="falsify_av.environments:PedestrianVectorEnv",
+)

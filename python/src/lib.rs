@@ -1,0 +1,21 @@
+//! The extension module `falsify_av._core`: scenarios, and worlds of them that are stepped with numpy arrays.
+//!
+//! The package's Python files give these classes the interfaces of Gymnasium, stable-baselines3 and PettingZoo. All checks of a user's
+//! input are here or there; no call ends the interpreter.
+
+mod scenarios;
+mod world;
+mod worlds;
+mod episode;
+mod top_view;
+
+use pyo3::prelude::*;
+
+/// Scenarios and worlds.
+#[pymodule]
+mod _core {
+    #[pymodule_export]
+    use super::scenarios::{Scenarios, load};
+    #[pymodule_export]
+    use super::worlds::Worlds;
+}

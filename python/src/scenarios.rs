@@ -1,0 +1,216 @@
+//! Scenario files, and the choice of one scenario of them.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use falsify::internal::compile::{Catalog, Overrides, Plan, compile_with};
+use falsify::internal::diagnostic::{Colour, Severity, Sources, records, render};
+use falsify::internal::env::Scenario;
+use falsify::internal::files;
+use falsify::internal::lang::Reader;
+use falsify::internal::process::ProcessOpener;
+use pyo3::exceptions::{PyOSError, PyValueError};
+use pyo3::prelude::*;
+
+use super::worlds::Worlds;
+
+/// Reads regular files of the disk.
+struct Disk;
+
+impl Reader for Disk {
+    fn text(&self, path: &Path) -> std::io::Result<String> {
+        files::text(path)
+    }
+
+    fn bytes(&self, path: &Path) -> std::io::Result<Vec<u8>> {
+        files::bytes(path)
+    }
+}
+
+/// The names that choose a scenario of a plan, and the scenario.
+#[derive(Clone)]
+pub struct Choice {
+    /// Name of the campaign.
+    pub campaign: String,
+    /// The block it is from: `train`, `evaluate` or `search`.
+    pub task: &'static str,
+    /// Number of the block among those of its kind; 0 for `train`.
+    pub block: u32,
+    /// Name of the town.
+    pub town: String,
+    /// Name of the driving policy.
+    pub policy: String,
+    /// Name of the reward; empty if the block has none.
+    pub reward: String,
+    /// The scenario.
+    pub scenario: Arc<Scenario>,
+}
+
+impl Choice {
+    /// Whether the names agree that a user gives.
+    fn names(&self) -> (&str, &str, &str, &str) {
+        (&self.campaign, &self.town, &self.policy, &self.reward)
+    }
+}
+
+/// Every scenario of a plan: of each campaign first those of trainings, then those of evaluations, then those of searches.
+fn choices(plan: &Plan) -> Vec<Choice> {
+    let mut all = Vec::new();
+    for campaign in &plan.campaigns {
+        let choice = |task, block, town: &str, policy: &str, reward: &str, scenario: &Arc<Scenario>| Choice {
+            campaign: campaign.name.clone(),
+            task,
+            block,
+            town: town.into(),
+            policy: policy.into(),
+            reward: reward.into(),
+            scenario: scenario.clone(),
+        };
+        all.extend(campaign.trainings.iter().map(|training| {
+            let key = &training.key;
+            choice("train", 0, &key.town, &key.policy, &key.reward, &training.scenario)
+        }));
+        all.extend(campaign.evaluations.iter().map(|evaluation| {
+            let reward = &evaluation.trained.reward;
+            choice("evaluate", evaluation.block, &evaluation.town, &evaluation.policy, reward, &evaluation.scenario)
+        }));
+        all.extend(campaign.searches.iter().map(|search| {
+            let key = &search.key;
+            choice("search", key.block, &key.town, &key.policy, &key.reward, &search.scenario)
+        }));
+    }
+    // An evaluation has one entry for each controller, a training one for each run.
+    let mut seen = std::collections::BTreeSet::new();
+    all.retain(|each| {
+        let names = each.names();
+        seen.insert((each.task, each.block, [names.0, names.1, names.2, names.3].map(String::from)))
+    });
+    all
+}
+
+/// The scenarios of checked files.
+#[pyclass(module = "falsify_av._core", frozen)]
+pub struct Scenarios {
+    choices: Vec<Choice>,
+    /// Why there may be none, in words.
+    without_campaigns: String,
+}
+
+/// Reads, checks and compiles files. Returns the scenarios (none when the files have errors), the diagnostics as text, and the diagnostics
+/// as JSON.
+#[pyfunction]
+#[pyo3(signature = (files, settings, maps, allow_external))]
+pub fn load(
+    py: Python<'_>,
+    files: Vec<PathBuf>,
+    settings: Vec<String>,
+    maps: Vec<(String, PathBuf)>,
+    allow_external: bool,
+) -> PyResult<(Option<Scenarios>, String, String)> {
+    py.detach(|| {
+        let catalog = match allow_external {
+            true => Catalog::builtin().with_opener(Arc::new(ProcessOpener::default())),
+            false => Catalog::builtin(),
+        };
+        let mut sources = Sources::default();
+        let overrides = Overrides { maps: maps.into_iter().collect(), settings, ..Overrides::default() };
+        let compiled = compile_with(&files, &overrides, &catalog, &Disk, &mut sources)
+            .map_err(|error| PyOSError::new_err(format!("cannot read `{}`: {}", error.path.display(), error.source)))?;
+        let text: Vec<String> = compiled.diagnostics.iter().map(|each| render(each, &sources, Colour::Never)).collect();
+        let known = records(&compiled.diagnostics, &sources);
+        let known = serde_json::to_string(&known).map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let wrong = compiled.diagnostics.iter().any(|each| each.severity == Severity::Error);
+        let plan = compiled.plan.filter(|_| !wrong);
+        if let Some(town) = plan.as_ref().and_then(|plan| overrides.maps.keys().find(|town| !plan.has_town(town))) {
+            return Err(PyValueError::new_err(format!("a map is given for the town `{town}`, which nothing uses")));
+        }
+        let scenarios =
+            plan.map(|plan| Scenarios { choices: choices(&plan), without_campaigns: plan.without_campaigns() });
+        Ok((scenarios, text.join("\n"), known))
+    })
+}
+
+#[pymethods]
+impl Scenarios {
+    /// The names of every scenario: campaign, task, block, town, policy, reward.
+    fn choices(&self) -> Vec<(String, &'static str, u32, String, String, String)> {
+        let names = |each: &Choice| {
+            let (campaign, town, policy, reward) = each.names();
+            (campaign.into(), each.task, each.block, town.into(), policy.into(), reward.into())
+        };
+        self.choices.iter().map(names).collect()
+    }
+
+    /// Makes worlds of the scenario with these names. Names that are not given must leave one choice; of several blocks with it the first
+    /// one counts, in the order `train`, `evaluate`, `search`.
+    #[pyo3(signature = (count, seed, campaign=None, town=None, policy=None, reward=None, task=None, block=None))]
+    #[expect(clippy::too_many_arguments, reason = "each is a name of its own, and all are optional in Python")]
+    fn worlds(
+        &self,
+        py: Python<'_>,
+        count: usize,
+        seed: u64,
+        campaign: Option<&str>,
+        town: Option<&str>,
+        policy: Option<&str>,
+        reward: Option<&str>,
+        task: Option<&str>,
+        block: Option<u32>,
+    ) -> PyResult<Worlds> {
+        let mut left: Vec<&Choice> = self.choices.iter().collect();
+        if left.is_empty() {
+            return Err(PyValueError::new_err(self.without_campaigns.clone()));
+        }
+        narrow(&mut left, "campaign", campaign, |each| each.campaign.clone())?;
+        narrow(&mut left, "task", task, |each| each.task.into())?;
+        narrow(&mut left, "block", block.map(|block| block.to_string()).as_deref(), |each| each.block.to_string())?;
+        narrow(&mut left, "town", town, |each| each.town.clone())?;
+        narrow(&mut left, "policy", policy, |each| each.policy.clone())?;
+        narrow(&mut left, "reward", reward, |each| each.reward.clone())?;
+        let first = left[0];
+        let place = |name: &str, of: fn(&Choice) -> &str| {
+            let names: Vec<&str> = left.iter().map(|each| of(each)).collect();
+            let names = distinct(names.iter().map(|name| name.to_string()));
+            (names.len() > 1).then(|| format!("{name}= one of {}", names.join(", ")))
+        };
+        let open: Vec<String> = [
+            place("campaign", |each| &each.campaign),
+            place("town", |each| &each.town),
+            place("policy", |each| &each.policy),
+            place("reward", |each| &each.reward),
+        ]
+        .into_iter()
+        .flatten()
+        .collect();
+        if !open.is_empty() {
+            let text = format!("several scenarios have these names; choose with {}", open.join("; "));
+            return Err(PyValueError::new_err(text));
+        }
+        let chosen = first.clone();
+        py.detach(|| Worlds::new(&chosen, count, seed))
+    }
+}
+
+/// Keeps the choices with a name; the error lists the names there are.
+fn narrow(left: &mut Vec<&Choice>, what: &str, wanted: Option<&str>, name: impl Fn(&Choice) -> String) -> PyResult<()> {
+    let Some(wanted) = wanted else { return Ok(()) };
+    let kept: Vec<&Choice> = left.iter().copied().filter(|each| name(each) == wanted).collect();
+    if kept.is_empty() {
+        let known = distinct(left.iter().map(|each| name(each)));
+        let text = format!("there is no {what} `{wanted}` here; there is {}", known.join(", "));
+        return Err(PyValueError::new_err(text));
+    }
+    *left = kept;
+    Ok(())
+}
+
+/// Each name once, in order.
+fn distinct(names: impl Iterator<Item = String>) -> Vec<String> {
+    let mut all: Vec<String> = Vec::new();
+    for name in names {
+        if !all.contains(&name) {
+            all.push(name);
+        }
+    }
+    all
+}

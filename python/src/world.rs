@@ -1,0 +1,130 @@
+//! One world: an environment, the record of its episode, and where it is in its sequence of episodes.
+
+use std::sync::Arc;
+
+use falsify::internal::compile::episodes_seed;
+use falsify::internal::env::{Outcome, PedestrianEnv, Scenario, Trace};
+use falsify::internal::judge::{Verdict, judge};
+use falsify::internal::rl::Step;
+use falsify::internal::seed::Seed;
+use falsify::internal::sim::WalkCommand;
+
+/// The end of an episode.
+#[derive(Debug, Clone)]
+pub struct End {
+    /// The seed of the user that the episode belongs to.
+    pub seed: u64,
+    /// Its number.
+    pub episode: u64,
+    /// Its outcome.
+    pub outcome: Outcome,
+    /// The verdict of the reference drivers; none without a collision.
+    pub verdict: Option<Verdict>,
+}
+
+/// A world. Episode *k* of a seed has the start of episode *k* of every evaluation in the town that a campaign with this seed runs.
+pub struct World {
+    env: PedestrianEnv,
+    trace: Trace,
+    town: Arc<str>,
+    seed: u64,
+    /// Number of the present episode; none before the first.
+    episode: Option<u64>,
+    /// The state after the last step, in the units of the controller.
+    pub state: Vec<f64>,
+    /// The last state of an episode that ended in the last step.
+    pub last_state: Vec<f64>,
+    commands: Vec<WalkCommand>,
+    action: Vec<f64>,
+    /// The last step.
+    pub step: Step,
+    /// Whether the last step also started the present episode.
+    started_over: bool,
+    /// The end of the last episode.
+    pub end: Option<End>,
+}
+
+/// The step of an episode that has just started.
+const FIRST: Step = Step { reward: 0.0, terminated: false, truncated: false };
+
+impl World {
+    /// A world before its first episode.
+    pub fn new(scenario: &Arc<Scenario>, town: &Arc<str>, seed: u64) -> Self {
+        let cast = &scenario.cast;
+        Self {
+            env: PedestrianEnv::new(scenario.clone(), episodes_seed(&Seed::root(seed), town)),
+            trace: Trace::new(scenario),
+            town: town.clone(),
+            seed,
+            episode: None,
+            state: vec![0.0; cast.obs_dim()],
+            last_state: vec![0.0; cast.obs_dim()],
+            commands: vec![WalkCommand::default(); cast.pedestrian_count()],
+            action: vec![0.0; cast.action_bounds().len()],
+            step: FIRST,
+            started_over: false,
+            end: None,
+        }
+    }
+
+    /// The next episodes belong to this seed; the next one is number 0.
+    pub fn reseed(&mut self, scenario: &Arc<Scenario>, seed: u64) {
+        if self.seed != seed {
+            self.env = PedestrianEnv::new(scenario.clone(), episodes_seed(&Seed::root(seed), &self.town));
+        }
+        (self.seed, self.episode) = (seed, None);
+    }
+
+    /// Starts an episode: that of the number, or the next one.
+    pub fn reset(&mut self, episode: Option<u64>) {
+        let number = episode.unwrap_or_else(|| self.episode.map_or(0, |last| last.wrapping_add(1)));
+        self.env.begin(number);
+        self.trace.begin(self.env.world());
+        self.env.write_state(&mut self.state);
+        (self.episode, self.step, self.started_over) = (Some(number), FIRST, false);
+    }
+
+    /// Starts the next episode in the step that ended the last one: its last state and its step stay visible.
+    pub fn start_over(&mut self) {
+        let step = self.step;
+        self.last_state.copy_from_slice(&self.state);
+        self.reset(None);
+        self.step = step;
+        self.started_over = true;
+    }
+
+    /// Takes a decision. The action is clamped to its bounds.
+    pub fn decide(&mut self, action: impl Iterator<Item = f64>) {
+        for ((number, (low, high)), given) in self.action.iter_mut().zip(self.env.bounds()).zip(action) {
+            *number = given.clamp(*low, *high);
+        }
+        self.started_over = false;
+        self.env.write_commands(&self.action, &mut self.commands);
+        self.step = self.trace.watch_decision(&mut self.env, &self.commands);
+        self.env.write_state(&mut self.state);
+        if let (Some(outcome), Some(episode)) = (self.env.outcome(), self.episode) {
+            let verdict = judge(&self.trace.main_pair(self.env.scenario()));
+            self.end = Some(End { seed: self.seed, episode, outcome: *outcome, verdict });
+        }
+    }
+
+    /// Whether an episode runs.
+    pub fn is_running(&self) -> bool {
+        self.episode.is_some() && (self.started_over || !self.step.done())
+    }
+
+    /// The seed and the number of the present episode; none before the first.
+    pub fn place(&self) -> Option<(u64, u64)> {
+        self.episode.map(|episode| (self.seed, episode))
+    }
+
+    /// The environment.
+    pub fn env(&self) -> &PedestrianEnv {
+        &self.env
+    }
+
+    /// The record of the present episode.
+    pub fn trace(&self) -> &Trace {
+        &self.trace
+    }
+}

@@ -1,0 +1,123 @@
+"""The contracts of Gymnasium and of PettingZoo, and the equality of vector and single environments."""
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
+
+import falsify_av
+
+CHOICES = [
+    {"campaign": "short", "town": "harbour", "policy": "blind", "task": "train"},
+    {"campaign": "steady"},
+]
+
+
+def equal(one, other):
+    """Whether two infos are equal: dictionaries, arrays of any kind, not-a-numbers."""
+    if isinstance(one, dict):
+        return isinstance(other, dict) and one.keys() == other.keys() and all(equal(one[k], other[k]) for k in one)
+    if isinstance(one, np.ndarray) and one.dtype == object:
+        return one.shape == other.shape and all(equal(a, b) for a, b in zip(one, other))
+    if isinstance(one, np.ndarray):
+        return one.dtype == other.dtype and np.array_equal(one, other, equal_nan=one.dtype.kind == "f")
+    return one == other or (one != one and other != other)
+
+
+@pytest.mark.parametrize("choice", CHOICES, ids=lambda choice: choice["campaign"])
+def test_gymnasium_finds_nothing_wrong(scenario, choice):
+    check_env(falsify_av.make(scenario, render_mode="rgb_array", **choice))
+
+
+def test_registered_names_make_single_and_vector_environments(scenario):
+    env = gymnasium.make("falsify_av/Pedestrian-v0", scenario=scenario, **CHOICES[0])
+    observation, _ = env.reset(seed=5)
+    vector = gymnasium.make_vec(
+        "falsify_av/Pedestrian-v0", 3, "vector_entry_point", scenario=scenario, **CHOICES[0]
+    )
+    observations, _ = vector.reset(seed=5)
+    assert np.array_equal(observation, observations[0])
+    assert not np.array_equal(observations[0], observations[1])
+
+
+def test_the_paper_needs_no_file():
+    env = falsify_av.make()
+    assert env.core.names == ("pedestrian", "harbour", "behavior", "r2")
+
+
+@pytest.mark.parametrize("choice", CHOICES, ids=lambda choice: choice["campaign"])
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
+def test_a_vector_environment_equals_single_ones_bit_for_bit(scenario, mode, choice):
+    worlds = 5
+    single = SyncVectorEnv([lambda: falsify_av.make(scenario, **choice)] * worlds, autoreset_mode=mode)
+    vector = falsify_av.make_vec(scenario, worlds, autoreset_mode=mode, **choice)
+    assert single.single_action_space == vector.single_action_space
+    assert single.observation_space == vector.observation_space
+    first, second = single.reset(seed=11), vector.reset(seed=11)
+    assert np.array_equal(first[0], second[0]) and equal(first[1], second[1])
+    generator = np.random.default_rng(1)
+    space, ends = vector.single_action_space, 0
+    for _ in range(200):
+        actions = generator.uniform(space.low, space.high, (worlds, 2)).astype(np.float32)
+        first, second = single.step(actions), vector.step(actions)
+        for one, other in zip(first[:4], second[:4]):
+            assert one.dtype == other.dtype and np.array_equal(one, other)
+        assert equal(first[4], second[4]), (first[4], second[4])
+        ends += int((first[2] | first[3]).sum())
+    assert ends > 2 * worlds
+
+
+def test_arrays_of_two_steps_are_different_objects(scenario):
+    env = falsify_av.make_vec(scenario, 2, **CHOICES[0])
+    before, _ = env.reset(seed=1)
+    kept = before.copy()
+    after = env.step(env.action_space.sample())[0]
+    assert not np.shares_memory(before, after) and np.array_equal(before, kept)
+
+
+def test_an_episode_has_the_same_start_whatever_was_run_before(scenario):
+    env = falsify_av.make(scenario, **CHOICES[0])
+    env.reset(seed=4)
+    env.step(env.action_space.sample())
+    third, info = env.reset(options={"episode": 2})
+    assert info == {"seed": 4, "episode": 2}
+    assert env.reset()[1]["episode"] == 3
+    again, _ = falsify_av.make(scenario, seed=4, **CHOICES[0]).reset(options={"episode": 2})
+    assert np.array_equal(third, again)
+
+
+def test_the_end_of_an_episode_has_a_verdict(scenario):
+    env = falsify_av.make(scenario, campaign="short", town="harbour", policy="blind", task="train")
+    labels = set()
+    for episode in range(30):
+        env.reset(seed=0, options={"episode": episode})
+        over = False
+        while not over:
+            _, reward, terminated, truncated, info = env.step(env.suggested("intercept"))
+            over = terminated or truncated
+        assert info["is_success"] == (info["outcome"] == "collision") == (info["verdict"] != "") == terminated
+        assert info["ticks"] + 1 == len(env.trace()["time_s"])
+        if info["is_success"]:
+            assert reward > 0 and info["verdict"] in env.core.labels()
+        labels.add(info["verdict"])
+    assert "" in labels and len(labels) > 2, labels
+
+
+def test_pictures_show_the_car_and_the_pedestrian(scenario):
+    env = falsify_av.make(scenario, render_mode="rgb_array", **CHOICES[0])
+    env.reset(seed=0)
+    picture = env.render()
+    assert picture.shape == (256, 256, 3) and picture.dtype == np.uint8
+    colours = {tuple(colour) for colour in picture.reshape(-1, 3).tolist()}
+    assert {(34, 86, 196), (214, 48, 48), (120, 124, 130)} <= colours
+
+
+def test_pettingzoo_finds_nothing_wrong(scenario):
+    pytest.importorskip("pettingzoo")
+    from pettingzoo.test import parallel_api_test, parallel_seed_test
+
+    from falsify_av.pettingzoo import parallel_env
+
+    parallel_api_test(parallel_env(scenario, **CHOICES[0]), num_cycles=300)
+    parallel_seed_test(lambda: parallel_env(scenario, **CHOICES[0]), num_cycles=30)
