@@ -45,6 +45,9 @@ pub mod campaign;
 #[path = "analysis/mod.rs"]
 pub mod analysis;
 #[cfg(feature = "program")]
+#[path = "export/mod.rs"]
+pub mod export;
+#[cfg(feature = "program")]
 #[path = "report/mod.rs"]
 pub mod report;
 #[cfg(feature = "program")]

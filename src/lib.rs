@@ -57,7 +57,7 @@ pub mod internal;
 
 // Modules name each other as `crate::NAME`.
 #[cfg(feature = "program")]
-use internal::{analysis, campaign, cli, files, lsp, record, report, store};
+use internal::{analysis, campaign, cli, export, files, lsp, record, report, store};
 use internal::{
     av, compile, contained, diagnostic, env, falsifier, geometry, judge, lang, process, rl, road, seed, signature, sim,
     statistics, units,
@@ -103,6 +103,8 @@ pub mod results {
     pub use crate::campaign::{Observer as CampaignObserver, Shard, Task};
     #[doc(inline)]
     pub use crate::env::{Outcome, Scenario};
+    #[doc(inline)]
+    pub use crate::export::{EgoDriver, ExportError, ExportFile, Exporter, Variant, Walking};
     #[doc(inline)]
     pub use crate::judge::Verdict;
     #[doc(inline)]

@@ -7,6 +7,7 @@ use super::config::{self, ConfigOptions};
 use super::debug::{self, DebugOptions};
 use super::demo::{self, DemoOptions};
 use super::explain::{self, ExplainOptions};
+use super::export::{self, ExportOptions};
 use super::fmt::{self, FmtOptions};
 use super::lsp;
 use super::map::{self, MapOptions};
@@ -25,6 +26,7 @@ Examples:
   falsify check my.scn                       find mistakes without running anything
   falsify run my.scn                         run its campaigns, reports go to reports/
   falsify replay 1a2b3c4d:17                 see a failure again, `render` draws it
+  falsify export 1a2b3c4d:17 --as xosc-1.3   the failure for another simulator
   falsify explain missing-unit               what a message means
 
 Exit codes:
@@ -65,6 +67,9 @@ pub enum Command {
     /// Draw an episode of a report, as six frames or as an animation.
     #[command(after_help = render::EXAMPLES)]
     Render(RenderOptions),
+    /// Write episodes of a report for other programs: OpenSCENARIO, OpenDRIVE and more.
+    #[command(after_help = export::EXAMPLES)]
+    Export(ExportOptions),
     /// Repeat a sample of what a report holds and compare it byte for byte.
     #[command(after_help = verify::EXAMPLES)]
     Verify(VerifyOptions),

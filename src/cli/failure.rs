@@ -2,6 +2,7 @@
 
 use super::console;
 use super::exit_code::ExitCode;
+use crate::export::ExportError;
 use crate::session::{Error, Notice};
 use crate::store::StoreError;
 
@@ -24,6 +25,11 @@ pub fn failed(error: &Error) -> ExitCode {
             changes.iter().for_each(|change| console::fail(&change.to_string()));
             console::fail("these are not the files that were run; --anyway continues all the same");
         }
+        Error::Differs { name, .. } => {
+            console::fail(&format!(
+                "{error}; `falsify replay {name}` shows where, and --anyway exports it all the same"
+            ));
+        }
         other => console::fail(&other.to_string()),
     }
     code(error)
@@ -38,6 +44,9 @@ fn code(error: &Error) -> ExitCode {
         Error::Changed { .. } | Error::CampaignGone { .. } | Error::RunGone { .. } | Error::CommandsDiffer { .. } => {
             ExitCode::Differs
         }
+        Error::Differs { .. } => ExitCode::Differs,
+        Error::Export { source: ExportError::NotRepresentable { .. }, .. } => ExitCode::Usage,
+        Error::Export { .. } => ExitCode::WriteFailed,
         Error::Unreadable { .. }
         | Error::UnusedMap { .. }
         | Error::Threads { .. }

@@ -22,6 +22,7 @@ mod gate;
 mod episode;
 mod replay;
 mod render;
+mod export;
 mod verify;
 mod check;
 mod sample;
@@ -90,6 +91,7 @@ fn run_command() -> ExitCode {
         args::Command::Merge(options) => merge::merge(&options),
         args::Command::Replay(options) => replay::replay(&options),
         args::Command::Render(options) => render::render(&options),
+        args::Command::Export(options) => export::export(&options),
         args::Command::Verify(options) => verify::verify(&options),
         args::Command::Cache(options) => cache::cache(&options),
         args::Command::Check(options) => check::check(&options),

@@ -204,7 +204,8 @@ pub fn lower(
         Some(map) => {
             let path = map.display().to_string();
             let real = read_map(declaration, map, (&path, "the folder that you are in"), read, said)?;
-            TownParts { obstacles: own.obstacles, ..real }
+            let obstacles = own.obstacles.into_iter().chain(real.obstacles.iter().copied()).collect();
+            TownParts { obstacles, ..real }
         }
     };
     let before = said.len();

@@ -53,6 +53,23 @@ impl LaneKind {
             _ => Self::None,
         }
     }
+
+    /// The type as written in OpenDRIVE. Of the types that are [`LaneKind::Special`] it is the most general one.
+    pub fn opendrive(self) -> &'static str {
+        match self {
+            Self::Driving => "driving",
+            Self::Sidewalk => "sidewalk",
+            Self::Shoulder => "shoulder",
+            Self::Border => "border",
+            Self::Biking => "biking",
+            Self::Parking => "parking",
+            Self::Median => "median",
+            Self::Stop => "stop",
+            Self::Bidirectional => "bidirectional",
+            Self::Special => "restricted",
+            Self::None => "none",
+        }
+    }
 }
 
 /// A lane of a lane section.

@@ -31,6 +31,8 @@ pub struct TownParts {
     pub obstacles: Vec<OrientedBox>,
     /// What the reader of a file skipped or guessed.
     pub warnings: Vec<OpenDriveWarning>,
+    /// The text of the map that the town was read from; none for a town that was designed.
+    pub map: Option<Arc<str>>,
 }
 
 /// A road network with everything that stands beside it, indexed for the look-ups of a simulation.
@@ -54,6 +56,8 @@ pub struct Town {
     pub obstacles: Vec<OrientedBox>,
     /// What the reader of a file skipped or guessed.
     pub warnings: Vec<OpenDriveWarning>,
+    /// The text of the map that the town was read from; none for a town that was designed.
+    pub map: Option<Arc<str>>,
     pub(super) network: LaneNetwork,
     index: LaneIndex,
     driving_lanes: Vec<LaneStretch>,
@@ -70,7 +74,8 @@ impl Town {
             length: (lane.end - lane.start).max(0.0),
         };
         let driving_lanes = driving.map(stretch).collect();
-        let TownParts { name, roads, junctions, speed_signs, traffic_lights, crosswalks, obstacles, warnings } = parts;
+        let TownParts { name, roads, junctions, speed_signs, traffic_lights, crosswalks, obstacles, warnings, map } =
+            parts;
         Self {
             name,
             roads,
@@ -80,6 +85,7 @@ impl Town {
             crosswalks,
             obstacles,
             warnings,
+            map,
             network,
             index: LaneIndex::default(),
             driving_lanes,

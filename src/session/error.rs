@@ -1,6 +1,7 @@
 use std::path::PathBuf;
 
 use super::EpisodeName;
+use crate::export::ExportError;
 use crate::lang::Unreadable;
 use crate::report::{ReadError, WriteError};
 use crate::store::StoreError;
@@ -54,6 +55,22 @@ pub enum Error {
     /// A file or a table cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// An episode cannot be exported.
+    #[error("cannot export {name}: {source}")]
+    Export {
+        /// The episode.
+        name: EpisodeName,
+        /// The cause.
+        source: ExportError,
+    },
+    /// A repetition differs from its report, so it is not exported.
+    #[error("{name} differs from its report in {}, so it is not exported", columns.join(", "))]
+    Differs {
+        /// The episode.
+        name: EpisodeName,
+        /// The columns that differ.
+        columns: Vec<String>,
+    },
     /// A report cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),

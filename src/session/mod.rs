@@ -26,6 +26,7 @@ mod repeat;
 mod reasons;
 mod replay;
 mod export;
+mod export_files;
 mod verify;
 
 pub use campaign_report::{CampaignOutcome, CampaignReport, RunReport, ShardReport};
@@ -34,6 +35,7 @@ pub use disk::Disk;
 pub use episode_name::{EpisodeName, NoEpisodeName};
 pub use error::{Change, Error, KeepError};
 pub use export::{Animation, Export, Strip, TickTable};
+pub use export_files::{ExportOptions, Exported, NamedEpisode};
 pub use incomplete::{Incomplete, Missing};
 pub use input::Input;
 pub use list::Listing;

@@ -30,6 +30,7 @@ mod doubts;
 mod drivers;
 mod editors;
 mod explanations;
+mod exports;
 mod first_steps;
 mod format;
 mod hostile_input;

@@ -1,7 +1,7 @@
 use roxmltree::Document;
 
 use super::attributes::{Context, children};
-use super::{OpenDriveError, budget, crosswalks, junctions, roads, signals, traffic_lights, unused};
+use super::{OpenDriveError, budget, crosswalks, junctions, obstacles, roads, signals, traffic_lights, unused};
 use crate::road::TownParts;
 use crate::road::lane_network::LaneNetwork;
 
@@ -42,6 +42,7 @@ pub fn read(xml: &str, name: &str) -> Result<TownParts, OpenDriveError> {
     let speed_signs = signals::speed_signs(&mut context, &roads, &network, &signals);
     let crosswalks = crosswalks::crosswalks(&mut context, &roads, &network);
     let traffic_lights = traffic_lights::read(root, &roads, &junctions, &network, &signals);
+    let obstacles = obstacles::read(&mut context, &roads, &network);
     unused::note(&mut context, root);
     Ok(TownParts {
         name: name.to_owned(),
@@ -50,7 +51,8 @@ pub fn read(xml: &str, name: &str) -> Result<TownParts, OpenDriveError> {
         speed_signs,
         traffic_lights,
         crosswalks,
-        obstacles: Vec::new(),
+        obstacles,
         warnings: context.into_warnings(),
+        map: Some(xml.into()),
     })
 }

@@ -3,6 +3,9 @@
 //! The reader is tolerant. A problem that it can work around becomes an [`OpenDriveWarning`] with the road and the line; only
 //! a file without any usable road is an [`OpenDriveError`]. Superelevation, shapes, lane heights and most kinds of signs are not used;
 //! a warning for each kind has the number of them.
+//!
+//! What the standard has no place for is in `userData` elements, which `export` writes: which objects are obstacles, and the exact place where
+//! a speed sign takes effect.
 
 mod error;
 mod attributes;
@@ -13,12 +16,16 @@ mod roads;
 mod junctions;
 mod signals;
 mod crosswalks;
+mod obstacles;
 mod traffic_lights;
 mod unused;
 mod file;
+mod insertion;
 
 pub use error::{OpenDriveError, OpenDriveProblem, OpenDriveWarning};
 pub use file::read;
+pub use insertion::{Addition, insert};
+pub use obstacles::{OBSTACLE, TRIGGER};
 
 #[cfg(test)]
 mod tests;

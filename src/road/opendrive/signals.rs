@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use roxmltree::Node;
 
 use super::attributes::{Context, child, children};
+use super::obstacles::trigger;
 use super::roads::Roads;
 use crate::geometry::OrientedBox;
 use crate::road::lane_network::{LaneNetwork, LaneSlot};
@@ -125,7 +126,8 @@ pub(super) fn speed_signs(
             let half = HALF_SIZE * network.width(lane, sign.s).max(0.0);
             let upstream = if lane.forward() { sign.s - half } else { sign.s + half };
             let pose = network.pose(&roads.roads, lane, upstream.max(lane.start).min(lane.end));
-            found.push(SpeedSign { limit: limit / 3.6, trigger: OrientedBox::new(pose, half, half) });
+            let trigger = trigger(definition).unwrap_or_else(|| OrientedBox::new(pose, half, half));
+            found.push(SpeedSign { limit: limit / 3.6, trigger });
         }
     }
     found

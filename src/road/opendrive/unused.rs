@@ -3,6 +3,7 @@
 use roxmltree::Node;
 
 use super::attributes::Context;
+use super::obstacles::is_obstacle;
 use super::{signals, traffic_lights};
 use crate::road::LaneKind;
 
@@ -58,7 +59,7 @@ fn unused(node: Node) -> Option<String> {
                 ),
             )
         }
-        ("objects", "object") if signals::limit(node).is_none() && !is_crosswalk(node) => {
+        ("objects", "object") if signals::limit(node).is_none() && !is_crosswalk(node) && !is_obstacle(node) => {
             let kind = node.attribute("type").filter(|kind| !matches!(*kind, "-1" | "" | "none"));
             Some(kind.map_or_else(|| "object of no type".to_owned(), |kind| format!("object of type {kind}")))
         }

@@ -1,0 +1,156 @@
+use crate::env::{Outcome, Scenario, Trace};
+use crate::geometry::{OrientedBox, Point, Pose, Vector, wrap_angle};
+use crate::judge::Verdict;
+use crate::road::{LaneFilter, Town};
+use crate::sim::{ActorId, PedestrianBody, VehicleBlueprint};
+
+/// The height of a car (m); the world is flat, so its cars have none.
+///
+/// # Source
+/// Dumps of a running CARLA 0.9.1x: the box of `vehicle.tesla.model3`.
+const CAR_HEIGHT: f64 = 1.488;
+
+/// An episode that was repeated: the input of every exporter.
+#[derive(Debug, Clone, Copy)]
+pub struct Episode<'a> {
+    /// Its name, `RUN:EPISODE`.
+    pub name: &'a str,
+    /// The controller, the place and the driver, in words.
+    pub title: &'a str,
+    /// The logical scenario.
+    pub scenario: &'a Scenario,
+    /// The track of each actor.
+    pub trace: &'a Trace,
+    /// Its outcome.
+    pub outcome: &'a Outcome,
+    /// The verdict of the reference drivers; none without a collision.
+    pub verdict: Option<&'a Verdict>,
+}
+
+/// The shape of an actor.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Shape<'a> {
+    Vehicle(&'a VehicleBlueprint),
+    Pedestrian(&'a PedestrianBody),
+}
+
+/// An actor after a tick.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Motion {
+    /// The middle of its box.
+    pub pose: Pose,
+    /// The heading without jumps: it differs from that of the tick before by at most π (rad).
+    pub heading: f64,
+    /// Velocity (m/s).
+    pub velocity: Vector,
+    /// Height of the ground (m).
+    pub ground: f64,
+}
+
+/// An actor with its track.
+#[derive(Debug, Clone)]
+pub(super) struct Actor<'a> {
+    pub id: ActorId,
+    /// `ego`, `vehicle_1`, …, `pedestrian`, `pedestrian_1`, ….
+    pub name: String,
+    pub shape: Shape<'a>,
+    /// At the start, and after each tick; never empty.
+    pub track: Vec<Motion>,
+}
+
+impl<'a> Episode<'a> {
+    /// All actors: the ego, the other vehicles, the pedestrians.
+    pub(super) fn actors(&self) -> Vec<Actor<'a>> {
+        let Self { scenario, trace, .. } = *self;
+        let vehicles = scenario.cast.vehicles().enumerate().map(|(number, role)| {
+            let states = trace.vehicle(number).iter().map(|frame| {
+                let pose = frame.state.pose;
+                (pose, pose.forward() * frame.state.speed)
+            });
+            let name = if number == 0 { "ego".to_owned() } else { format!("vehicle_{number}") };
+            let track = track(&scenario.town, states);
+            Actor { id: ActorId::Vehicle(number as u8), name, shape: Shape::Vehicle(&role.blueprint), track }
+        });
+        let pedestrians = scenario.cast.pedestrians().enumerate().map(|(number, role)| {
+            let states = trace.pedestrian(number).iter().map(|state| (state.pose, state.velocity));
+            let name = if number == 0 { "pedestrian".to_owned() } else { format!("pedestrian_{number}") };
+            let track = track(&scenario.town, states);
+            Actor { id: ActorId::Pedestrian(number as u8), name, shape: Shape::Pedestrian(&role.body), track }
+        });
+        vehicles.chain(pedestrians).collect()
+    }
+
+    /// The pedestrian that the verdict is about: the one that the ego touched, or the first: its place among [`Episode::actors`].
+    pub(super) fn main_pedestrian(&self) -> usize {
+        let struck = self.trace.contact().and_then(|contact| contact.pedestrian_at_ego()).unwrap_or(0);
+        self.scenario.cast.vehicles().count() + struck
+    }
+
+    /// Length of a tick (s).
+    pub(super) fn dt(&self) -> f64 {
+        self.scenario.episode.tick
+    }
+
+    /// The number of ticks.
+    pub(super) fn ticks(&self) -> usize {
+        self.trace.vehicle(0).len().saturating_sub(1)
+    }
+
+    /// The name as a part of file names: `RUN-EPISODE`.
+    pub(super) fn stem(&self) -> String {
+        self.name.replace(|character: char| !character.is_ascii_alphanumeric(), "-")
+    }
+
+    /// What happened, in a line: name, digest, outcome, verdict.
+    pub(super) fn summary(&self) -> String {
+        let end = match self.outcome.impact_speed() {
+            Some(speed) => format!("collision at {speed:.2} m/s"),
+            None => format!("no collision, least gap {:.2} m", self.outcome.least_gap),
+        };
+        let verdict = self.verdict.map(|verdict| format!(", {}", verdict.label.name())).unwrap_or_default();
+        format!("{} ({}), digest {:016x}: {end}{verdict}", self.name, self.title, self.outcome.digest)
+    }
+
+    /// The first tick at which the ego's box overlaps the square around the disc of its pedestrian: the touch as programs see it that
+    /// know boxes only. It is at most a corner of the square, 0.21 diameters, before the touch of the disc.
+    pub(super) fn touch_of_boxes(&self) -> Option<usize> {
+        let actors = self.actors();
+        let (ego, pedestrian) = (&actors[0], &actors[self.main_pedestrian()]);
+        ego.track
+            .iter()
+            .zip(&pedestrian.track)
+            .position(|(ego_at, pedestrian_at)| ego.outline(ego_at).overlaps(&pedestrian.outline(pedestrian_at)))
+    }
+}
+
+impl Actor<'_> {
+    /// Length, width and height (m). A disc has those of the square around it.
+    pub(super) fn size(&self) -> [f64; 3] {
+        match self.shape {
+            Shape::Vehicle(blueprint) => [2.0 * blueprint.half_length, 2.0 * blueprint.half_width, CAR_HEIGHT],
+            Shape::Pedestrian(body) => [2.0 * body.radius, 2.0 * body.radius, 2.0 * body.half_height],
+        }
+    }
+
+    /// The box of the actor.
+    pub(super) fn outline(&self, motion: &Motion) -> OrientedBox {
+        let [length, width, _] = self.size();
+        OrientedBox::new(motion.pose, length / 2.0, width / 2.0)
+    }
+}
+
+fn track(town: &Town, states: impl Iterator<Item = (Pose, Vector)>) -> Vec<Motion> {
+    let level = town.roads.iter().all(|road| road.plan_view.elevation().cubics().is_empty());
+    let height = |place: Point| {
+        let lane = if level { None } else { town.nearest_lane(place, LaneFilter::Any) };
+        lane.map_or(0.0, |lane| town.elevation(lane))
+    };
+    let mut heading: Option<f64> = None;
+    states
+        .map(|(pose, velocity)| {
+            let unwrapped = heading.map_or(pose.yaw, |before| before + wrap_angle(pose.yaw - before));
+            heading = Some(unwrapped);
+            Motion { pose, heading: unwrapped, velocity, ground: height(pose.position()) }
+        })
+        .collect()
+}

@@ -1,0 +1,478 @@
+//! OpenSCENARIO XML: timed polylines, one vertex a tick.
+//!
+//! The reference point of a vehicle is the middle of its rear axle, as the standard says. Programs differ for boxes that say otherwise: esmini moves
+//! the rear axle into the origin. CARLA's ScenarioRunner reads version 1.0 only and places an actor by the middle of its box, so the files of
+//! version 1.0 are written for it.
+//!
+//! # Source
+//! ASAM OpenSCENARIO XML 1.0, 1.2.0 and 1.3.0. ScenarioRunner: `srunner/tools/openscenario_parser.py`.
+
+use super::episode::{Actor, Motion, Shape};
+use super::xml::{Short, Xml};
+use super::{AUTHOR, DATE, EgoDriver, Episode, ExportError, ExportFile, Exporter, Variant, Walking, opendrive};
+use crate::sim::{ActorId, VehicleBlueprint};
+
+/// A version of the standard.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Version {
+    /// For CARLA's ScenarioRunner.
+    V1_0,
+    V1_2,
+    V1_3,
+}
+
+/// The exporter of a version.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct OpenScenario(pub Version);
+
+/// How long a scenario goes on after the last tick without a collision (s): with the recorded ego, and with the user's.
+const AFTERWARDS: [f64; 2] = [0.5, 30.0];
+/// A time before the start (s), for the rule "greater than".
+const BEFORE_START: f64 = -0.001;
+/// Figures that the standard requires and the simulator does not have: mass of a pedestrian (kg), greatest speed of a vehicle (m/s),
+/// diameter of a wheel (m).
+const MASS: f64 = 75.0;
+const GREATEST_SPEED: f64 = 69.4;
+const WHEEL: f64 = 0.7;
+
+impl Exporter for OpenScenario {
+    fn name(&self) -> &'static str {
+        match self.0 {
+            Version::V1_0 => "xosc-1.0",
+            Version::V1_2 => "xosc-1.2",
+            Version::V1_3 => "xosc-1.3",
+        }
+    }
+
+    fn about(&self) -> &'static str {
+        match self.0 {
+            Version::V1_0 => "OpenSCENARIO XML 1.0 with its OpenDRIVE map, for CARLA's ScenarioRunner",
+            Version::V1_2 => "OpenSCENARIO XML 1.2 with its OpenDRIVE map",
+            Version::V1_3 => "OpenSCENARIO XML 1.3 with its OpenDRIVE map",
+        }
+    }
+
+    fn approximates(&self) -> &'static str {
+        match self.0 {
+            Version::V1_0 => {
+                "a pedestrian's disc is the square around it; the reference point is the middle of the box; the runner's controllers follow the tracks"
+            }
+            _ => "a pedestrian's disc is the square around it, so a corner may touch earlier",
+        }
+    }
+
+    fn has_variants(&self) -> bool {
+        true
+    }
+
+    fn export(&self, episode: &Episode, variant: Variant) -> Result<Vec<ExportFile>, ExportError> {
+        let map = opendrive::map_file(&episode.scenario.town)?;
+        let storyboard = Storyboard::new(self.0, episode, variant, &map.name)?;
+        let scenario = ExportFile { name: format!("{}.xosc", episode.stem()), bytes: storyboard.text().into_bytes() };
+        Ok(vec![scenario, map])
+    }
+}
+
+/// What a file holds.
+struct Storyboard<'a> {
+    version: Version,
+    variant: Variant,
+    map: &'a str,
+    description: String,
+    dt: f64,
+    actors: Vec<Actor<'a>>,
+    /// The place of the pedestrian of the verdict among the actors.
+    pedestrian: usize,
+    /// The first tick of the pedestrians' trajectories, and the distance of the ego at which they start (m).
+    release: Option<(usize, f64)>,
+}
+
+impl<'a> Storyboard<'a> {
+    fn new(version: Version, episode: &Episode<'a>, variant: Variant, map: &'a str) -> Result<Self, ExportError> {
+        let format = OpenScenario(version).name();
+        let pedestrian = episode.main_pedestrian();
+        let mut storyboard = Self {
+            version,
+            variant,
+            map,
+            description: String::new(),
+            dt: episode.dt(),
+            actors: episode.actors(),
+            pedestrian,
+            release: None,
+        };
+        if version == Version::V1_0 {
+            // ScenarioRunner knows the ego by this name.
+            "hero".clone_into(&mut storyboard.actors[0].name);
+        }
+        if variant.walking == Walking::Released {
+            storyboard.release = Some(storyboard.find_release().ok_or_else(|| {
+                let what = "the release of a pedestrian that stands still".to_owned();
+                ExportError::NotRepresentable { format, what }
+            })?);
+        }
+        storyboard.description = storyboard.describe(episode);
+        Ok(storyboard)
+    }
+
+    /// The tick after which the pedestrian of the verdict moves, and its distance to the ego then.
+    fn find_release(&self) -> Option<(usize, f64)> {
+        let track = &self.actors[self.pedestrian].track;
+        let first =
+            track.windows(2).position(|pair| (pair[1].pose.position() - pair[0].pose.position()).norm() > 1e-9)?;
+        let ego = &self.actors[0];
+        let [x, y] = self.reference(ego, &ego.track[first]);
+        let place = track[first].pose;
+        Some((first, libm::hypot(place.x - x, place.y - y)))
+    }
+
+    fn describe(&self, episode: &Episode) -> String {
+        let ego = match self.variant.ego {
+            EgoDriver::Recorded => "The ego and the pedestrians follow their recorded tracks.",
+            EgoDriver::User => {
+                "The ego starts as recorded and has no driver: assign yours. The replay of the pedestrians is open loop."
+            }
+        };
+        let release = match self.release {
+            Some((_, distance)) => format!(" The pedestrians start when the ego is within {distance:.2} m."),
+            None => String::new(),
+        };
+        let touch = |tick: usize| format!("{:.2} s", tick as f64 * self.dt);
+        let disc = episode.outcome.is_collision().then(|| touch(episode.ticks()));
+        let touches = match (episode.touch_of_boxes(), disc) {
+            (Some(boxes), Some(disc)) => {
+                format!(" First overlap: of the boxes at {}, with the disc at {disc}.", touch(boxes))
+            }
+            (Some(boxes), None) => format!(" The boxes overlap at {} although the disc is not touched.", touch(boxes)),
+            _ => String::new(),
+        };
+        format!(
+            "{}. {ego}{release} Approximated: a pedestrian is a disc, and its box the square around it.{touches}",
+            episode.summary()
+        )
+    }
+
+    /// The reference point of an actor: the middle of the rear axle, or that of the box.
+    fn reference(&self, actor: &Actor, motion: &Motion) -> [f64; 2] {
+        let back = match actor.shape {
+            Shape::Vehicle(blueprint) if self.version != Version::V1_0 => blueprint.wheelbase / 2.0,
+            _ => 0.0,
+        };
+        let place = motion.pose.position() - motion.pose.forward() * back;
+        [place.x, place.y]
+    }
+
+    fn text(&self) -> String {
+        let minor = match self.version {
+            Version::V1_0 => 0,
+            Version::V1_2 => 2,
+            Version::V1_3 => 3,
+        };
+        Xml::document("OpenSCENARIO", &[], |xml| {
+            xml.empty(
+                "FileHeader",
+                &[
+                    ("revMajor", &1),
+                    ("revMinor", &minor),
+                    ("date", &DATE),
+                    ("author", &AUTHOR),
+                    ("description", &self.description),
+                ],
+            );
+            xml.empty("ParameterDeclarations", &[]);
+            xml.empty("CatalogLocations", &[]);
+            xml.element("RoadNetwork", &[], |xml| xml.empty("LogicFile", &[("filepath", &self.map)]));
+            xml.element("Entities", &[], |xml| self.actors.iter().for_each(|actor| self.entity(xml, actor)));
+            xml.element("Storyboard", &[], |xml| {
+                xml.element("Init", &[], |xml| {
+                    xml.element("Actions", &[], |xml| self.actors.iter().for_each(|actor| self.start(xml, actor)));
+                });
+                xml.element("Story", &[("name", &"failure")], |xml| {
+                    if self.version == Version::V1_0 {
+                        xml.empty("ParameterDeclarations", &[]);
+                    }
+                    xml.element("Act", &[("name", &"act")], |xml| {
+                        let driven =
+                            |actor: &&Actor| actor.id != ActorId::EGO || self.variant.ego == EgoDriver::Recorded;
+                        self.actors.iter().filter(driven).for_each(|actor| self.group(xml, actor));
+                        trigger(xml, "StartTrigger", |xml| self.at_start(xml, "start_of_act"));
+                    });
+                });
+                xml.element("StopTrigger", &[], |xml| self.stop(xml));
+            });
+        })
+    }
+
+    fn entity(&self, xml: &mut Xml, actor: &Actor) {
+        let [length, width, height] = actor.size();
+        let bounding_box = |xml: &mut Xml, ahead: f64| {
+            xml.element("BoundingBox", &[], |xml| {
+                xml.empty("Center", &[("x", &Short(ahead)), ("y", &0), ("z", &Short(height / 2.0))]);
+                let sizes: [(&str, f64); 3] = [("length", length), ("width", width), ("height", height)];
+                let [l, w, h] = sizes.map(|(_, size)| Short(size));
+                xml.empty("Dimensions", &[("length", &l), ("width", &w), ("height", &h)]);
+            });
+        };
+        xml.element("ScenarioObject", &[("name", &actor.name)], |xml| match actor.shape {
+            Shape::Vehicle(blueprint) => {
+                let name = if self.version == Version::V1_0 { "vehicle.tesla.model3" } else { "car" };
+                xml.element("Vehicle", &[("name", &name), ("vehicleCategory", &"car")], |xml| {
+                    xml.empty("ParameterDeclarations", &[]);
+                    let rear = if self.version == Version::V1_0 { -blueprint.wheelbase / 2.0 } else { 0.0 };
+                    bounding_box(xml, rear + blueprint.wheelbase / 2.0);
+                    performance(xml, blueprint);
+                    xml.element("Axles", &[], |xml| {
+                        axle(xml, "FrontAxle", blueprint.greatest_wheel_angle, rear + blueprint.wheelbase, width);
+                        axle(xml, "RearAxle", 0.0, rear, width);
+                    });
+                    xml.element("Properties", &[], |xml| {
+                        if self.version == Version::V1_0 {
+                            let role = if actor.id == ActorId::EGO { "ego_vehicle" } else { "simulation" };
+                            xml.empty("Property", &[("name", &"type"), ("value", &role)]);
+                        }
+                    });
+                });
+            }
+            Shape::Pedestrian(_) => {
+                let mass = Short(MASS);
+                let (name, model) = ("adult", "walker.pedestrian.0001");
+                let mut attributes: Vec<(&str, &dyn std::fmt::Display)> =
+                    vec![("name", &name), ("mass", &mass), ("pedestrianCategory", &"pedestrian")];
+                if self.version == Version::V1_0 {
+                    attributes[0].1 = &model;
+                    attributes.push(("model", &model));
+                }
+                xml.element("Pedestrian", &attributes, |xml| {
+                    xml.empty("ParameterDeclarations", &[]);
+                    bounding_box(xml, 0.0);
+                    xml.element("Properties", &[], |xml| {
+                        if self.version == Version::V1_0 {
+                            xml.empty("Property", &[("name", &"type"), ("value", &"simulation")]);
+                        }
+                    });
+                });
+            }
+        });
+    }
+
+    /// Places an actor; an ego without a track gets its speed, too.
+    fn start(&self, xml: &mut Xml, actor: &Actor) {
+        let ego_of_user = actor.id == ActorId::EGO && self.variant.ego == EgoDriver::User;
+        let from = if actor.id == ActorId::EGO { 0 } else { self.first_tick() };
+        xml.element("Private", &[("entityRef", &actor.name)], |xml| {
+            xml.element("PrivateAction", &[], |xml| {
+                xml.element("TeleportAction", &[], |xml| {
+                    self.position(xml, actor, &actor.track[from]);
+                });
+            });
+            if !ego_of_user {
+                return;
+            }
+            if self.version == Version::V1_0 {
+                xml.element("PrivateAction", &[], controller_of_scenario_runner);
+            }
+            xml.element("PrivateAction", &[], |xml| {
+                xml.element("LongitudinalAction", &[], |xml| {
+                    xml.element("SpeedAction", &[], |xml| {
+                        xml.empty(
+                            "SpeedActionDynamics",
+                            &[("dynamicsShape", &"step"), ("value", &0), ("dynamicsDimension", &"time")],
+                        );
+                        xml.element("SpeedActionTarget", &[], |xml| {
+                            let speed = Short(actor.track[0].velocity.norm());
+                            xml.empty("AbsoluteTargetSpeed", &[("value", &speed)]);
+                        });
+                    });
+                });
+            });
+        });
+    }
+
+    fn first_tick(&self) -> usize {
+        self.release.map_or(0, |(tick, _)| tick)
+    }
+
+    fn position(&self, xml: &mut Xml, actor: &Actor, motion: &Motion) {
+        let [x, y] = self.reference(actor, motion).map(Short);
+        xml.element("Position", &[], |xml| {
+            let (z, heading) = (Short(motion.ground), Short(motion.heading));
+            xml.empty("WorldPosition", &[("x", &x), ("y", &y), ("z", &z), ("h", &heading), ("p", &0), ("r", &0)]);
+        });
+    }
+
+    /// The maneuver group in which an actor follows its track.
+    fn group(&self, xml: &mut Xml, actor: &Actor) {
+        let name = &actor.name;
+        let released = self.release.filter(|_| matches!(actor.id, ActorId::Pedestrian(_)));
+        let priority = if self.version == Version::V1_0 { "overwrite" } else { "override" };
+        let named = |part: &str| format!("{part}_{name}");
+        let (group, maneuver, event, action) = (named("group"), named("maneuver"), named("event"), named("action"));
+        xml.element("ManeuverGroup", &[("name", &group), ("maximumExecutionCount", &1)], |xml| {
+            xml.element("Actors", &[("selectTriggeringEntities", &false)], |xml| {
+                xml.empty("EntityRef", &[("entityRef", name)]);
+            });
+            xml.element("Maneuver", &[("name", &maneuver)], |xml| {
+                let attributes: super::xml::Attributes =
+                    &[("name", &event), ("priority", &priority), ("maximumExecutionCount", &1)];
+                xml.element("Event", attributes, |xml| {
+                    xml.element("Action", &[("name", &action)], |xml| {
+                        xml.element("PrivateAction", &[], |xml| {
+                            xml.element("RoutingAction", &[], |xml| {
+                                xml.element("FollowTrajectoryAction", &[], |xml| {
+                                    self.trajectory(xml, actor, released.is_some());
+                                });
+                            });
+                        });
+                    });
+                    trigger(xml, "StartTrigger", |xml| match released {
+                        None => self.at_start(xml, &named("start")),
+                        Some((_, distance)) => self.at_distance(xml, &named("release"), distance),
+                    });
+                });
+            });
+        });
+    }
+
+    fn trajectory(&self, xml: &mut Xml, actor: &Actor, released: bool) {
+        let first = if released { self.first_tick() } else { 0 };
+        let name = format!("track_{}", actor.name);
+        let polyline = |xml: &mut Xml| {
+            xml.element("Trajectory", &[("name", &name), ("closed", &false)], |xml| {
+                xml.element("Shape", &[], |xml| {
+                    xml.element("Polyline", &[], |xml| {
+                        for (tick, motion) in actor.track[first..].iter().enumerate() {
+                            let time = Short(tick as f64 * self.dt);
+                            xml.element("Vertex", &[("time", &time)], |xml| self.position(xml, actor, motion));
+                        }
+                    });
+                });
+            });
+        };
+        if self.version == Version::V1_0 {
+            polyline(xml);
+        } else {
+            xml.element("TrajectoryRef", &[], polyline);
+        }
+        xml.element("TimeReference", &[], |xml| {
+            let domain = if released { "relative" } else { "absolute" };
+            xml.empty("Timing", &[("domainAbsoluteRelative", &domain), ("scale", &1), ("offset", &0)]);
+        });
+        // ScenarioRunner knows no other mode than to follow.
+        let mode = if self.version == Version::V1_0 { "follow" } else { "position" };
+        xml.empty("TrajectoryFollowingMode", &[("followingMode", &mode)]);
+    }
+
+    /// The condition that is true from the first instant on.
+    fn at_start(&self, xml: &mut Xml, name: &str) {
+        condition(xml, name, "ByValueCondition", |xml| match self.version {
+            Version::V1_0 => {
+                xml.empty("SimulationTimeCondition", &[("value", &Short(BEFORE_START)), ("rule", &"greaterThan")]);
+            }
+            _ => xml.empty("SimulationTimeCondition", &[("value", &0), ("rule", &"greaterOrEqual")]),
+        });
+    }
+
+    /// The condition that the ego is this near (m) to the pedestrian of the verdict.
+    fn at_distance(&self, xml: &mut Xml, name: &str, distance: f64) {
+        // The distance at the start is one at which the pedestrian walks, in spite of rounding.
+        let distance = Short(distance + 1e-6);
+        let (kind, rule) = match self.version {
+            Version::V1_0 => ("cartesianDistance", "lessThan"),
+            _ => ("euclidianDistance", "lessOrEqual"),
+        };
+        let pedestrian = &self.actors[self.pedestrian].name;
+        self.by_entity(xml, name, &self.actors[0].name, |xml| {
+            xml.empty(
+                "RelativeDistanceCondition",
+                &[
+                    ("entityRef", pedestrian),
+                    ("relativeDistanceType", &kind),
+                    ("value", &distance),
+                    ("freespace", &false),
+                    ("rule", &rule),
+                ],
+            );
+        });
+    }
+
+    fn by_entity(&self, xml: &mut Xml, name: &str, entity: &str, content: impl FnOnce(&mut Xml)) {
+        condition(xml, name, "ByEntityCondition", |xml| {
+            xml.element("TriggeringEntities", &[("triggeringEntitiesRule", &"any")], |xml| {
+                xml.empty("EntityRef", &[("entityRef", &entity)]);
+            });
+            xml.element("EntityCondition", &[], content);
+        });
+    }
+
+    /// The ego touches a pedestrian, or time is over.
+    fn stop(&self, xml: &mut Xml) {
+        for actor in self.actors.iter().filter(|actor| matches!(actor.id, ActorId::Pedestrian(_))) {
+            let name = format!("collision_{}", actor.name);
+            xml.element("ConditionGroup", &[], |xml| {
+                self.by_entity(xml, &name, &self.actors[0].name, |xml| {
+                    xml.element("CollisionCondition", &[], |xml| xml.empty("EntityRef", &[("entityRef", &actor.name)]));
+                });
+            });
+        }
+        let afterwards = AFTERWARDS[usize::from(self.variant != Variant::default())];
+        let end = Short((self.actors[0].track.len() - 1) as f64 * self.dt + afterwards);
+        xml.element("ConditionGroup", &[], |xml| {
+            condition(xml, "end", "ByValueCondition", |xml| {
+                xml.empty("SimulationTimeCondition", &[("value", &end), ("rule", &"greaterThan")]);
+            });
+        });
+    }
+}
+
+fn performance(xml: &mut Xml, blueprint: &VehicleBlueprint) {
+    let forward = blueprint.throttle.iter().map(|line| line.at_rest).fold(0.0, f64::max);
+    let numbers = [GREATEST_SPEED, forward, blueprint.full_brake * blueprint.low_speed_braking.max(1.0)];
+    let [speed, acceleration, deceleration] = numbers.map(Short);
+    xml.empty(
+        "Performance",
+        &[("maxSpeed", &speed), ("maxAcceleration", &acceleration), ("maxDeceleration", &deceleration)],
+    );
+}
+
+fn axle(xml: &mut Xml, name: &str, steering: f64, ahead: f64, width: f64) {
+    let [steering, diameter, track, ahead, height] = [steering, WHEEL, 0.8 * width, ahead, WHEEL / 2.0].map(Short);
+    xml.empty(
+        name,
+        &[
+            ("maxSteering", &steering),
+            ("wheelDiameter", &diameter),
+            ("trackWidth", &track),
+            ("positionX", &ahead),
+            ("positionZ", &height),
+        ],
+    );
+}
+
+/// ScenarioRunner's controller that leaves a vehicle to another client.
+fn controller_of_scenario_runner(xml: &mut Xml) {
+    xml.element("ControllerAction", &[], |xml| {
+        xml.element("AssignControllerAction", &[], |xml| {
+            xml.element("Controller", &[("name", &"user")], |xml| {
+                xml.element("Properties", &[], |xml| {
+                    xml.empty("Property", &[("name", &"module"), ("value", &"external_control")]);
+                });
+            });
+        });
+        xml.element("OverrideControllerValueAction", &[], |xml| {
+            for name in ["Throttle", "Brake", "Clutch", "ParkingBrake", "SteeringWheel"] {
+                xml.empty(name, &[("value", &0), ("active", &false)]);
+            }
+            xml.empty("Gear", &[("number", &0), ("active", &false)]);
+        });
+    });
+}
+
+fn trigger(xml: &mut Xml, name: &str, content: impl FnOnce(&mut Xml)) {
+    xml.element(name, &[], |xml| xml.element("ConditionGroup", &[], content));
+}
+
+fn condition(xml: &mut Xml, name: &str, kind: &str, content: impl FnOnce(&mut Xml)) {
+    xml.element("Condition", &[("name", &name), ("delay", &0), ("conditionEdge", &"none")], |xml| {
+        xml.element(kind, &[], content);
+    });
+}

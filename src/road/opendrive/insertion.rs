@@ -1,0 +1,63 @@
+use std::collections::BTreeMap;
+
+use roxmltree::{Document, Node};
+
+use super::attributes::child;
+use super::budget;
+
+/// Elements that are added to a road of a map, as XML.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Addition {
+    /// `object` elements.
+    pub objects: String,
+    /// `signal` elements.
+    pub signals: String,
+}
+
+/// The text of a map with elements added to its roads, which are named by their numbers; every other byte stays as it is.
+///
+/// None when the map is no XML or a road has no such number.
+pub fn insert(map: &str, additions: &BTreeMap<u32, Addition>) -> Option<String> {
+    let document = Document::parse_with_options(map, budget::parsing(map)).ok()?;
+    let mut places: Vec<(usize, usize, String)> = Vec::new();
+    for (number, addition) in additions {
+        let named = |node: &Node| node.attribute("id").and_then(|id| id.trim().parse().ok()) == Some(*number);
+        let road = document.root_element().children().find(|node| node.tag_name().name() == "road" && named(node))?;
+        let after_lanes = child(road, "lanes")?.range().end;
+        let after_objects = child(road, "objects").map_or(after_lanes, |objects| objects.range().end);
+        for (name, content, place) in
+            [("objects", &addition.objects, after_lanes), ("signals", &addition.signals, after_objects)]
+        {
+            if content.is_empty() {
+                continue;
+            }
+            let Some(container) = child(road, name) else {
+                places.push((place, place, format!("\n<{name}>\n{content}</{name}>")));
+                continue;
+            };
+            let range = container.range();
+            let text = &map[range.clone()];
+            // An empty element has no end tag.
+            match text.strip_suffix("/>") {
+                Some(start) if container.first_child().is_none() => {
+                    places.push((range.start, range.end, format!("{start}>\n{content}</{name}>")));
+                }
+                _ => {
+                    let end = range.start + text.rfind("</")?;
+                    places.push((end, end, content.clone()));
+                }
+            }
+        }
+    }
+    // Additions of one place are objects, then signals.
+    places.sort_by_key(|(start, _, _)| *start);
+    let mut text = String::with_capacity(map.len());
+    let mut copied = 0;
+    for (start, end, addition) in places {
+        text.push_str(&map[copied..start]);
+        text.push_str(&addition);
+        copied = end;
+    }
+    text.push_str(&map[copied..]);
+    Some(text)
+}

@@ -1,0 +1,295 @@
+//! Failures for other programs: the files are read back, by our own readers and by independent ones.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use falsify::internal::export;
+use falsify::internal::geometry::{OrientedBox, Point, Pose};
+use falsify::internal::road::design::{BuildingRow, Node, Street, TownDesign};
+use falsify::internal::road::{Road, SpeedSign, Town, TownParts, TrafficLight, opendrive};
+use falsify::session::{CheckOptions, Input, Session};
+use proptest::prelude::*;
+
+use crate::program::{error, falsify, said};
+use crate::shipped::shipped;
+
+/// Places along a road at which two towns are compared.
+const PLACES: u32 = 9;
+/// The most by which a town may differ from the one that was written (m, rad).
+const NEAR: f64 = 1e-6;
+
+fn near(a: f64, b: f64) -> bool {
+    (a - b).abs() <= NEAR
+}
+
+fn near_pose(a: &Pose, b: &Pose) -> bool {
+    let turn = (a.yaw - b.yaw).abs();
+    near(a.x, b.x) && near(a.y, b.y) && (turn <= NEAR || (std::f64::consts::TAU - turn).abs() <= NEAR)
+}
+
+fn near_box(a: &OrientedBox, b: &OrientedBox) -> bool {
+    near_pose(&a.pose, &b.pose) && near(a.half.x, b.half.x) && near(a.half.y, b.half.y)
+}
+
+fn check_road(a: &Road, b: &Road) {
+    let name = &a.name;
+    let links =
+        |road: &Road| (road.id, road.name.clone(), road.junction, road.left_hand, road.predecessor, road.successor);
+    assert_eq!(links(a), links(b));
+    assert!(near(a.length, b.length), "{name}: {} m, {} m", a.length, b.length);
+    assert_eq!(a.sections.len(), b.sections.len(), "{name}");
+    for (number, (one, other)) in a.sections.iter().zip(&b.sections).enumerate() {
+        assert!(near(one.start, other.start) && near(one.end, other.end), "{name}");
+        let lanes = |road: &Road| {
+            let lanes = road.sections[number].lanes.iter();
+            lanes.map(|lane| (lane.id, lane.kind, lane.predecessor, lane.successor)).collect::<Vec<_>>()
+        };
+        assert_eq!(lanes(a), lanes(b), "{name}");
+        for (lane, same) in one.lanes.iter().zip(&other.lanes) {
+            for place in 0..=PLACES {
+                let s = one.start + (one.end - one.start) * f64::from(place) / f64::from(PLACES);
+                assert!(near(lane.width.value(s), same.width.value(s)), "{name}, lane {}", lane.id);
+                if lane.id != 0 {
+                    let (first, second) = (a.lane_pose(number, lane.id, s), b.lane_pose(number, lane.id, s));
+                    let (first, second) = (first.unwrap(), second.unwrap());
+                    assert!(near_pose(&first, &second), "{name}, lane {}, s {s}: {first:?}, {second:?}", lane.id);
+                }
+            }
+        }
+    }
+}
+
+/// Checks that two lists are the same up to their order.
+fn check_same<T: std::fmt::Debug>(what: &str, a: &[T], b: &[T], same: impl Fn(&T, &T) -> bool) {
+    assert_eq!(a.len(), b.len(), "{what}");
+    let mut left: Vec<&T> = b.iter().collect();
+    for one in a {
+        let found = left.iter().position(|other| same(one, other));
+        left.remove(found.unwrap_or_else(|| panic!("{what}: {one:?} is lost among {left:?}")));
+    }
+}
+
+/// Checks that a designed town is the same after it was written and read.
+fn check_round_trip(town: &Town) {
+    let text = export::town(town).unwrap();
+    let read = Town::new(opendrive::read(&text, &town.name).unwrap());
+    assert_eq!(read.warnings, [], "{}", town.name);
+    assert_eq!(town.roads.len(), read.roads.len());
+    town.roads.iter().zip(&read.roads).for_each(|(a, b)| check_road(a, b));
+    // Numbers of junctions are free, since roads and lights name junctions by their places.
+    for (a, b) in town.junctions.iter().zip(&read.junctions) {
+        assert_eq!((&a.name, &a.connections), (&b.name, &b.connections));
+    }
+    assert_eq!(town.junctions.len(), read.junctions.len());
+    let same_sign = |a: &SpeedSign, b: &SpeedSign| near(a.limit, b.limit) && near_box(&a.trigger, &b.trigger);
+    check_same("signs", &town.speed_signs, &read.speed_signs, same_sign);
+    let turns = |light: &TrafficLight| (light.group, light.turn, light.turns, light.road);
+    let same_light = |a: &TrafficLight, b: &TrafficLight| {
+        turns(a) == turns(b) && near_pose(&a.stop, &b.stop) && near_box(&a.trigger, &b.trigger)
+    };
+    check_same("lights", &town.traffic_lights, &read.traffic_lights, same_light);
+    check_same("obstacles", &town.obstacles, &read.obstacles, near_box);
+    let same_stretch = |a: &Town, b: &Town| {
+        let stretches = a.driving_lanes().iter().zip(b.driving_lanes());
+        a.driving_lanes().len() == b.driving_lanes().len()
+            && stretches.into_iter().all(|(one, other)| near_pose(&a.pose(one.start), &b.pose(other.start)))
+    };
+    assert!(same_stretch(town, &read), "{}", town.name);
+}
+
+fn towns_of(files: &[PathBuf]) -> Vec<Arc<Town>> {
+    let mut towns: Vec<Arc<Town>> = Vec::new();
+    for file in files {
+        let input = Input { files: vec![file.clone()], ..Input::default() };
+        let checked = Session::default().check(&CheckOptions { input, ..CheckOptions::default() }).unwrap();
+        let Ok(plan) = checked.plan() else { continue };
+        let used = plan.campaigns.iter().flat_map(|campaign| &campaign.towns);
+        towns.extend(plan.towns.iter().chain(used).map(|named| named.town.clone()));
+    }
+    let mut known = BTreeSet::new();
+    towns.retain(|town| town.map.is_none() && known.insert(town.name.clone()));
+    towns
+}
+
+#[test]
+fn all_shipped_towns_are_the_same_after_they_were_exported_and_read() {
+    let towns = towns_of(&[shipped("scenarios"), shipped("tests/suite")].concat());
+    assert!(towns.len() >= 4, "{} towns", towns.len());
+    let of = |list: fn(&Town) -> usize| towns.iter().map(|town| list(town)).sum::<usize>();
+    assert!(of(|town| town.obstacles.len()) > 100 && of(|town| town.speed_signs.len()) > 10);
+    assert!(of(|town| town.traffic_lights.len()) > 10 && of(|town| town.junctions.len()) > 10);
+    towns.iter().for_each(|town| check_round_trip(town));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn any_crooked_grid_is_the_same_after_it_was_exported_and_read(
+        shifts in prop::collection::vec((-10.0..10.0f64, -10.0..10.0f64), 9),
+        chosen in prop::collection::vec(any::<bool>(), 12),
+        lights in any::<bool>(),
+        limit in prop::option::of(5.0..40.0f64),
+        house in (-200.0..400.0f64, -200.0..-60.0f64, -3.0..3.0f64),
+    ) {
+        let across = (0..9).filter(|node| node % 3 < 2).map(|node| [node, node + 1]);
+        let up = (0..6).map(|node| [node + 3, node]);
+        let pairs = across.chain(up).zip(&chosen).filter(|(_, chosen)| **chosen);
+        let pairs: Vec<[usize; 2]> = pairs.map(|(pair, _)| pair).collect();
+        prop_assume!(!pairs.is_empty());
+        let used: Vec<usize> = (0..9).filter(|node| pairs.iter().any(|pair| pair.contains(node))).collect();
+        let legs = |node: usize| pairs.iter().filter(|pair| pair.contains(&node)).count();
+        let row = BuildingRow { setback: 0.0, depth: 9.0, length: 9.0, gap: 0.0 };
+        let mut town = TownDesign { name: "grid".to_owned(), block_buildings: Some(row), ..TownDesign::default() };
+        town.nodes.extend(used.iter().map(|&place| {
+            let (column, row) = ((place % 3) as f64, (place / 3) as f64);
+            let position = Point::new(80.0 * column + shifts[place].0, 80.0 * row + shifts[place].1);
+            Node { name: format!("n{place}"), position, lights: lights && legs(place) > 2 }
+        }));
+        let number = |place: &usize| used.iter().position(|own| own == place).unwrap();
+        town.streets.extend(pairs.iter().map(|pair| Street {
+            name: format!("{pair:?} <&>"),
+            nodes: pair.iter().map(number).collect(),
+            speed_limit: limit,
+        }));
+        // Beyond the end of every road.
+        town.buildings.push(OrientedBox::new(Pose::new(house.0, house.1, house.2), 8.0, 3.0));
+        check_round_trip(&Town::new(town.build().unwrap()));
+    }
+}
+
+/// A straight road, as another program might write it.
+const MAP: &str = r#"<?xml version="1.0"?><!-- by hand -->
+<OpenDRIVE><header revMajor="1" revMinor="4"/>
+<road id="7" length="100" junction="-1"><planView><geometry s="0" x="0" y="0" hdg="0" length="100"><line/></geometry></planView>
+<lanes><laneSection s="0"><center><lane id="0" type="none"/></center><right><lane id="-1" type="driving">
+<width sOffset="0" a="3.5" b="0" c="0" d="0"/></lane></right></laneSection></lanes><signals/></road></OpenDRIVE>
+"#;
+
+#[test]
+fn a_map_is_handed_through_with_what_the_scenario_adds() {
+    let parts = opendrive::read(MAP, "map").unwrap();
+    assert_eq!(export::town(&Town::new(parts.clone())).unwrap(), MAP);
+    let house = OrientedBox::new(Pose::new(130.0, 20.0, 0.4), 5.0, 4.0);
+    let sign = SpeedSign { limit: 10.0, trigger: OrientedBox::new(Pose::new(30.0, -1.75, 0.0), 1.4, 1.4) };
+    let town = Town::new(TownParts { obstacles: vec![house], speed_signs: vec![sign.clone()], ..parts });
+    let text = export::town(&town).unwrap();
+    let (head, tail) = MAP.split_once("<signals/>").unwrap();
+    assert!(text.starts_with(head) && text.ends_with(tail), "{text}");
+    let read = opendrive::read(&text, "map").unwrap();
+    assert_eq!((read.obstacles.len(), read.speed_signs.len()), (1, 1));
+    assert!(near_box(&read.obstacles[0], &house), "{:?}", read.obstacles);
+    assert!(near_box(&read.speed_signs[0].trigger, &sign.trigger) && near(read.speed_signs[0].limit, 10.0));
+    // What was added once is not added again.
+    assert_eq!(export::town(&Town::new(read)).unwrap(), text);
+}
+
+#[test]
+fn a_map_whose_roads_have_no_numbers_takes_nothing() {
+    let parts = opendrive::read(&MAP.replace("id=\"7\"", "id=\"seven\""), "map").unwrap();
+    let house = OrientedBox::new(Pose::new(130.0, 20.0, 0.4), 5.0, 4.0);
+    let error = export::town(&Town::new(TownParts { obstacles: vec![house], ..parts })).unwrap_err();
+    assert!(error.to_string().starts_with("xodr cannot represent obstacles or signs beside a road"), "{error}");
+}
+
+const SCENARIO: &str = r#"
+edition 1
+import "std/paper.scn"
+import "std/drivers.scn"
+import "std/towns.scn"
+campaign out {
+  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds
+  evaluate { towns: [harbour, village] policies: [blind, careful] pedestrians: [intercept] episodes: 4 }
+}
+"#;
+
+/// Runs a campaign in a folder; gives the names of its collisions and of one episode without a collision, if there is one.
+pub fn failures(folder: &Path) -> Vec<String> {
+    std::fs::write(folder.join("out.scn"), SCENARIO).unwrap();
+    let run = falsify(&["run", "out.scn"], folder);
+    assert_eq!(run.status.code(), Some(0), "{run:?}");
+    let text = std::fs::read_to_string(folder.join("reports/out/episodes.csv")).unwrap();
+    let head: Vec<&str> = text.lines().next().unwrap().split(',').collect();
+    let place = |name: &str| head.iter().position(|column| *column == name).unwrap();
+    let (run, episode, outcome) = (place("run_id"), place("episode"), place("outcome"));
+    let rows = text.lines().skip(1).map(|line| line.split(',').collect::<Vec<_>>());
+    rows.filter(|row| row[outcome] == "collision").map(|row| format!("{}:{}", row[run], row[episode])).collect()
+}
+
+#[test]
+fn failures_are_exported_one_by_one_and_as_a_list() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let names = failures(here);
+    assert!(names.len() >= 6, "{names:?}");
+
+    let one = falsify(&["export", &names[0], "--as", "xosc-1.3"], here);
+    assert_eq!(one.status.code(), Some(0), "{one:?}");
+    let stem = names[0].replace(':', "-");
+    let text = std::fs::read_to_string(here.join(format!("{stem}.xosc"))).unwrap();
+    let read = roxmltree::Document::parse(&text).unwrap();
+    let map = read.descendants().find_map(|node| node.attribute("filepath")).unwrap();
+    let town = opendrive::read(&std::fs::read_to_string(here.join(map)).unwrap(), "map").unwrap();
+    assert!(!town.obstacles.is_empty());
+
+    // The vertices are the ticks of the episode, at the rear axle.
+    let replay = falsify(&["replay", &names[0], "--json", "--ticks", "ticks.csv"], here);
+    assert_eq!(replay.status.code(), Some(0), "{replay:?}");
+    let ticks = std::fs::read_to_string(here.join("ticks.csv")).unwrap();
+    let head: Vec<&str> = ticks.lines().next().unwrap().split(',').collect();
+    let places = ["ego_x_m", "ego_y_m", "ego_yaw_deg"].map(|name| head.iter().position(|own| *own == name).unwrap());
+    let polyline = read.descendants().find(|node| node.has_tag_name("Polyline")).unwrap();
+    let vertices: Vec<_> = polyline.descendants().filter(|node| node.has_tag_name("WorldPosition")).collect();
+    assert_eq!(vertices.len(), ticks.lines().count() - 1);
+    let half_base = 3.0046 / 2.0;
+    for (line, vertex) in ticks.lines().skip(1).zip(vertices) {
+        let values: Vec<&str> = line.split(',').collect();
+        let [x, y, yaw] = places.map(|place| values[place].parse::<f64>().unwrap());
+        let number = |name: &str| vertex.attribute(name).unwrap().parse::<f64>().unwrap();
+        let (sin, cos) = libm::sincos(yaw.to_radians());
+        assert!((number("x") - (x - half_base * cos)).abs() < 1e-4, "{line}");
+        assert!((number("y") - (y - half_base * sin)).abs() < 1e-4, "{line}");
+    }
+
+    let list = names.iter().map(|name| format!("reports/out/{name} and more words\n")).collect::<String>();
+    std::fs::write(here.join("names.txt"), list).unwrap();
+    let piped = crate::program::command()
+        .args(["export", "-", "--as", "xosc-1.2", "--out", "all", "--ego", "user", "--pedestrians", "released"])
+        .current_dir(here)
+        .stdin(std::fs::File::open(here.join("names.txt")).unwrap())
+        .output()
+        .unwrap();
+    assert_eq!(piped.status.code(), Some(0), "{piped:?}");
+    assert_eq!(said(&piped).lines().count(), names.len());
+    let written = std::fs::read_dir(here.join("all")).unwrap().count();
+    // Two towns have two maps.
+    assert_eq!(written, names.len() + 2);
+    let released = std::fs::read_to_string(here.join(format!("all/{stem}.xosc"))).unwrap();
+    let read = roxmltree::Document::parse(&released).unwrap();
+    let named = |name: &str| read.descendants().filter(|node| node.has_tag_name(name)).count();
+    assert_eq!((named("FollowTrajectoryAction"), named("RelativeDistanceCondition")), (1, 1));
+    assert!(released.contains("domainAbsoluteRelative=\"relative\""));
+}
+
+#[test]
+fn what_cannot_be_exported_is_an_error_that_names_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let names = failures(here);
+    let variant = falsify(&["export", &names[0], "--as", "xodr", "--ego", "user"], here);
+    assert_eq!(variant.status.code(), Some(2), "{variant:?}");
+    assert!(error(&variant).contains("xodr cannot represent an ego that the user drives"), "{}", error(&variant));
+    let unknown = falsify(&["export", &names[0], "--as", "mov"], here);
+    assert_eq!(unknown.status.code(), Some(2), "{unknown:?}");
+    assert!(error(&unknown).contains("xosc-1.3"), "{}", error(&unknown));
+    let nothing = falsify(&["export", "--as", "xodr"], here);
+    assert_eq!(nothing.status.code(), Some(2), "{nothing:?}");
+    let bad = falsify(&["export", "12:x", "--as", "xodr"], here);
+    assert!(error(&bad).contains("`12:x` is no name of an episode"), "{}", error(&bad));
+
+    // A scenario that was changed is another scenario.
+    std::fs::write(here.join("out.scn"), SCENARIO.replace("thirty_seconds", "thirty_seconds ")).unwrap();
+    let changed = falsify(&["export", &names[0], "--as", "xodr"], here);
+    assert_eq!(changed.status.code(), Some(8), "{changed:?}");
+}
