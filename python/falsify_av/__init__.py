@@ -1,12 +1,15 @@
 """Environments in which a pedestrian looks for the failures of a self-driving car.
 
 ``make`` and ``make_vec`` give Gymnasium environments of a scenario file, ``falsify_av.sb3.make_vec`` one for stable-baselines3, and
-``falsify_av.pettingzoo.parallel_env`` one for PettingZoo. ``check`` returns what is wrong with scenario files.
+``falsify_av.pettingzoo.parallel_env`` one for PettingZoo. ``check`` returns what is wrong with scenario files. ``evaluate`` runs episodes of a
+pedestrian that is a Python callable. ``program`` calls the program ``falsify``, if it is installed.
 """
 
 from gymnasium import register as _register
 
+from . import program
 from .environments import PedestrianEnv, PedestrianVectorEnv, make, make_vec
+from .evaluation import evaluate, onnx
 from .scenarios import Diagnostic, ScenarioError, check, scenarios
 
 __all__ = [
@@ -15,8 +18,11 @@ __all__ = [
     "PedestrianVectorEnv",
     "ScenarioError",
     "check",
+    "evaluate",
     "make",
     "make_vec",
+    "onnx",
+    "program",
     "scenarios",
 ]
 
