@@ -109,8 +109,8 @@ pub mod results {
     pub use crate::judge::Verdict;
     #[doc(inline)]
     pub use crate::report::{
-        Cell, Difference, FileRecord, Formats, Gate, GateError, Judged, Manifest, ReadError, SearchCell, Spread,
-        StoredReport, TrainingRecord, WriteError,
+        Cell, Difference, FileRecord, Formats, Gate, GateError, Judged, Manifest, ReadError, RunRecord, ScenarioFile,
+        SearchCell, Spread, StoredReport, TrainingRecord, WriteError,
     };
     #[doc(inline)]
     pub use crate::store::{Known, Limits, StoreError};

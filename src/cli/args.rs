@@ -3,11 +3,13 @@ use clap::{Parser, Subcommand, ValueEnum};
 use super::av_check::AvCheckOptions;
 use super::cache::{self, CacheOptions};
 use super::check::{self, CheckOptions};
+use super::compare::{self, CompareOptions};
 use super::config::{self, ConfigOptions};
 use super::debug::{self, DebugOptions};
 use super::demo::{self, DemoOptions};
 use super::explain::{self, ExplainOptions};
 use super::export::{self, ExportOptions};
+use super::failures::{self, FailuresOptions};
 use super::fmt::{self, FmtOptions};
 use super::lsp;
 use super::map::{self, MapOptions};
@@ -25,6 +27,7 @@ Examples:
   falsify new my.scn                         start from a commented file
   falsify check my.scn                       find mistakes without running anything
   falsify run my.scn                         run its campaigns, reports go to reports/
+  falsify failures                           list the failures of reports/, the worst first
   falsify replay 1a2b3c4d:17                 see a failure again, `render` draws it
   falsify export 1a2b3c4d:17 --as xosc-1.3   the failure for another simulator
   falsify explain missing-unit               what a message means
@@ -73,6 +76,12 @@ pub enum Command {
     /// Repeat a sample of what a report holds and compare it byte for byte.
     #[command(after_help = verify::EXAMPLES)]
     Verify(VerifyOptions),
+    /// Compare two reports, or two drivers of one, start by start: rates, and failures that are new, fixed, the same.
+    #[command(after_help = compare::EXAMPLES)]
+    Compare(CompareOptions),
+    /// List the failures of reports, those that count most against a driver first.
+    #[command(after_help = failures::EXAMPLES)]
+    Failures(FailuresOptions),
     /// Show how much finished work is stored for the campaigns of a folder, and remove what none of them needs.
     #[command(alias = "cells", after_help = cache::EXAMPLES)]
     Cache(CacheOptions),

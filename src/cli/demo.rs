@@ -66,6 +66,8 @@ fn place(file: &Path) -> Result<(), ExitCode> {
 /// The options of `falsify run` for this file, with the settings of the environment.
 fn run_options(file: &Path, options: &DemoOptions) -> RunOptions {
     let mut words = vec!["run".into(), file.as_os_str().to_owned(), "--out".into(), options.out.as_os_str().to_owned()];
+    // Its scenario never changes, so what is there is the same report of this or of another version of the program.
+    words.push("--replace".into());
     if options.smoke {
         words.push("--smoke".into());
     }

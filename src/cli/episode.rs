@@ -1,15 +1,19 @@
-//! Options of the commands that repeat an episode of a report.
+//! Options of the commands that repeat episodes of a report.
 
+use std::io::Read;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::Args;
 
-use crate::session::{self, EpisodeName};
+use super::console;
+use super::exit_code::ExitCode;
+use crate::session::{self, EpisodePath, NoEpisodeName};
 
 /// Options of all commands that repeat episodes of a report.
 #[derive(Debug, Args)]
 pub struct RepeatOptions {
-    /// Folder to which the scenario files' paths are relative, when it is not the folder of the run.
+    /// Read the scenario files from this folder, instead of those that the report holds; paths are relative to it.
     #[arg(long, value_name = "DIR")]
     pub files: Option<PathBuf>,
     /// Let scenarios start programs as drivers again; use it only with files that you trust.
@@ -20,18 +24,69 @@ pub struct RepeatOptions {
     pub anyway: bool,
 }
 
-/// Which episode, and where its report is.
+/// Which episodes, and where their reports are.
 #[derive(Debug, Args)]
 pub struct NameOptions {
-    /// The episode, or the failure of a search.
-    #[arg(value_name = "RUN:EPISODE", value_parser = str::parse::<EpisodeName>)]
-    pub name: EpisodeName,
-    /// A report, or a folder of reports.
+    /// Episodes, or failures of searches; a path before the name is that of the report. `-` reads names from the input, one a line.
+    #[arg(required = true, value_name = "[PATH/]RUN:EPISODE", value_parser = str::parse::<Named>)]
+    pub names: Vec<Named>,
+    /// The report, or the folder of reports, of names without a path.
     #[arg(long, default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
     pub report: PathBuf,
     /// Options of the repetition.
     #[command(flatten)]
     pub repeat: RepeatOptions,
+}
+
+/// An argument that names episodes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Named {
+    /// One of them.
+    Episode(EpisodePath),
+    /// Those whose names are on the standard input.
+    Input,
+}
+
+impl FromStr for Named {
+    type Err = NoEpisodeName;
+
+    fn from_str(text: &str) -> Result<Self, NoEpisodeName> {
+        if text == "-" { Ok(Self::Input) } else { text.parse().map(Self::Episode) }
+    }
+}
+
+/// All episodes that arguments name, with those on the standard input.
+///
+/// # Errors
+/// The exit code, after the reason has been printed: the input cannot be read, or a line of it is no name.
+pub fn resolved(names: &[Named]) -> Result<Vec<EpisodePath>, ExitCode> {
+    let mut all = Vec::new();
+    for name in names {
+        match name {
+            Named::Episode(path) => all.push(path.clone()),
+            Named::Input => all.extend(on_input()?),
+        }
+    }
+    Ok(all)
+}
+
+fn on_input() -> Result<Vec<EpisodePath>, ExitCode> {
+    let refused = |reason: String| {
+        console::fail(&reason);
+        Err(ExitCode::Usage)
+    };
+    let mut text = String::new();
+    if let Err(error) = std::io::stdin().read_to_string(&mut text) {
+        return refused(format!("the names cannot be read from the input: {error}"));
+    }
+    let mut names = Vec::new();
+    for (number, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
+        match line.trim().parse() {
+            Ok(name) => names.push(name),
+            Err(error) => return refused(format!("line {} of the input, `{line}`: {error}", number + 1)),
+        }
+    }
+    if names.is_empty() { refused("the input has no name of an episode".into()) } else { Ok(names) }
 }
 
 impl RepeatOptions {
@@ -42,8 +97,16 @@ impl RepeatOptions {
 }
 
 impl NameOptions {
-    /// The same options for a session.
-    pub fn replay(&self) -> session::ReplayOptions {
-        session::ReplayOptions { name: self.name, report: self.report.clone(), repeat: self.repeat.repeat() }
+    /// Options for a session for each of the episodes.
+    ///
+    /// # Errors
+    /// The exit code, after the reason has been printed.
+    pub fn replays(&self) -> Result<Vec<session::ReplayOptions>, ExitCode> {
+        let replay = |EpisodePath { report, name }| session::ReplayOptions {
+            name,
+            report: report.unwrap_or_else(|| self.report.clone()),
+            repeat: self.repeat.repeat(),
+        };
+        Ok(resolved(&self.names)?.into_iter().map(replay).collect())
     }
 }

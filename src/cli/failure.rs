@@ -15,12 +15,22 @@ pub fn failed(error: &Error) -> ExitCode {
         Error::NoReport { .. } | Error::NoRun { .. } => {
             console::fail(&format!("{error}; name its folder with --report"));
         }
+        Error::OtherReport(_) => {
+            console::fail(&format!(
+                "{error}\nnothing was run; --out DIR writes to another folder, --replace replaces that report"
+            ));
+        }
         Error::NothingRun { out, cache } => console::fail(&match (out.display(), cache) {
             (out, Some(cache)) => format!("no campaign was run for `{out}` with the cache `{}`", cache.display()),
             (out, None) => {
                 format!("no campaign was run in `{out}`; if it was run with --cache, name that folder here too")
             }
         }),
+        Error::NotHeld { .. } => {
+            console::fail(&format!(
+                "{error}; reports hold files of up to 4 MiB, --files DIR names the folder of larger ones"
+            ));
+        }
         Error::Changed { changes } => {
             changes.iter().for_each(|change| console::fail(&change.to_string()));
             console::fail("these are not the files that were run; --anyway continues all the same");
@@ -52,6 +62,9 @@ fn code(error: &Error) -> ExitCode {
         | Error::Threads { .. }
         | Error::Read(_)
         | Error::NoFolder { .. }
+        | Error::OtherReport(_)
+        | Error::Compare(_)
+        | Error::NotHeld { .. }
         | Error::NothingRun { .. }
         | Error::NoReport { .. }
         | Error::NoRun { .. }

@@ -4,10 +4,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::console;
 use super::exit_code::ExitCode;
+use super::input::session;
+use super::output::Output;
+use super::{compare, console, failure};
 use crate::report::{self, Gate, Judged, SearchCell, Suite};
-use crate::session::{CampaignReport, RunReport};
+use crate::session::{CampaignReport, CompareOptions, RunReport};
 
 /// Options that make a run pass or fail.
 #[derive(Debug, Default, Args)]
@@ -17,6 +19,10 @@ pub struct GateOptions {
     /// COLUMN` judges the worst controller of each place, 'learnt != yes' requires that every training learnt.
     #[arg(long, value_name = "CONDITION", help_heading = "Gates")]
     pub fail_if: Vec<String>,
+    /// Compare each report with this one from before, or with that of the same name in this folder of reports. --fail-if then also knows
+    /// the columns of `falsify compare`, as 'attributable_new > 0'.
+    #[arg(long, value_name = "DIR", help_heading = "Gates")]
+    pub baseline: Option<PathBuf>,
     /// Also write the results as JUnit XML, one test case for each cell.
     #[arg(long, value_name = "FILE", help_heading = "Gates")]
     pub junit: Option<PathBuf>,
@@ -28,10 +34,42 @@ impl GateOptions {
     /// # Errors
     /// The exit code, after the reason has been printed.
     pub fn gates(&self) -> Result<Vec<Gate>, ExitCode> {
-        self.fail_if.iter().map(|text| Gate::parse(text)).collect::<Result<_, _>>().map_err(|error| {
+        let own = self.fail_if.iter().filter(|text| !self.is_of_comparison(text));
+        own.map(|text| Gate::parse(text)).collect::<Result<_, _>>().map_err(|error| {
             console::fail(&format!("--fail-if: {error}"));
             ExitCode::Usage
         })
+    }
+
+    /// Whether a condition names columns that only the comparison with the baseline has.
+    fn is_of_comparison(&self, text: &str) -> bool {
+        self.baseline.is_some() && Gate::parse(text).is_err() && compare::parse(text).is_ok()
+    }
+
+    /// Compares the reports of a run with the baseline, if there is one, and judges the conditions on the comparison.
+    pub fn compare(&self, run: &RunReport, output: Output) -> ExitCode {
+        let Some(baseline) = &self.baseline else { return ExitCode::Done };
+        let conditions = self.fail_if.iter().filter(|text| self.is_of_comparison(text));
+        let gates: Vec<Gate> = conditions.filter_map(|text| compare::parse(text).ok()).collect();
+        let is_report = baseline.join("manifest.toml").is_file();
+        let against = |report: &CampaignReport| {
+            let before = if is_report { baseline.clone() } else { baseline.join(&report.name) };
+            let options = CompareOptions { reports: [before, report.folder.clone()], drivers: None };
+            match session(false).compare(&options) {
+                Ok(comparison) => {
+                    let text = report::comparison_for_terminal(&comparison, compare::SHOWN);
+                    match output {
+                        Output::Human => console::say(text.trim_end()),
+                        // The output has events only.
+                        Output::Json => console::note(text.trim_end()),
+                    }
+                    compare::judge(&gates, &comparison)
+                }
+                Err(error) => failure::failed(&error),
+            }
+        };
+        let codes = run.reports().map(against);
+        codes.fold(ExitCode::Done, |ended, code| if ended == ExitCode::Done { code } else { ended })
     }
 
     /// Writes the JUnit file, if one is asked for.

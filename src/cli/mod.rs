@@ -24,6 +24,8 @@ mod replay;
 mod render;
 mod export;
 mod verify;
+mod failures;
+mod compare;
 mod check;
 mod sample;
 mod fmt;
@@ -93,6 +95,8 @@ fn run_command() -> ExitCode {
         args::Command::Render(options) => render::render(&options),
         args::Command::Export(options) => export::export(&options),
         args::Command::Verify(options) => verify::verify(&options),
+        args::Command::Compare(options) => compare::compare(&options),
+        args::Command::Failures(options) => failures::failures(&options),
         args::Command::Cache(options) => cache::cache(&options),
         args::Command::Check(options) => check::check(&options),
         args::Command::Explain(options) => explain::explain(&options),

@@ -8,18 +8,21 @@ use super::exit_code::ExitCode;
 use super::input::session;
 use super::{console, failure};
 use crate::report::{self, Narrative};
-use crate::session::{Replay, TickTable, reasons};
+use crate::session::{self, Replay, Session, TickTable, reasons};
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
   falsify replay 1a2b3c4d:17                 repeat an episode of a report in reports/, describe it
-  falsify replay 1a2b3c4d:17 --report nightly/first_look
-                                             of that report
+  falsify replay nightly/first_look/1a2b3c4d:17
+                                             of that report, as `--report nightly/first_look` does
+  falsify failures --names --top 5 | falsify replay -
+                                             the five worst failures of reports/
   falsify replay 1a2b3c4d:17 --ticks way.csv
                                              also write every tick as a table, .csv or .parquet
 
-Names of failures are in failure_modes.csv (`example`), episodes.csv (`run_id`, `episode`) and search_failures.csv (`run_id`, `failure`).
+`falsify failures` lists the names of failures; they are also in failure_modes.csv (`example`), episodes.csv (`run_id`, `episode`) and
+search_failures.csv (`run_id`, `failure`).
 
 Exit codes: 0 it is as in the report   2 no such episode, or a file is missing   3 errors in a scenario
   6 a file cannot be written   8 it differs from the report, or a scenario file has changed";
@@ -27,7 +30,7 @@ Exit codes: 0 it is as in the report   2 no such episode, or a file is missing  
 /// Options of `falsify replay`.
 #[derive(Debug, Args)]
 pub struct ReplayOptions {
-    /// The episode.
+    /// The episodes.
     #[command(flatten)]
     pub which: NameOptions,
     /// Write every tick as a table; the end of the name says whether as .csv or .parquet.
@@ -46,10 +49,30 @@ fn table_file(text: &str) -> Result<PathBuf, String> {
 
 /// `falsify replay`
 pub fn replay(options: &ReplayOptions) -> ExitCode {
-    let (session, which) = (session(options.which.repeat.allow_external), options.which.replay());
+    let episodes = match options.which.replays() {
+        Ok(episodes) if episodes.len() > 1 && options.ticks.is_some() => {
+            console::fail("--ticks writes one file, so it takes one episode");
+            return ExitCode::Usage;
+        }
+        Ok(episodes) => episodes,
+        Err(code) => return code,
+    };
+    let session = session(options.which.repeat.allow_external);
+    let mut ended = ExitCode::Done;
+    for (number, episode) in episodes.iter().enumerate() {
+        if number > 0 && !options.json {
+            console::say("");
+        }
+        let code = replay_one(&session, episode, options);
+        ended = if ended == ExitCode::Done { code } else { ended };
+    }
+    ended
+}
+
+fn replay_one(session: &Session, which: &session::ReplayOptions, options: &ReplayOptions) -> ExitCode {
     let replay = match &options.ticks {
-        Some(path) => session.export(&which, &TickTable { path: path.clone() }),
-        None => session.replay(&which),
+        Some(path) => session.export(which, &TickTable { path: path.clone() }),
+        None => session.replay(which),
     };
     let replay = match replay {
         Ok(replay) => replay,

@@ -73,6 +73,9 @@ pub struct RunOptions {
     /// Repeat all work, also what is stored.
     #[arg(long, help_heading = "What runs")]
     pub fresh: bool,
+    /// Replace a finished report of another scenario, setting or seed. Without it such a report is an error.
+    #[arg(long, help_heading = "Output")]
+    pub replace: bool,
     /// Run one of several parts, as 3/16, and write no report; `auto/16` takes the number from SLURM_ARRAY_TASK_ID or
     /// JOB_COMPLETION_INDEX.
     #[arg(long, value_name = "I/N", conflicts_with_all = ["fresh", "list", "ticks", "fail_if", "junit"], help_heading = "What runs")]
@@ -152,6 +155,7 @@ impl RunOptions {
             formats: Formats { csv: named(TableFormat::Csv), parquet: named(TableFormat::Parquet) },
             smoke: self.smoke,
             fresh: self.fresh,
+            replace: self.replace,
             limits: Limits {
                 checkpoint: Duration::from_secs_f64(self.checkpoint),
                 seconds: self.task_time,
@@ -232,7 +236,9 @@ pub fn finished(options: &RunOptions, run: &RunReport) -> Result<ExitCode, ExitC
         CampaignOutcome::Reported(_) => ExitCode::Done,
     });
     // The last campaign that did not pass decides the exit code.
-    Ok(codes.rfind(|code| *code != ExitCode::Done).unwrap_or(ExitCode::Done))
+    let ended = codes.rfind(|code| *code != ExitCode::Done).unwrap_or(ExitCode::Done);
+    let compared = options.gate.compare(run, options.format);
+    Ok(if ended == ExitCode::Done { compared } else { ended })
 }
 
 fn run_shard(

@@ -25,9 +25,12 @@ Exit codes: 0 finished or running   2 nothing was run there   9 something is mis
 /// Options of `falsify status`.
 #[derive(Debug, Args)]
 pub struct StatusOptions {
-    /// The folder for the reports.
+    /// The folder for the reports, or one of its reports.
     #[arg(default_value = "reports", env = "FALSIFY_OUT", value_name = "DIR")]
     pub out: PathBuf,
+    /// The same, named as other commands name a report.
+    #[arg(long, value_name = "DIR", conflicts_with = "out")]
+    pub report: Option<PathBuf>,
     /// The folder that `run` was given as --cache.
     #[arg(long, env = "FALSIFY_CACHE", value_name = "DIR")]
     pub cache: Option<PathBuf>,
@@ -38,7 +41,8 @@ pub struct StatusOptions {
 
 /// `falsify status`
 pub fn status(options: &StatusOptions) -> ExitCode {
-    let wanted = session::StatusOptions { out: options.out.clone(), cache: options.cache.clone() };
+    let folder = options.report.as_ref().unwrap_or(&options.out);
+    let wanted = session::StatusOptions { out: folder.clone(), cache: options.cache.clone() };
     let campaigns = match session(false).status(&wanted) {
         Ok(campaigns) => campaigns,
         Err(error) => return failure::failed(&error),

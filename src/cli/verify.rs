@@ -2,11 +2,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::episode::RepeatOptions;
+use super::episode::{Named, RepeatOptions, resolved};
 use super::exit_code::ExitCode;
 use super::input::session;
 use super::{console, failure};
-use crate::session::{self, Repeated, reasons};
+use crate::session::{self, EpisodeName, EpisodePath, Repeated, VerifyReport, reasons};
 
 /// The most differences that are shown.
 const SHOWN: usize = 10;
@@ -16,6 +16,8 @@ pub const EXAMPLES: &str = "\
 Examples:
   falsify verify reports/first_look          repeat 100 episodes, compare every column byte for byte
   falsify verify --all reports/first_look    all of them
+  falsify verify reports/first_look/1a2b3c4d:17
+                                             one episode
   falsify verify --trainings reports/first_look
                                              also train every pedestrian again
 
@@ -24,9 +26,12 @@ Exit codes: 0 all are equal   2 no report   3 errors in a scenario   8 something
 /// Options of `falsify verify`.
 #[derive(Debug, Args)]
 pub struct VerifyOptions {
-    /// A report.
-    #[arg(value_name = "DIR")]
-    pub report: PathBuf,
+    /// A report; or `[PATH/]RUN:EPISODE`, to repeat these episodes and no others; `-` reads names from the input, one a line.
+    #[arg(value_name = "REPORT", required_unless_present = "report")]
+    pub what: Vec<String>,
+    /// The report; with names of episodes, the report or folder of reports of names without a path.
+    #[arg(long, value_name = "DIR")]
+    pub report: Option<PathBuf>,
     /// Number of episodes and failures of searches to repeat.
     #[arg(long, default_value_t = 100, value_name = "N")]
     pub sample: usize,
@@ -46,17 +51,61 @@ pub struct VerifyOptions {
 
 /// `falsify verify`
 pub fn verify(options: &VerifyOptions) -> ExitCode {
-    let wanted = session::VerifyOptions {
-        report: options.report.clone(),
-        sample: (!options.all).then_some(options.sample),
-        trainings: options.trainings,
-        seed: options.seed,
-        repeat: options.repeat.repeat(),
+    let wanted = match options.wanted() {
+        Ok(wanted) => wanted,
+        Err(code) => return code,
     };
-    let verified = match session(options.repeat.allow_external).verify(&wanted) {
-        Ok(verified) => verified,
-        Err(error) => return failure::failed(&error),
-    };
+    let session = session(options.repeat.allow_external);
+    let codes = wanted.iter().map(|wanted| match session.verify(wanted) {
+        Ok(verified) => tell(&verified),
+        Err(error) => failure::failed(&error),
+    });
+    codes.fold(ExitCode::Done, |ended, code| if ended == ExitCode::Done { code } else { ended })
+}
+
+impl VerifyOptions {
+    /// Options for a session, one for each report.
+    fn wanted(&self) -> Result<Vec<session::VerifyOptions>, ExitCode> {
+        let one = |report: PathBuf, episodes: Vec<EpisodeName>| session::VerifyOptions {
+            report,
+            episodes,
+            sample: (!self.all).then_some(self.sample),
+            trainings: self.trainings,
+            seed: self.seed,
+            repeat: self.repeat.repeat(),
+        };
+        let named: Result<Vec<Named>, _> = self.what.iter().map(|text| text.parse()).collect();
+        let Ok(named) = named else {
+            let [folder] = self.what.as_slice() else {
+                console::fail("name one report, or episodes as [PATH/]RUN:EPISODE");
+                return Err(ExitCode::Usage);
+            };
+            return match &self.report {
+                None => Ok(vec![one(folder.into(), Vec::new())]),
+                Some(_) => {
+                    console::fail("the report is named twice, as REPORT and by --report");
+                    Err(ExitCode::Usage)
+                }
+            };
+        };
+        if named.is_empty() {
+            return Ok(self.report.iter().map(|report| one(report.clone(), Vec::new())).collect());
+        }
+        let elsewhere = self.report.clone().unwrap_or_else(|| "reports".into());
+        let mut reports: Vec<session::VerifyOptions> = Vec::new();
+        for EpisodePath { report, name } in resolved(&named)? {
+            let report = report.unwrap_or_else(|| elsewhere.clone());
+            match reports.iter_mut().find(|known| known.report == report) {
+                Some(known) => known.episodes.push(name),
+                None => reports.push(one(report, vec![name])),
+            }
+        }
+        Ok(reports)
+    }
+}
+
+/// Prints the result for people; returns the exit code.
+fn tell(verified: &VerifyReport) -> ExitCode {
     let (repeated, different) = (verified.repeated, &verified.different);
     show(different);
     let equal = repeated - different.len();

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::lowering::{BuiltTown, Lowering, Shared};
 use super::noting::Noting;
-use super::plan::{Campaign, Documented, NamedTown, Plan};
+use super::plan::{Documented, NamedTown, Plan};
 use super::reached::reached;
 use super::variants::{Variant, understand};
 use super::whole_plan::{forbid_equal_names, warn_of_unused};
@@ -102,7 +102,7 @@ pub fn compile_with(
     let outside: Vec<String> = settings.iter().map(|each| each.text(sources)).collect();
     plan.campaigns.iter_mut().for_each(|campaign| drop(campaign.settings.splice(0..0, outside.iter().cloned())));
     if !overrides.only_checked {
-        plan.campaigns.iter_mut().for_each(Campaign::name_runs);
+        plan.campaigns.iter_mut().for_each(|campaign| campaign.name_runs(1));
     }
     let base = &variants.first().expect("the files as they are").program;
     let imported = |each: &&Arc<Declaration>| each.form == "campaign" && !base.roots.contains(&each.source);

@@ -1,10 +1,11 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// The short name of a run or of a search: 32 bits of BLAKE3 over its names, in tables eight hexadecimal digits.
+/// The short name of a run or of a search: 32 bits of BLAKE3 over its names, its seed and its fingerprint, in tables eight hexadecimal
+/// digits.
 ///
-/// It is the same in every report of the same campaign, whatever else the campaign contains. Episode 17 of run `1a2b3c4d` is
-/// called `1a2b3c4d:17`.
+/// It is the same in every report of the same run, whatever else the campaign contains. Another driver, place, setting or seed is another
+/// run. Episode 17 of run `1a2b3c4d` is called `1a2b3c4d:17`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct RunId(u32);
 

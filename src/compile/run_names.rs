@@ -2,11 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use super::plan::Campaign;
+#[cfg(doc)]
+use super::Fingerprint;
+use super::plan::{Campaign, ControllerKind, Training};
 use super::run_id::RunId;
 
 /// The number of bytes that the names of most runs take together.
-const TYPICAL: usize = 128;
+const TYPICAL: usize = 256;
 
 /// Names that are in use, each by one owner.
 #[derive(Default)]
@@ -25,6 +27,7 @@ impl Register {
 }
 
 /// Names in one text, each with its end.
+#[derive(Clone)]
 struct Names(String);
 
 impl Names {
@@ -37,23 +40,43 @@ impl Names {
         self.0.push('\0');
         self
     }
+
+    /// What a training depends on. A smoke run takes fewer steps than the files say.
+    fn and_training(self, training: &Training) -> Self {
+        self.and(&training.fingerprint.to_string()).and(&training.config.total_steps.to_string())
+    }
 }
 
 impl Campaign {
-    /// Names the evaluations and the searches.
-    pub(super) fn name_runs(&mut self) {
+    /// Names the evaluations and the searches for a user's seed.
+    ///
+    /// A name depends on the campaign's name, the keys of the run, the seed, and what the files and settings say about the run
+    /// ([`Fingerprint`]), for a trained pedestrian also about its training. It does not depend on the number of episodes, since the
+    /// first ones are the same. So a changed driver, place or seed gives other names, and an equal name is the same run. A compiled plan
+    /// has the names for seed 1.
+    pub fn name_runs(&mut self, seed: u64) {
         let mut register = Register::default();
+        let campaign = Names::new(&self.name).and(&seed.to_string());
         for evaluation in &mut self.evaluations {
             let key = &evaluation.trained;
-            let names = Names::new(&self.name).and(&evaluation.block.to_string()).and(evaluation.controller.name());
+            let names = campaign.clone().and(&evaluation.block.to_string()).and(evaluation.controller.name());
             let names = names.and(&key.reward).and(&key.town).and(&key.policy).and(&key.run.to_string());
             let names = names.and(&evaluation.town).and(&evaluation.policy);
-            evaluation.id = register.name(names.and(&evaluation.vehicle).and(&evaluation.adversary));
+            let names =
+                names.and(&evaluation.vehicle).and(&evaluation.adversary).and(&evaluation.fingerprint.to_string());
+            evaluation.id = register.name(match evaluation.controller {
+                ControllerKind::Trained(training) | ControllerKind::Sampled(training) => {
+                    names.and_training(&self.trainings[training])
+                }
+                ControllerKind::Random | ControllerKind::Homing | ControllerKind::Intercept => names,
+            });
         }
         for search in &mut self.searches {
             let key = &search.key;
-            let names = Names::new(&self.name).and("search").and(&key.block.to_string()).and(&key.falsifier);
-            search.key.id = register.name(names.and(&key.town).and(&key.policy).and(&key.run.to_string()));
+            let names = campaign.clone().and("search").and(&key.block.to_string()).and(&key.falsifier);
+            let names = names.and(&key.town).and(&key.policy).and(&key.run.to_string());
+            let names = names.and(&search.fingerprint.to_string());
+            search.key.id = register.name(names.and(&search.budget.to_string()));
         }
     }
 }

@@ -6,8 +6,8 @@ use super::{Column, Family};
 pub const RUN_ID: Column<String> = Column::new(
     "run_id",
     "",
-    "short name of the run or of the search: 32 bits of BLAKE3 over its names, the campaign's included. Episode 17 of run `1a2b3c4d` \
-     is called `1a2b3c4d:17`",
+    "short name of the run or of the search: 32 bits of BLAKE3 over its names, the campaign's included, the seed and what the files \
+     and settings say about it. Episode 17 of run `1a2b3c4d` is called `1a2b3c4d:17`",
 );
 /// Name of the reward.
 pub const REWARD: Column<String> = Column::new(

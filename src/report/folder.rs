@@ -8,6 +8,7 @@ use polars_io::csv::write::CsvWriter;
 use polars_io::parquet::write::ParquetWriter;
 use tempfile::TempDir;
 
+use super::scenario_files::SCENARIO;
 use super::table_stream::{Watched, cause};
 use super::{FileRecord, Manifest, TableStream, catalogue};
 use crate::files;
@@ -307,7 +308,7 @@ fn is_ours(name: &str) -> bool {
             ["learning_", "town-", "figure-"].iter().any(|prefix| stem.starts_with(prefix))
                 || stem == "mode_accumulation"
         }
-        _ => [MARK, "summary.md", "report.html", "pedestrians", "modes"].contains(&name),
+        _ => [MARK, "summary.md", "report.html", "pedestrians", "modes", SCENARIO].contains(&name),
     }
 }
 

@@ -1,5 +1,8 @@
 use serde::{Deserialize, Serialize};
 
+use crate::compile::{Evaluation, Search};
+use crate::record::RunKey;
+
 /// All data that are needed to repeat a campaign.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
@@ -34,9 +37,12 @@ pub struct Manifest {
     /// The input of the program, for a repetition.
     pub call: Call,
     /// The scenario files and the files that they name, in the order they were read.
-    pub files: Vec<FileRecord>,
+    pub files: Vec<ScenarioFile>,
     /// The trainings.
     pub trainings: Vec<TrainingRecord>,
+    /// The evaluations and the searches that were asked for, in the order of the plan. Reports of earlier versions have none.
+    #[serde(default)]
+    pub runs: Vec<RunRecord>,
     /// The other files of the report, by their paths in it. Reports of earlier versions have none.
     #[serde(default)]
     pub report_files: Vec<FileRecord>,
@@ -58,6 +64,32 @@ pub struct Call {
 }
 
 /// A scenario file, or a map or model that it names.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ScenarioFile {
+    /// Its path as given.
+    pub path: String,
+    /// BLAKE3 of its contents.
+    pub blake3: String,
+    /// The file of the report that holds its contents, relative to the report's folder; empty for a file of the standard library and for
+    /// one that is too large.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub held: String,
+}
+
+/// An evaluation or a search that was asked for.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RunRecord {
+    /// Its short name.
+    pub id: String,
+    /// Its full key in words, which no other run of the campaign has.
+    pub what: String,
+    /// The number of episodes, the greatest one if a rule stops it; for a search its budget of simulator ticks.
+    pub amount: u64,
+    /// Digest of what the files and settings say about it, without its training.
+    pub fingerprint: String,
+}
+
+/// A file with its digest.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FileRecord {
     /// Its path as given.
@@ -85,6 +117,33 @@ pub struct TrainingRecord {
     pub pedestrian: String,
     /// The error; empty without one.
     pub error: String,
+    /// Digest of what the files and settings say about it. Reports of earlier versions have none.
+    #[serde(default)]
+    pub fingerprint: String,
+}
+
+impl RunRecord {
+    /// The record of an evaluation.
+    pub fn of_evaluation(evaluation: &Evaluation) -> Self {
+        let key = RunKey::of(evaluation);
+        Self {
+            id: key.id.to_string(),
+            what: format!("{}, run {}", key.cell.in_full(), key.run),
+            amount: evaluation.episodes.into(),
+            fingerprint: evaluation.fingerprint.to_string(),
+        }
+    }
+
+    /// The record of a search.
+    pub fn of_search(search: &Search) -> Self {
+        let key = &search.key;
+        Self {
+            id: key.id.to_string(),
+            what: format!("search {key}, block {}", key.block),
+            amount: search.budget,
+            fingerprint: search.fingerprint.to_string(),
+        }
+    }
 }
 
 impl FileRecord {

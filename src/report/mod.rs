@@ -5,13 +5,16 @@
 
 mod aggregate;
 mod infer;
+mod compare;
 mod failure_modes;
 mod render;
 mod read;
 mod catalogue;
 mod waypoints;
 mod manifest;
+mod scenario_files;
 mod table_stream;
+mod text_forms;
 mod folder;
 mod write;
 
@@ -22,21 +25,29 @@ pub use aggregate::{
     searches, ticks, write_ticks,
 };
 pub use catalogue::{catalogue, column_reference};
+pub use compare::{
+    Caveat, Changed, ComparedCell, FailureChange, Incomparable, ReportComparison, Side, SideEpisode, compare_reports,
+    compared_cells, comparison_reference,
+};
 pub use failure_modes::FailureModes;
 pub use folder::{Formats, ReportFolder, WriteError, write_csv, write_file, write_table};
 pub use infer::{
     Baseline, CellEvidence, Change, Comparison, Doubt, Evidence, Figure, Gathering, Learning, Learnt, Quantiles,
     Reason, Test, TrainingDifference, Transfer, Untrained, doubts, evident_cells,
 };
-pub use manifest::{Call, FileRecord, Manifest, TrainingRecord};
+pub use manifest::{Call, FileRecord, Manifest, RunRecord, ScenarioFile, TrainingRecord};
 pub use read::{
-    Difference, Gate, GateError, Judged, ReadError, StoredFailure, StoredReport, differences, divergence, failure,
+    Difference, FailureFilter, FailureOrder, Gate, GateError, Judged, ListedFailure, ReadError, StoredFailure,
+    StoredReport, differences, divergence, failure, failure_list,
 };
 pub use render::{
-    Narrative, Starts, Suite, Tally, animation, junit, narrative, results_for_terminal, searches_for_terminal, shown,
-    spawn_map, strip, town_map,
+    Narrative, Starts, Suite, Tally, animation, failures_for_terminal, junit, narrative, results_for_terminal,
+    searches_for_terminal, shown, spawn_map, strip, town_map,
 };
+pub use render::{PlayedPair, Replay, comparison_for_terminal, comparison_page, comparison_title, worst_changes};
+pub use scenario_files::{MOST_HELD_BYTES, held_places};
 pub use table_stream::TableStream;
+pub use text_forms::{csv_text, json_rows};
 pub use waypoints::waypoints;
 pub use write::{pedestrian_file, write, write_failure_modes};
 

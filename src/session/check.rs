@@ -1,8 +1,10 @@
-use super::disk::Recording;
+use std::collections::BTreeMap;
+
+use super::disk::{ReadFiles, Recording};
 use super::{Error, Input, Session};
 use crate::compile::{Compiled, Overrides, Plan, compile_with};
 use crate::diagnostic::{Severity, Sources};
-use crate::lang::library;
+use crate::lang::{Reader, library};
 use crate::report::FileRecord;
 
 /// Options of [`Session::check`].
@@ -23,6 +25,8 @@ pub struct Checked {
     pub sources: Sources,
     /// A record of each file that was read; without its digest after [`Session::check`].
     pub records: Vec<FileRecord>,
+    /// Contents of the files, by their paths; empty after [`Session::check`].
+    contents: BTreeMap<String, Vec<u8>>,
     /// Towns for which a map is given.
     mapped: Vec<String>,
 }
@@ -34,6 +38,8 @@ pub struct Planned {
     pub plan: Plan,
     /// A record of each file that was read.
     pub records: Vec<FileRecord>,
+    /// The contents of the files that a report holds, by their paths.
+    pub(super) contents: BTreeMap<String, Vec<u8>>,
 }
 
 impl Checked {
@@ -62,7 +68,11 @@ impl Session {
     /// [`Error::Unreadable`]; the observer then has the diagnostics of the other files.
     pub fn check(&self, options: &CheckOptions) -> Result<Checked, Error> {
         let imported_towns = options.imported_towns;
-        self.compile(&options.input, Overrides { only_checked: true, imported_towns, ..options.input.overrides() })
+        self.compile(
+            self.reader.as_ref(),
+            &options.input,
+            Overrides { only_checked: true, imported_towns, ..options.input.overrides() },
+        )
     }
 
     /// Reads, checks and compiles scenario files for a run; the observer gets the diagnostics.
@@ -70,15 +80,20 @@ impl Session {
     /// # Errors
     /// [`Error::Unreadable`], [`Error::Scenario`] and [`Error::UnusedMap`].
     pub fn plan(&self, input: &Input) -> Result<Planned, Error> {
-        let checked = self.compile(input, input.overrides())?;
+        self.plan_from(self.reader.as_ref(), input)
+    }
+
+    /// [`Session::plan`] with the files of a reader.
+    pub(super) fn plan_from(&self, reader: &dyn Reader, input: &Input) -> Result<Planned, Error> {
+        let checked = self.compile(reader, input, input.overrides())?;
         self.observer.diagnostics(&checked.compiled.diagnostics, &checked.sources);
         checked.plan()?;
         let plan = checked.compiled.plan.expect("the files have no errors");
-        Ok(Planned { plan, records: checked.records })
+        Ok(Planned { plan, records: checked.records, contents: checked.contents })
     }
 
-    fn compile(&self, input: &Input, overrides: Overrides) -> Result<Checked, Error> {
-        let reader = Recording::new(self.reader.as_ref(), !overrides.only_checked);
+    fn compile(&self, reader: &dyn Reader, input: &Input, overrides: Overrides) -> Result<Checked, Error> {
+        let reader = Recording::new(reader, !overrides.only_checked);
         let mut left = input.files.clone();
         let mut unreadable = Vec::new();
         let (compiled, sources) = loop {
@@ -99,9 +114,9 @@ impl Session {
         let of_library = sources.iter().filter(|(_, source)| library::holds(&source.path));
         let of_library = of_library.map(|(_, source)| reader.record(&source.path, source.text.as_bytes()));
         let of_library: Vec<FileRecord> = of_library.collect();
-        let mut records = reader.into_records();
+        let ReadFiles { mut records, contents } = reader.into_files();
         records.extend(of_library);
         let mapped = input.maps.iter().map(|(town, _)| town.clone()).collect();
-        Ok(Checked { compiled, sources, records, mapped })
+        Ok(Checked { compiled, sources, records, contents, mapped })
     }
 }

@@ -1,10 +1,11 @@
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::io::Result;
 use std::path::Path;
 
 use crate::files;
 use crate::lang::Reader;
-use crate::report::FileRecord;
+use crate::report::{FileRecord, MOST_HELD_BYTES};
 
 /// Reads regular files of the disk, up to [`files::MOST_BYTES`] each.
 #[derive(Debug, Clone, Copy, Default)]
@@ -20,34 +21,47 @@ impl Reader for Disk {
     }
 }
 
-/// Reads through another reader and keeps a record of each file.
+/// Reads through another reader, and records each file.
 pub(super) struct Recording<'a> {
     reader: &'a dyn Reader,
-    /// Whether records have digests.
-    digests: bool,
-    records: RefCell<Vec<FileRecord>>,
+    /// Whether the contents matter: records have digests, and those of a moderate size are kept.
+    contents: bool,
+    files: RefCell<ReadFiles>,
+}
+
+/// The files that were read.
+#[derive(Debug, Clone, Default)]
+pub(super) struct ReadFiles {
+    /// A record of each, in the order in which they were read.
+    pub records: Vec<FileRecord>,
+    /// The contents of those of at most [`MOST_HELD_BYTES`], by their paths.
+    pub contents: BTreeMap<String, Vec<u8>>,
 }
 
 impl<'a> Recording<'a> {
     /// Reads through this reader.
-    pub fn new(reader: &'a dyn Reader, digests: bool) -> Self {
-        Self { reader, digests, records: RefCell::default() }
+    pub fn new(reader: &'a dyn Reader, contents: bool) -> Self {
+        Self { reader, contents, files: RefCell::default() }
     }
 
     /// Makes a record of a file.
     pub fn record(&self, path: &Path, contents: &[u8]) -> FileRecord {
         let path = path.display().to_string();
-        if self.digests { FileRecord::new(path, contents) } else { FileRecord { path, blake3: String::new() } }
+        if self.contents { FileRecord::new(path, contents) } else { FileRecord { path, blake3: String::new() } }
     }
 
-    /// The records of the files, in the order in which they were read.
-    pub fn into_records(self) -> Vec<FileRecord> {
-        self.records.into_inner()
+    /// The files that were read.
+    pub fn into_files(self) -> ReadFiles {
+        self.files.into_inner()
     }
 
     fn note(&self, path: &Path, contents: &[u8]) {
         let record = self.record(path, contents);
-        self.records.borrow_mut().push(record);
+        let files = &mut *self.files.borrow_mut();
+        if self.contents && contents.len() <= MOST_HELD_BYTES {
+            files.contents.insert(record.path.clone(), contents.to_vec());
+        }
+        files.records.push(record);
     }
 }
 

@@ -1,4 +1,5 @@
 use std::fmt;
+use std::path::PathBuf;
 use std::str::FromStr;
 
 use crate::compile::RunId;
@@ -30,8 +31,61 @@ impl FromStr for EpisodeName {
     }
 }
 
+/// An episode and where its report is: `RUN:EPISODE`, or `PATH/RUN:EPISODE` with the path of a report or of a folder of reports.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct EpisodePath {
+    /// The path; none if the text has only a name.
+    pub report: Option<PathBuf>,
+    /// The name.
+    pub name: EpisodeName,
+}
+
+impl FromStr for EpisodePath {
+    type Err = NoEpisodeName;
+
+    fn from_str(text: &str) -> Result<Self, NoEpisodeName> {
+        match text.rsplit_once(std::path::is_separator) {
+            // `/1a2b3c4d:17` is in the root folder.
+            Some(("", name)) => Ok(Self { report: Some("/".into()), name: name.parse()? }),
+            Some((path, name)) => Ok(Self { report: Some(path.into()), name: name.parse()? }),
+            None => Ok(Self { report: None, name: text.parse()? }),
+        }
+    }
+}
+
+impl fmt::Display for EpisodePath {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.report {
+            Some(path) => write!(f, "{}", path.join(self.name.to_string()).display()),
+            None => write!(f, "{}", self.name),
+        }
+    }
+}
+
 impl fmt::Display for EpisodeName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}:{}", self.run, self.number)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_precedes_a_name() {
+        for (text, path) in [
+            ("1a2b3c4d:17", None),
+            ("reports/first_look/1a2b3c4d:17", Some("reports/first_look")),
+            ("../a b/1a2b3c4d:17", Some("../a b")),
+            ("/1a2b3c4d:17", Some("/")),
+        ] {
+            let parsed: EpisodePath = text.parse().unwrap();
+            assert_eq!((parsed.report.as_deref(), parsed.name.number), (path.map(std::path::Path::new), 17));
+            assert_eq!(parsed.to_string(), text);
+        }
+        for wrong in ["", "reports", "reports/first_look", "1a2b3c4d", "a/1a2b3c4d:", "a/1a2b3c4d:17/", "1a2b3c4d:-1"] {
+            assert_eq!(wrong.parse::<EpisodePath>(), Err(NoEpisodeName), "{wrong}");
+        }
     }
 }

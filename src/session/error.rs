@@ -1,9 +1,9 @@
 use std::path::PathBuf;
 
-use super::EpisodeName;
+use super::{EpisodeName, OtherReport};
 use crate::export::ExportError;
 use crate::lang::Unreadable;
-use crate::report::{ReadError, WriteError};
+use crate::report::{Incomparable, ReadError, WriteError};
 use crate::store::StoreError;
 
 /// Why a call of a session has no result.
@@ -27,6 +27,9 @@ pub enum Error {
         /// The name of the town.
         town: String,
     },
+    /// A finished report of something else is at the place of a report.
+    #[error("`{}` is a finished report of something else, which is not replaced:\n{}", .0.folder.display(), listed(&.0.differences))]
+    OtherReport(Box<OtherReport>),
     /// The files hold no campaign.
     #[error("{advice}")]
     NoCampaign {
@@ -132,6 +135,23 @@ pub enum Error {
         /// What differs.
         changes: Vec<Change>,
     },
+    /// A report does not hold a file of its scenario, and the file is not in its place either.
+    #[error(
+        "`{report}` does not hold `{path}` (BLAKE3 {}…), and there is no such file",
+        blake3.get(..12).unwrap_or_default(),
+        report = report.display()
+    )]
+    NotHeld {
+        /// The path of the file in the run.
+        path: String,
+        /// The report.
+        report: PathBuf,
+        /// Its hash, in hexadecimal digits.
+        blake3: String,
+    },
+    /// Two reports cannot be compared.
+    #[error(transparent)]
+    Compare(Box<Incomparable>),
     /// The files do not hold the campaign of the report.
     #[error("the files hold no campaign `{campaign}` any more")]
     CampaignGone {
@@ -194,6 +214,10 @@ pub enum Change {
         /// The file.
         path: String,
     },
+}
+
+fn listed<T: std::fmt::Display>(all: &[T]) -> String {
+    all.iter().map(|each| format!("  {each}")).collect::<Vec<_>>().join("\n")
 }
 
 fn lines<T: std::fmt::Display>(all: &[T]) -> String {

@@ -1,9 +1,14 @@
 //! What a report records about its origin, and when it is complete.
 
-use super::{Input, RunOptions, Session};
+use std::collections::BTreeMap;
+
+use super::{Input, Planned, RunOptions, Session};
 use crate::campaign::{Finished, TrainingResult};
 use crate::compile::Campaign;
-use crate::report::{Call, FileRecord, Gathered, Manifest, TrainingRecord, pedestrian_file};
+use crate::report::{
+    Call, FileRecord, Gathered, Manifest, ReportFolder, RunRecord, ScenarioFile, TrainingRecord, WriteError,
+    held_places, pedestrian_file,
+};
 use crate::store::{CODE, vector_instructions};
 
 /// Wall times of a run (s).
@@ -33,7 +38,7 @@ impl Session {
         &self,
         campaign: &Campaign,
         options: &RunOptions,
-        files: &[FileRecord],
+        files: Vec<ScenarioFile>,
         finished: &Finished,
         gathered: &Gathered,
         times: &Times,
@@ -53,9 +58,10 @@ impl Session {
             search_ticks: finished.searches.iter().map(|search| search.spent.ticks).sum(),
             errors: gathered.errors,
             wall_time_s: times.run,
-            files: files.to_vec(),
+            files,
             vector_instructions: vector_instructions().into(),
             trainings: finished.trainings.iter().map(|training| record(training, campaign, times)).collect(),
+            runs: runs(campaign),
             // They are not written yet.
             report_files: Vec::new(),
         }
@@ -73,9 +79,36 @@ impl Session {
     }
 }
 
+/// The evaluations and the searches of a campaign.
+pub fn runs(campaign: &Campaign) -> Vec<RunRecord> {
+    let evaluations = campaign.evaluations.iter().map(RunRecord::of_evaluation);
+    evaluations.chain(campaign.searches.iter().map(RunRecord::of_search)).collect()
+}
+
+/// Adds the files of a scenario to its report, as far as they are of a moderate size and not of the standard library.
+///
+/// # Errors
+/// A file cannot be written.
+pub fn hold(folder: &ReportFolder, planned: &Planned) -> Result<Vec<ScenarioFile>, WriteError> {
+    let here = std::env::current_dir().unwrap_or_default();
+    let read = planned.records.iter().map(|record| record.path.as_str());
+    let paths: Vec<&str> = read.filter(|path| planned.contents.contains_key(*path)).collect();
+    let places: BTreeMap<&str, String> = paths.iter().copied().zip(held_places(&paths, &here)).collect();
+    for (path, contents) in &planned.contents {
+        folder.file(&places[path.as_str()], contents)?;
+    }
+    let file = |FileRecord { path, blake3 }: &FileRecord| ScenarioFile {
+        path: path.clone(),
+        blake3: blake3.clone(),
+        held: places.get(path.as_str()).cloned().unwrap_or_default(),
+    };
+    Ok(planned.records.iter().map(file).collect())
+}
+
 fn record(training: &TrainingResult, campaign: &Campaign, times: &Times) -> TrainingRecord {
     let place = campaign.trainings.iter().position(|planned| planned.key == training.key).unwrap_or(0);
     let key = &training.key;
+    let fingerprint = campaign.trainings.get(place).map(|planned| planned.fingerprint.to_string());
     let last = training.result.as_ref().ok().and_then(|trained| trained.learning_curve.last());
     TrainingRecord {
         town: key.town.clone(),
@@ -89,5 +122,6 @@ fn record(training: &TrainingResult, campaign: &Campaign, times: &Times) -> Trai
             Err(_) => String::new(),
         },
         error: training.result.as_ref().err().map_or(String::new(), ToString::to_string),
+        fingerprint: fingerprint.unwrap_or_default(),
     }
 }

@@ -1,4 +1,4 @@
-//! The program as a library: `check`, `run`, `merge`, `replay`, `verify`, `status`, `export`.
+//! The program as a library: `check`, `run`, `merge`, `replay`, `verify`, `status`, `failures`, `compare`, `export`.
 //!
 //! A [`Session`] holds what all calls share: the catalogue of the language, the reader of files, an [`Observer`] and a [`Stop`] flag. Each call
 //! takes a struct of plain options, returns a value or an [`Error`], and reports events to the observer meanwhile. No call prints, reads
@@ -14,6 +14,7 @@ mod check;
 mod options;
 mod campaign_report;
 mod manifest;
+mod other_report;
 mod run;
 mod shard;
 mod list;
@@ -21,6 +22,7 @@ mod incomplete;
 mod merge;
 mod status;
 mod episode_name;
+mod held_files;
 mod stored;
 mod repeat;
 mod reasons;
@@ -28,20 +30,25 @@ mod replay;
 mod export;
 mod export_files;
 mod verify;
+mod failures;
+mod compare;
 
 pub use campaign_report::{CampaignOutcome, CampaignReport, RunReport, ShardReport};
 pub use check::{CheckOptions, Checked, Planned};
+pub use compare::CompareOptions;
 pub use disk::Disk;
-pub use episode_name::{EpisodeName, NoEpisodeName};
+pub use episode_name::{EpisodeName, EpisodePath, NoEpisodeName};
 pub use error::{Change, Error, KeepError};
 pub use export::{Animation, Export, Strip, TickTable};
 pub use export_files::{ExportOptions, Exported, NamedEpisode};
+pub use failures::{FailuresOptions, FoundFailure};
 pub use incomplete::{Incomplete, Missing};
 pub use input::Input;
 pub use list::Listing;
 pub use merge::MergeOptions;
 pub use observer::{Notice, Observer, Silent};
 pub use options::{RunOptions, Ticks};
+pub use other_report::{OtherInput, OtherReport};
 pub use reasons::{Reason, reasons};
 pub use repeat::Repeated;
 pub use replay::{Replay, ReplayOptions};

@@ -24,6 +24,8 @@ pub struct RunOptions {
     pub smoke: bool,
     /// Whether to repeat all work, also what is stored.
     pub fresh: bool,
+    /// Whether a finished report of something else may be replaced.
+    pub replace: bool,
     /// The limits of a task, and the time between its checkpoints.
     pub limits: Limits,
     /// Episodes that a report also holds tick by tick.
@@ -46,6 +48,7 @@ impl Default for RunOptions {
             formats: Formats { csv: true, parquet: true },
             smoke: false,
             fresh: false,
+            replace: false,
             limits: Limits { checkpoint: Duration::from_secs(5), seconds: None, ticks: None },
             ticks: Ticks::None,
             gates: Vec::new(),

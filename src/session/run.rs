@@ -1,13 +1,14 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::manifest::Times;
+use super::manifest::{Times, hold};
+use super::other_report::check_place;
 use super::{
     CampaignOutcome, CampaignReport, Error, KeepError, Notice, Planned, RunOptions, RunReport, Session, Stop, Ticks,
 };
 use crate::campaign::{self, Finished, SearchResult, Task, TaskError, TrainingResult};
 use crate::compile::{Campaign, Evaluation, Training};
-use crate::report::{self, Episodes, FailureModes, FileRecord, Gathered, Metrics, ReportFolder, Wanted, WriteError};
+use crate::report::{self, Episodes, FailureModes, Gathered, Metrics, ReportFolder, Wanted, WriteError};
 use crate::rl::UpdateLog;
 use crate::seed::Seed;
 use crate::store::{CampaignStore, Ids, Index, Note, Store};
@@ -41,6 +42,7 @@ impl Session {
         if options.smoke {
             planned.plan.campaigns.iter_mut().for_each(campaign::smoke);
         }
+        planned.plan.campaigns.iter_mut().for_each(|campaign| campaign.name_runs(options.seed));
         Ok(planned)
     }
 
@@ -52,13 +54,16 @@ impl Session {
 
     pub(super) fn run_plan(&self, options: &RunOptions, planned: &Planned, work: Work) -> Result<RunReport, Error> {
         let pool = pool(options.threads)?;
+        for campaign in &planned.plan.campaigns {
+            check_place(campaign, options, &planned.records)?;
+        }
         let store = Store::open(&options.out, options.cache.as_deref(), self.note())?;
         if work == Work::All {
             self.observer.begun();
         }
         let mut campaigns = Vec::new();
         for campaign in &planned.plan.campaigns {
-            let outcome = pool.install(|| self.carry_out(campaign, options, &planned.records, &store, work))?;
+            let outcome = pool.install(|| self.carry_out(campaign, options, planned, &store, work))?;
             self.observer.ended(&outcome);
             campaigns.push(outcome);
             if self.stop.is_asked() {
@@ -73,7 +78,7 @@ impl Session {
         &self,
         campaign: &Campaign,
         options: &RunOptions,
-        files: &[FileRecord],
+        planned: &Planned,
         store: &Store,
         work: Work,
     ) -> Result<CampaignOutcome, Error> {
@@ -124,6 +129,7 @@ impl Session {
             self.observer.notice(&Notice::DoubtfulTraining { campaign: name.clone(), doubt: Box::new(doubt.clone()) });
         }
         let times = Times { trainings: results.training_seconds(), run: began.elapsed().as_secs_f64() };
+        let files = hold(&folder, planned).map_err(written)?;
         let manifest = self.manifest(campaign, options, files, &finished, &gathered, &times);
         report::write(&folder, campaign, &finished, &gathered, modes, &manifest).map_err(written)?;
         if options.ticks != Ticks::None {
@@ -131,6 +137,8 @@ impl Session {
             let wanted = Wanted::of(&Episodes::new(campaign, &results), &finished, all).map_err(written)?;
             report::write_ticks(&folder, &seed, &wanted).map_err(written)?;
         }
+        // Another process may have finished another report of this name meanwhile.
+        check_place(campaign, options, &planned.records)?;
         let folder = self.stop.while_placing(|| {
             let _door = store.door();
             folder.finish(manifest.complete)

@@ -3,6 +3,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::{Error, Session};
+use crate::report::StoredReport;
 use crate::store::{CampaignStatus, Store, TaskStatus};
 
 /// Kinds of tasks: the first word of what they are, and what to call several of them.
@@ -11,7 +12,7 @@ const KINDS: [(&str, &str); 3] = [("train", "trainings"), ("evaluate", "evaluati
 /// Options of [`Session::status`].
 #[derive(Debug, Clone, Default)]
 pub struct StatusOptions {
-    /// The folder for reports.
+    /// The folder for reports, or one of its reports.
     pub out: PathBuf,
     /// The cache of the run.
     pub cache: Option<PathBuf>,
@@ -92,8 +93,15 @@ impl Session {
     /// # Errors
     /// A cache folder with other contents, and [`Error::NothingRun`].
     pub fn status(&self, options: &StatusOptions) -> Result<Vec<CampaignProgress>, Error> {
-        let store = Store::look(&options.out, options.cache.as_deref(), self.note())?;
-        let campaigns = store.campaigns();
+        // A report shows its own campaign.
+        let of_report = StoredReport::open(&options.out).ok().and_then(|_| options.out.canonicalize().ok());
+        let (out, name) = match of_report.as_ref().and_then(|report| Some((report.parent()?, report.file_name()?))) {
+            Some((out, name)) => (out, Some(name.to_string_lossy())),
+            None => (options.out.as_path(), None),
+        };
+        let store = Store::look(out, options.cache.as_deref(), self.note())?;
+        let mut campaigns = store.campaigns();
+        campaigns.retain(|campaign| name.as_ref().is_none_or(|name| campaign == name));
         if campaigns.is_empty() {
             return Err(Error::NothingRun { out: options.out.clone(), cache: options.cache.clone() });
         }

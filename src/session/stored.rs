@@ -1,18 +1,20 @@
 //! Finds and reads a report, and compiles its campaign again.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use super::held_files::HeldFiles;
 use super::{Change, EpisodeName, Error, Input, Notice, Session};
 use crate::campaign;
 use crate::compile::{Campaign, ControllerKind, Evaluation, Search};
-use crate::report::{FileRecord, Manifest, ReadError, StoredReport};
+use crate::report::{FileRecord, Manifest, ReadError, RunRecord, StoredReport};
 use crate::rl::ActorCritic;
 use crate::seed::Seed;
 
 /// Options for repeating a report.
 #[derive(Debug, Clone, Default)]
 pub struct RepeatOptions {
-    /// Folder to which the paths of the scenario files are relative, when it is not the folder of the run.
+    /// Folder whose scenario files are read instead of those that the report holds; paths are relative to it.
     pub files: Option<PathBuf>,
     /// Whether to continue although a scenario file has changed since the run.
     pub anyway: bool,
@@ -53,7 +55,7 @@ impl Session {
         holding.into_iter().next().ok_or_else(|| Error::NoRun { folder: folder.to_path_buf(), name })
     }
 
-    /// Compiles the campaign of a report again, from the files and settings that its manifest names.
+    /// Compiles the campaign of a report again, from the files that it holds and the settings of its manifest.
     pub(super) fn reopen(&self, report: StoredReport, options: &RepeatOptions) -> Result<Source, Error> {
         let manifest = report.manifest();
         let call = &manifest.call;
@@ -71,7 +73,12 @@ impl Session {
         if call.allow_external && !self.catalog.starts_programs() {
             self.observer.notice(&Notice::ProgramsNotAllowed);
         }
-        let planned = self.plan(&input)?;
+        let held = HeldFiles::new(&report, &place, self.reader.as_ref(), options.files.is_some());
+        if let Some(file) = held.missing() {
+            let (path, report) = (file.path.clone(), report.folder().to_path_buf());
+            return Err(Error::NotHeld { path, report, blake3: file.blake3.clone() });
+        }
+        let planned = self.plan_from(&held, &input)?;
         let changes = changes(manifest, &planned.records, root.as_deref());
         if !changes.is_empty() && !options.anyway {
             return Err(Error::Changed { changes });
@@ -83,8 +90,22 @@ impl Session {
         if manifest.smoke {
             campaign::smoke(&mut campaign);
         }
+        name_as_in(manifest, &mut campaign);
         let seed = Seed::root(manifest.seed);
         Ok(Source { report, campaign, seed })
+    }
+}
+
+/// Gives the runs of a campaign the names that the report has for them, also when files have changed since.
+fn name_as_in(manifest: &Manifest, campaign: &mut Campaign) {
+    campaign.name_runs(manifest.seed);
+    let names: BTreeMap<&str, &str> = manifest.runs.iter().map(|run| (run.what.as_str(), run.id.as_str())).collect();
+    let name = |now: &RunRecord| names.get(now.what.as_str()).and_then(|id| id.parse().ok());
+    for evaluation in &mut campaign.evaluations {
+        evaluation.id = name(&RunRecord::of_evaluation(evaluation)).unwrap_or(evaluation.id);
+    }
+    for search in &mut campaign.searches {
+        search.key.id = name(&RunRecord::of_search(search)).unwrap_or(search.key.id);
     }
 }
 

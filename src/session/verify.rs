@@ -14,8 +14,10 @@ use crate::seed::Seed;
 /// Options of [`Session::verify`].
 #[derive(Debug, Clone)]
 pub struct VerifyOptions {
-    /// The report.
+    /// The report; with names of episodes, also a folder of reports.
     pub report: PathBuf,
+    /// The episodes to repeat; a sample without any.
+    pub episodes: Vec<EpisodeName>,
     /// The number of episodes and failures of searches to repeat; all without it.
     pub sample: Option<usize>,
     /// Whether every pedestrian is trained again, too.
@@ -65,9 +67,14 @@ impl Session {
     /// # Errors
     /// Scenario files cannot be compiled or have changed since the run, or a file of the report is damaged.
     pub fn verify(&self, options: &VerifyOptions) -> Result<VerifyReport, Error> {
-        let source = self.reopen(StoredReport::open(&options.report)?, &options.repeat)?;
+        let report = match options.episodes.first() {
+            Some(first) => self.find(&options.report, *first)?,
+            None => StoredReport::open(&options.report)?,
+        };
+        let source = self.reopen(report, &options.repeat)?;
         let changed_files = source.report.changed_files()?;
-        let names = chosen(&source, options)?;
+        let named = !options.episodes.is_empty();
+        let names = if named { options.episodes.clone() } else { chosen(&source, options)? };
         let different = differing(&source, &names)?;
         let trainings = options.trainings.then(|| retrain(&source));
         Ok(VerifyReport { report: source.report, repeated: names.len(), different, trainings, changed_files })

@@ -67,7 +67,7 @@ fn folders_for_reports_share_a_cache_and_none_takes_away_what_another_wants() {
     assert!(list.contains("0 of 6 tasks to run, 6 to reuse"), "{list}");
 
     // The other folder still needs the tasks that one folder no longer needs.
-    let other = ["--out", "two", "--cache", "cache", "--seed", "7"];
+    let other = ["--out", "two", "--cache", "cache", "--seed", "7", "--replace"];
     run(here, &other);
     assert_eq!(tasks(&here.join("cache")), 12);
     let prune = |more: &[&str]| {
@@ -98,7 +98,7 @@ fn a_cache_may_be_the_cells_of_another_folder_and_is_left_whole() {
     run(here, &["--out", "old"]);
     let output = run(here, &["--out", "new", "--cache", "old/.falsify"]);
     assert!(error(&output).contains("6 of 6 tasks were there already"), "{}", error(&output));
-    run(here, &["--out", "new", "--cache", "old/.falsify", "--seed", "2"]);
+    run(here, &["--out", "new", "--cache", "old/.falsify", "--seed", "2", "--replace"]);
     let pruned = said(&falsify(&["cache", "new", "--cache", "old/.falsify", "--prune"], here));
     assert!(pruned.contains("removed 0 tasks"), "{pruned}");
     run(here, &["--out", "old", "--seed", "3"]);

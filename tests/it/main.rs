@@ -18,6 +18,7 @@ mod caches;
 mod cast;
 mod catalogue;
 mod code_digest;
+mod comparing;
 mod command_line;
 mod determinism;
 mod external;

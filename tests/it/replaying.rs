@@ -125,10 +125,12 @@ fn differences_are_found(here: &Path, report: &Path, name: &str) {
     let file = here.join("again.scn");
     let text = std::fs::read_to_string(&file).unwrap();
     std::fs::write(&file, text.replace("episodes: 6", "episodes: 7")).unwrap();
-    let changed = falsify(&["replay", name], here);
+    let held = falsify(&["replay", name], here);
+    assert_eq!(held.status.code(), Some(0), "the report holds what was run: {held:?}");
+    let changed = falsify(&["replay", name, "--files", "."], here);
     assert_eq!(changed.status.code(), Some(8), "{changed:?}");
     assert!(said(&changed).contains("again.scn` has changed since then"), "{}", said(&changed));
-    let anyway = falsify(&["replay", name, "--anyway"], here);
+    let anyway = falsify(&["replay", name, "--files", ".", "--anyway"], here);
     assert_eq!(anyway.status.code(), Some(0), "the episode itself is the same: {anyway:?}");
 
     for (wrong, wanted) in [("deadbeef:0", "has a run `deadbeef`"), ("deadbeef", "write RUN:EPISODE")] {
@@ -136,6 +138,104 @@ fn differences_are_found(here: &Path, report: &Path, name: &str) {
         assert_eq!(output.status.code(), Some(2), "{output:?}");
         assert!(said(&output).contains(wanted), "{}", said(&output));
     }
+}
+
+/// A scenario with a file beside it and a map, as they stand in a folder.
+fn scenario_of_several_files(folder: &Path) {
+    std::fs::create_dir_all(folder.join("lib")).unwrap();
+    std::fs::create_dir_all(folder.join("maps")).unwrap();
+    let map = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite/files/odd.xodr");
+    std::fs::copy(map, folder.join("maps/odd.xodr")).unwrap();
+    let driver = "edition 1\nparam share: number = 0.5\npolicy mild = cruise(limit_share: share)\n";
+    std::fs::write(folder.join("lib/driver.scn"), driver).unwrap();
+    let text = r#"
+edition 1
+import "std/paper.scn"
+import "std/drivers.scn"
+import "lib/driver.scn"
+town odd = opendrive(file: "maps/odd.xodr")
+spawn near { distance: 7 m .. 9 m }
+campaign parcel {
+  vehicle: model3  adversary: suicidal  spawn: near  episode: thirty_seconds
+  evaluate { towns: [odd] policies: [mild] pedestrians: [intercept] episodes: 4 }
+}
+"#;
+    std::fs::write(folder.join("parcel.scn"), text).unwrap();
+}
+
+#[test]
+fn a_report_is_repeated_without_the_folder_it_came_from() {
+    let (home, away) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    scenario_of_several_files(home.path());
+    let run = falsify(&["run", "--set", "share=0.7", "parcel.scn"], home.path());
+    assert_eq!(run.status.code(), Some(0), "{run:?}");
+    let report = away.path().join("mailed");
+    std::fs::rename(home.path().join("reports/parcel"), &report).unwrap();
+    for held in ["parcel.scn", "lib/driver.scn", "maps/odd.xodr"] {
+        let original = std::fs::read(home.path().join(held)).unwrap();
+        assert_eq!(std::fs::read(report.join("scenario").join(held)).unwrap(), original, "{held}");
+    }
+    drop(home);
+    let verify = falsify(&["verify", "--all", "mailed"], away.path());
+    assert_eq!(verify.status.code(), Some(0), "{verify:?}");
+    assert!(said(&verify).contains("4 repeated, 4 equal"), "{verify:?}");
+
+    // A held file is part of the report, so a change of it is noticed.
+    let driver = report.join("scenario/lib/driver.scn");
+    let text = std::fs::read_to_string(&driver).unwrap();
+    std::fs::write(&driver, text.replace("0.5", "0.6")).unwrap();
+    let verify = falsify(&["verify", "--all", "mailed"], away.path());
+    assert_eq!(verify.status.code(), Some(8), "{verify:?}");
+    assert!(said(&verify).contains("driver.scn` has changed since then"), "{verify:?}");
+    std::fs::write(&driver, text).unwrap();
+
+    // Without a file that it does not hold, the message names it.
+    std::fs::remove_dir_all(report.join("scenario/maps")).unwrap();
+    let manifest = std::fs::read_to_string(report.join("manifest.toml")).unwrap();
+    std::fs::write(report.join("manifest.toml"), manifest.replace("held = \"scenario/maps/odd.xodr\"\n", "")).unwrap();
+    let gone = falsify(&["verify", "--all", "mailed"], away.path());
+    assert_eq!(gone.status.code(), Some(2), "{gone:?}");
+    assert!(said(&gone).contains("does not hold `maps/odd.xodr`") && said(&gone).contains("--files"), "{gone:?}");
+}
+
+#[test]
+fn a_finished_report_is_not_replaced_by_one_of_something_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    scenario_of_several_files(here);
+    let run = |more: &[&str]| falsify(&[&["run", "parcel.scn"], more].concat(), here);
+    let names = || rows(&here.join("reports/parcel"), "episodes", &["run_id", "episode", "digest"]);
+    assert_eq!(run(&[]).status.code(), Some(0));
+    let first = names();
+    assert_eq!(run(&[]).status.code(), Some(0), "the same again");
+    assert_eq!(names(), first);
+
+    for (more, reason) in [
+        (["--set", "share=0.7"], "its settings are none, these are `share = 0.7`"),
+        (["--seed", "2"], "its seed is 1, this one is 2"),
+    ] {
+        let other = run(&more);
+        assert_eq!(other.status.code(), Some(2), "{other:?}");
+        assert!(said(&other).contains(reason) && said(&other).contains("--replace"), "{}", said(&other));
+        assert_eq!(names(), first, "it is as it was");
+    }
+    let file = here.join("parcel.scn");
+    let text = std::fs::read_to_string(&file).unwrap();
+    std::fs::write(&file, text.replace("7 m .. 9 m", "7 m .. 8 m")).unwrap();
+    let other = run(&[]);
+    assert_eq!(other.status.code(), Some(2), "{other:?}");
+    assert!(said(&other).contains("`parcel.scn` has changed since then"), "{}", said(&other));
+
+    // More episodes are the same runs, longer. Fewer would lose some.
+    std::fs::write(&file, format!("// a comment\n{}", text.replace("episodes: 4", "episodes: 6"))).unwrap();
+    assert_eq!(run(&[]).status.code(), Some(0));
+    assert_eq!(names()[..4], first);
+    std::fs::write(&file, &text).unwrap();
+    assert_eq!(run(&[]).status.code(), Some(2), "two episodes would be lost");
+
+    assert_eq!(run(&["--set", "share=0.7", "--replace"]).status.code(), Some(0));
+    let other = names();
+    assert!(other.iter().all(|row| row[0] != first[0][0]), "another setting is another run: {other:?}");
 }
 
 /// The elements of `junit-10.xsd` of Jenkins' xUnit plug-in that are written: element, parent, required attributes, other attributes.

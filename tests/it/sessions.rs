@@ -103,6 +103,7 @@ fn a_campaign_is_run_repeated_verified_exported_and_merged_without_a_process() {
 
     let wanted = VerifyOptions {
         report: report.folder.clone(),
+        episodes: Vec::new(),
         sample: Some(7),
         trainings: false,
         seed: 1,

@@ -212,7 +212,8 @@ fn share((mean, interval): Average) -> Average {
 }
 
 /// The falsifier of a search.
-const FALSIFIER: Column<String> = Column::new("falsifier", "", "name of the falsifier");
+/// Name of the falsifier.
+pub const FALSIFIER: Column<String> = Column::new("falsifier", "", "name of the falsifier");
 /// Its number in the search.
 pub const FAILURE: Column<u64> =
     Column::new("failure", "", "number of the failure in its search, from 0; `RUN_ID:FAILURE` is its name");

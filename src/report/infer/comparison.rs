@@ -58,6 +58,11 @@ pub struct Comparison {
 }
 
 impl Comparison {
+    /// The 95 % interval: Student's over trainings if there is one, else that over common starts.
+    pub fn interval(&self) -> (f64, f64) {
+        self.student.unwrap_or(self.bootstrap)
+    }
+
     /// Whether two drivers are compared.
     pub fn is_of_drivers(&self) -> bool {
         self.first.policy != self.second.policy

@@ -12,13 +12,15 @@ mod transfer;
 mod learning;
 mod gather;
 mod tables;
+mod sides;
 #[cfg(test)]
 mod tests;
 
 pub use cell::{CellEvidence, Quantiles};
-pub use comparison::{Comparison, Test};
+pub use comparison::{Comparison, Test, adjust};
 pub use figure::Figure;
 pub use gather::{Evidence, Gathering};
 pub use learning::{Baseline, Doubt, Learning, Learnt, Reason, TrainingDifference, Untrained, doubts};
+pub use sides::sides;
 pub use tables::{cell_table, comparison_columns, comparison_table, evident_cells, transfer_columns, transfer_table};
 pub use transfer::{Change, Transfer};

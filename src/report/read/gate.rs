@@ -2,7 +2,7 @@ use polars::prelude::{AnyValue, DataFrame};
 
 use crate::record::columns::{ADVERSARY, BLOCK, POLICY, TOWN, VEHICLE};
 use crate::record::metric::MEAN;
-use crate::record::{ColumnReference, metrics};
+use crate::record::{ColumnReference, TableReference, metrics};
 use crate::report::aggregate::{references, search_cell_columns};
 use crate::report::infer::cell_table;
 
@@ -151,6 +151,14 @@ impl Gate {
             }
             parsed => parsed,
         }
+    }
+
+    /// Parses a gate about another table.
+    ///
+    /// # Errors
+    /// It has another form, or names no column of the table.
+    pub fn of_table(text: &str, table: &TableReference) -> Result<Self, GateError> {
+        Self::of_columns(text, &table.columns)
     }
 
     fn of_columns(text: &str, columns: &[ColumnReference]) -> Result<Self, GateError> {

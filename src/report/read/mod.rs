@@ -3,7 +3,9 @@
 mod stored;
 mod divergence;
 mod gate;
+mod failures;
 
 pub use divergence::divergence;
+pub use failures::{FailureFilter, FailureOrder, ListedFailure, failure_list, listed};
 pub use gate::{Gate, GateError, Judged};
-pub use stored::{Difference, ReadError, StoredFailure, StoredReport, differences, failure};
+pub use stored::{Difference, ReadError, StoredFailure, StoredReport, StoredRun, differences, failure};

@@ -14,11 +14,12 @@ use crate::compile::{RunId, TrainingKey};
 use crate::contained::contained;
 use crate::env::StateHashes;
 use crate::files;
-use crate::record::EPISODES;
 use crate::record::columns::{EPISODE, RUN_ID, STATE_HASHES};
+use crate::record::{EPISODES, RunKey};
 use crate::report::aggregate::{COMMANDS, FAILURE, FAILURES, FOUND_AFTER, RUNS, START, TICKS};
 use crate::report::folder::{MARK, report_files};
-use crate::report::{Manifest, pedestrian_file};
+use crate::report::scenario_files::held_path;
+use crate::report::{Manifest, ScenarioFile, pedestrian_file};
 use crate::rl::{ActorCritic, CheckpointError};
 use crate::sim::WalkCommand;
 
@@ -49,6 +50,15 @@ pub enum ReadError {
         /// The cause.
         source: PolarsError,
     },
+    /// A report has a table as CSV only.
+    #[error(
+        "there is no `{path}`: the report has its tables as CSV only; run its campaign again with --formats csv,parquet",
+        path = path.display()
+    )]
+    OnlyCsv {
+        /// The file that is missing.
+        path: PathBuf,
+    },
     /// A stored pedestrian is damaged.
     #[error("`{path}` holds no pedestrian: {source}", path = path.display())]
     Pedestrian {
@@ -64,6 +74,15 @@ pub enum ReadError {
 pub struct StoredReport {
     folder: PathBuf,
     manifest: Manifest,
+}
+
+/// A run in the table of episodes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StoredRun {
+    /// Its key.
+    pub key: RunKey,
+    first: usize,
+    count: usize,
 }
 
 /// A failure of a search as its report has it.
@@ -136,6 +155,11 @@ impl StoredReport {
         let missing = written.iter().filter(|file| !now.contains(file));
         let added = now.iter().filter(|file| written.iter().all(|other| other.path != file.path));
         Ok(missing.chain(added).map(|file| file.path.clone()).collect())
+    }
+
+    /// The file of the report that holds the contents of a scenario file; none if it does not hold them.
+    pub fn held(&self, file: &ScenarioFile) -> Option<PathBuf> {
+        held_path(&self.folder, &file.held)
     }
 
     /// Whether it has a run or a search of this name.
@@ -220,6 +244,64 @@ impl StoredReport {
         let (trained, _) =
             ActorCritic::from_safetensors(&bytes).map_err(|source| ReadError::Pedestrian { path, source })?;
         Ok(trained)
+    }
+
+    /// The runs of the table of episodes, in its order.
+    ///
+    /// # Errors
+    /// A table that is damaged, or that the report has as CSV only.
+    pub fn run_rows(&self) -> Result<Vec<StoredRun>, ReadError> {
+        let mut ids: Vec<(String, usize, usize)> = Vec::new();
+        let path = self.folder.join(format!("{EPISODES}.parquet"));
+        if !path.exists() && path.with_extension("csv").exists() {
+            return Err(ReadError::OnlyCsv { path });
+        }
+        let Some(table) = self.read(EPISODES, Some(&[RUN_ID.name]), None)? else { return Ok(Vec::new()) };
+        for (row, id) in self.texts(EPISODES, &table, RUN_ID.name)?.into_iter().enumerate() {
+            match ids.last_mut() {
+                Some((last, _, count)) if *last == id => *count += 1,
+                _ => ids.push((id, row, 1)),
+            }
+        }
+        let mut runs = Vec::new();
+        for (_, first, count) in ids {
+            let Some(row) = self.rows(EPISODES, first, 1)? else { continue };
+            let failed = |source| ReadError::Table { path: path.clone(), source };
+            runs.push(StoredRun { key: RunKey::read(&row, 0).map_err(failed)?, first, count });
+        }
+        Ok(runs)
+    }
+
+    /// The episodes of a run.
+    ///
+    /// # Errors
+    /// A table that is damaged.
+    pub fn rows_of(&self, run: &StoredRun) -> Result<DataFrame, ReadError> {
+        Ok(self.rows(EPISODES, run.first, run.count)?.unwrap_or_default())
+    }
+
+    /// Passes a table on in parts of this number of rows; nothing if the report has no such table.
+    ///
+    /// # Errors
+    /// A table that is damaged, or that the report has as CSV only.
+    pub(super) fn each_part(
+        &self,
+        table: &str,
+        count: usize,
+        mut take: impl FnMut(&DataFrame) -> PolarsResult<()>,
+    ) -> Result<(), ReadError> {
+        let path = self.folder.join(format!("{table}.parquet"));
+        if !path.exists() && path.with_extension("csv").exists() {
+            return Err(ReadError::OnlyCsv { path });
+        }
+        for first in (0..).step_by(count) {
+            let Some(rows) = self.rows(table, first, count)? else { break };
+            take(&rows).map_err(|source| ReadError::Table { path: path.clone(), source })?;
+            if rows.height() < count {
+                break;
+            }
+        }
+        Ok(())
     }
 
     /// Some rows of a table; none if the report has no such table or it ends before them.

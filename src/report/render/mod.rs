@@ -12,12 +12,19 @@ mod episode;
 mod summary;
 mod page;
 mod junit;
+mod comparison_text;
+mod comparison_page;
 
+pub use comparison_page::{PlayedPair, comparison_page};
+pub use comparison_text::{comparison_for_terminal, title as comparison_title, worst_changes};
 pub use episode::{Narrative, animation, narrative, strip};
 pub use junit::{Suite, junit, shown};
 pub use modes::{accumulation_figure, file_names, mode_panels, modes_section, rule_bars};
-pub use page::{Tally, write_page};
-pub use sections::{published_section, results_for_terminal, search_section, searches_for_terminal, trainings_section};
+pub use page::{Replay, Tally, write_page};
+pub use sections::{
+    failures_for_terminal, published_section, results_for_terminal, search_section, searches_for_terminal,
+    trainings_section,
+};
 pub use summary::summary;
 pub use table::Section;
 pub use town::{Starts, spawn_map, town_map};

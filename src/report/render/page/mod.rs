@@ -23,7 +23,7 @@ mod write;
 
 pub use contents::Contents;
 pub use make::page;
-pub use markup::{count, paragraph, percent};
+pub use markup::{count, json, paragraph, percent};
 pub use modes::ModeCard;
 pub use replay::Replay;
 pub use tally::Tally;

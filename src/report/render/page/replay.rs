@@ -111,6 +111,11 @@ impl Replay {
         }
     }
 
+    /// Converts an episode that is alone on its page, with the scenery around it.
+    pub fn of_episode(scenario: &Scenario, outcome: &Outcome, trace: &Trace, verdict: Option<&Verdict>) -> Self {
+        Self::new(scenario, &Scenery::new(&scenario.town), outcome, trace, verdict)
+    }
+
     /// The last tick.
     pub fn end(&self) -> usize {
         self.ego.len().saturating_sub(1)

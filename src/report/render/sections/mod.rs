@@ -12,8 +12,10 @@ mod reference_drivers;
 mod published;
 mod searches;
 mod trainings;
+mod failures;
 
 pub use comparisons::comparisons;
+pub use failures::failures_for_terminal;
 pub use learnt::learnt;
 pub use names::{place, training};
 pub use published::published_section;

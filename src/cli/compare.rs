@@ -1,0 +1,188 @@
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use serde_json::json;
+
+use super::console;
+use super::episode::RepeatOptions;
+use super::exit_code::ExitCode;
+use super::failure;
+use super::input::session;
+use crate::report::{self, Gate, GateError, Judged, ReportComparison};
+use crate::session::{CompareOptions as Wanted, Session};
+
+/// The number of failures in each list for people.
+pub const SHOWN: usize = 10;
+/// The number of changes that a page plays.
+const PLAYED: usize = 12;
+
+/// Shown after the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  falsify compare old/my new/my              two reports: rates, and which failures are new, fixed, the same
+  falsify compare reports/my --drivers v1 v2 two drivers of one report
+  falsify compare old/my new/my --page diff.html
+                                             a page with both episodes of a change side by side
+  falsify compare old/my new/my --fail-if 'attributable_new > 0' --fail-if 'collision_rate_low > 0'
+                                             block a regression
+
+Exit codes: 0 done   2 no report, or nothing can be compared   7 a --fail-if condition is true   8 an episode for the page differs";
+
+/// Options of `falsify compare`.
+#[derive(Debug, Args)]
+pub struct CompareOptions {
+    /// The report before and the report after; one report with --drivers.
+    #[arg(required = true, num_args = 1..=2, value_name = "REPORT")]
+    pub reports: Vec<PathBuf>,
+    /// The driving policy before and the one after.
+    #[arg(long, num_args = 2, value_names = ["BEFORE", "AFTER"])]
+    pub drivers: Option<Vec<String>>,
+    /// Form of the output; `json` is one object.
+    #[arg(long, value_enum, default_value_t = Form::Text, value_name = "FORMAT")]
+    pub format: Form,
+    /// Also write a page (HTML) with both episodes of the worst changes side by side.
+    #[arg(long, value_name = "FILE")]
+    pub page: Option<PathBuf>,
+    /// Fail (exit code 7) when this is true of a place, driver and controller, as 'attributable_new > 0' or 'collision_rate_low > 0'; may be
+    /// given several times.
+    #[arg(long, value_name = "CONDITION")]
+    pub fail_if: Vec<String>,
+    /// Options of the repetition for the page.
+    #[command(flatten)]
+    pub repeat: RepeatOptions,
+}
+
+/// The form of a comparison.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Form {
+    /// Tables for people.
+    Text,
+    /// One JSON object.
+    Json,
+}
+
+/// `falsify compare`
+pub fn compare(options: &CompareOptions) -> ExitCode {
+    let gates = match options.fail_if.iter().map(|text| parse(text)).collect::<Result<Vec<Gate>, _>>() {
+        Ok(gates) => gates,
+        Err(error) => return refused(&error),
+    };
+    let reports = match (options.reports.as_slice(), &options.drivers) {
+        ([before, after], _) => [before.clone(), after.clone()],
+        ([one], Some(_)) => [one.clone(), one.clone()],
+        _ => {
+            console::fail("name two reports, or one report and --drivers BEFORE AFTER");
+            return ExitCode::Usage;
+        }
+    };
+    let drivers = options.drivers.as_ref().and_then(|names| <[String; 2]>::try_from(names.clone()).ok());
+    let session = session(options.repeat.allow_external);
+    let comparison = match session.compare(&Wanted { reports, drivers }) {
+        Ok(comparison) => comparison,
+        Err(error) => return failure::failed(&error),
+    };
+    match options.format {
+        Form::Text => console::say(report::comparison_for_terminal(&comparison, SHOWN).trim_end()),
+        Form::Json => console::say(&as_json(&comparison).to_string()),
+    }
+    if let Some(path) = &options.page
+        && let Err(code) = write_page(&session, &comparison, path, options)
+    {
+        return code;
+    }
+    judge(&gates, &comparison)
+}
+
+/// Reads a condition on the columns of a comparison.
+///
+/// # Errors
+/// It has another form, or names no column of a comparison.
+pub fn parse(text: &str) -> Result<Gate, GateError> {
+    Gate::of_table(text, &report::comparison_reference())
+}
+
+fn refused(error: &GateError) -> ExitCode {
+    match error {
+        GateError::Column { name, nearest, .. } => {
+            let near = nearest.as_ref().map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+            console::fail(&format!(
+                "--fail-if: a comparison has no column `{name}`{near} (`--format json` shows all of them)"
+            ));
+        }
+        other => console::fail(&format!("--fail-if: {other}")),
+    }
+    ExitCode::Usage
+}
+
+/// Judges a comparison and reports which conditions are true; returns the exit code.
+pub fn judge(gates: &[Gate], comparison: &ReportComparison) -> ExitCode {
+    let (mut code, table) = (ExitCode::Done, report::compared_cells(&comparison.cells));
+    for gate in gates {
+        let judged = gate.judge(&table);
+        if judged.iter().all(|judged| *judged == Judged::Elsewhere) {
+            console::fail(&format!(
+                "--fail-if {}: it speaks of no place, driver and controller of the comparison",
+                gate.text()
+            ));
+            return ExitCode::Usage;
+        }
+        for (cell, judged) in comparison.cells.iter().zip(judged) {
+            let place = report::comparison_title(cell);
+            match judged {
+                Judged::Broken(values) => {
+                    console::fail(&format!("--fail-if {}: {} in {place}", gate.text(), report::shown(&values)));
+                    code = ExitCode::GateFailed;
+                }
+                Judged::Missing(column) => {
+                    console::warn(&format!("--fail-if {}: there is no {column} in {place}", gate.text()));
+                }
+                Judged::Passed | Judged::Elsewhere => {}
+            }
+        }
+    }
+    code
+}
+
+fn write_page(
+    session: &Session,
+    comparison: &ReportComparison,
+    path: &std::path::Path,
+    options: &CompareOptions,
+) -> Result<(), ExitCode> {
+    let chosen = report::worst_changes(comparison, PLAYED);
+    let failed = |error| failure::failed(&error);
+    let pairs = session.play_changes(comparison, &chosen, &options.repeat.repeat()).map_err(failed)?;
+    report::write_file(path, report::comparison_page(comparison, &pairs).as_bytes()).map_err(|error| {
+        console::fail(&error.to_string());
+        ExitCode::WriteFailed
+    })?;
+    console::note(&path.display().to_string());
+    Ok(())
+}
+
+/// Makes an object of a comparison, for programs.
+fn as_json(comparison: &ReportComparison) -> serde_json::Value {
+    let [before, after] = comparison.folders.each_ref().map(|folder| folder.display().to_string());
+    let notes: Vec<String> = comparison.caveats.iter().map(ToString::to_string).collect();
+    let side = |side: &report::SideEpisode| {
+        let failure = side.failure.as_ref();
+        json!({
+            "name": side.name,
+            "collision": failure.is_some(),
+            "verdict": failure.and_then(|failure| failure.verdict).map(|verdict| verdict.name()),
+            "attributable": failure.map(|failure| failure.attributable),
+            "kind": failure.map(|failure| failure.kind()),
+            "impact_speed_mps": failure.map(|failure| failure.impact_speed),
+        })
+    };
+    let changes: Vec<_> = comparison
+        .changes
+        .iter()
+        .map(|change| {
+            let [before, after] = change.sides.each_ref().map(side);
+            json!({ "change": change.word(), "cell": change.cell, "before": before, "after": after })
+        })
+        .collect();
+    let cells = report::json_rows(&report::compared_cells(&comparison.cells));
+    json!({ "before": before, "after": after, "notes": notes, "cells": cells, "failures": changes })
+}

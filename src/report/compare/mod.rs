@@ -1,0 +1,14 @@
+//! Two sides, start by start: two reports, or two driving policies of one report.
+//!
+//! Runs are matched by their keys, and episodes by their numbers where their starts are equal by hash. So every difference is between two
+//! episodes that began alike. What differs between the reports besides is a [`Caveat`].
+
+mod caveat;
+mod matching;
+mod comparison;
+mod table;
+
+pub use caveat::Caveat;
+pub use comparison::{Changed, ComparedCell, FailureChange, ReportComparison, SideEpisode, compare_reports};
+pub use matching::{Incomparable, Side};
+pub use table::{compared_cells, comparison_reference};

@@ -1,0 +1,33 @@
+use polars::prelude::{DataFrame, PolarsResult};
+
+use super::Figure;
+use super::comparison::{Comparison, compare};
+use super::place::Place;
+use super::tried::{KEPT, Tried};
+use crate::seed::Seed;
+
+/// Compares the runs of one cell on two sides, such as two reports: second less first. Runs of a number belong together, and their episodes
+/// of a number have equal starts. Figures without a value on a side are left out; p is not adjusted.
+///
+/// # Errors
+/// Those of polars; none for tables made by [`episodes`](crate::record::episodes).
+pub fn sides(first: &[DataFrame], second: &[DataFrame], seed: &Seed) -> PolarsResult<Vec<Comparison>> {
+    let of_side = |name: &'static str| {
+        move |run: &DataFrame| {
+            // Cells of a place differ in their keys, so the driver's name tells the sides apart.
+            Tried::new(run, KEPT).map(|mut tried| {
+                tried.key.policy = name.into();
+                tried
+            })
+        }
+    };
+    let filled = |runs: &[DataFrame], name| -> PolarsResult<Vec<Tried>> {
+        runs.iter().filter(|run| run.height() > 0).map(of_side(name)).collect()
+    };
+    let place = Place::new([filled(first, "first")?, filled(second, "second")?].concat());
+    if place.cells.len() < 2 {
+        return Ok(Vec::new());
+    }
+    let compared = |figure| compare(&place, &place.measure(figure), (1, 0), seed);
+    Ok(Figure::COMPARED.into_iter().filter_map(compared).collect())
+}

@@ -1,0 +1,111 @@
+//! A comparison of two sides as a page: one HTML file with both episodes of a change side by side.
+
+use maud::{Markup, PreEscaped, html};
+
+use super::comparison_text::{changes, counts, headline, list, rates, title};
+use super::page::{Replay, json};
+use super::svg::{FIGURE_CSS, properties};
+use crate::report::{FailureChange, ReportComparison};
+
+/// What the page adds to the style of reports.
+const CSS: &str = "\
+.pair{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(20rem,100%),1fr));gap:1rem}\
+.pair>div{min-width:0}.wide{overflow-x:auto;max-width:100%}article.card{max-width:100%}";
+/// Most changes of a word that the page lists.
+const LISTED: usize = 200;
+
+/// A change with both of its episodes.
+#[derive(Debug, Clone)]
+pub struct PlayedPair {
+    /// The change.
+    pub change: FailureChange,
+    /// The episode of the first side and of the second.
+    pub replays: [Replay; 2],
+}
+
+/// The page. It needs no other file and no network.
+pub fn comparison_page(comparison: &ReportComparison, pairs: &[PlayedPair]) -> String {
+    let [before, after] = comparison.folders.each_ref().map(|folder| folder.display().to_string());
+    let page = html! {
+        (PreEscaped("<!doctype html>"))
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
+                title { "Comparison of " (before) " and " (after) }
+                style { (PreEscaped(properties())) (PreEscaped(FIGURE_CSS)) (PreEscaped(include_str!("page/page.css"))) (PreEscaped(CSS)) }
+            }
+            body {
+                header.top {
+                    p.kind { "falsify · comparison" }
+                    h1 { (headline(comparison)) }
+                    p.meta { "before " code { (before) } " · after " code { (after) } }
+                    @for caveat in &comparison.caveats { p.warn { (caveat) } }
+                    button #theme type="button" hidden { "Dark" }
+                }
+                main #main {
+                    section #played {
+                        h2 { "Side by side" }
+                        @if pairs.is_empty() { p { "No start ends in a collision on one side alone." } }
+                        @for (number, pair) in pairs.iter().enumerate() { (card(number, pair, comparison)) }
+                    }
+                    section #rates {
+                        h2 { "Rates over common starts" }
+                        @for cell in &comparison.cells {
+                            h3 { (title(cell)) }
+                            p { (cell.starts) " common starts, " (cell.runs) " runs" }
+                            div.wide { (rates(cell).to_html()) }
+                        }
+                    }
+                    section #failures {
+                        h2 { "Failures" }
+                        div.wide { (counts(comparison, "verdict", usize::MAX).to_html()) }
+                        div.wide { (counts(comparison, "kind", usize::MAX).to_html()) }
+                        @for word in ["new", "fixed", "same"] {
+                            @let all = changes(comparison, word);
+                            @if !all.is_empty() {
+                                details.all {
+                                    summary { (word) ": " (all.len()) ", the worst first" }
+                                    div.wide { (list(&all[..all.len().min(LISTED)]).to_html()) }
+                                }
+                            }
+                        }
+                    }
+                }
+                script { (PreEscaped(include_str!("page/page.js"))) (PreEscaped(include_str!("page/player.js"))) }
+            }
+        }
+    };
+    page.into_string() + "\n"
+}
+
+fn card(number: usize, pair: &PlayedPair, comparison: &ReportComparison) -> Markup {
+    let (change, failure) = (&pair.change, pair.change.failure());
+    html! {
+        article.card {
+            header {
+                h3 { (change.word()) ": " (failure.kind()) }
+                span class={ "verdict " (failure.verdict_name()) } { (failure.verdict_name().replace('_', " ")) }
+            }
+            p.where { (title(&comparison.cells[change.cell])) }
+            div.pair {
+                @for (side, word) in ["before", "after"].into_iter().enumerate() {
+                    @let episode = &change.sides[side];
+                    div {
+                        p {
+                            strong { (word) } ": "
+                            @match &episode.failure {
+                                Some(failure) => { (format!("hit at {:.1} m/s", failure.impact_speed)) },
+                                None => { "no collision" },
+                            }
+                        }
+                        div.player data-replay={ "replay-" (number) "-" (side) } {}
+                        p.replay { code { "falsify replay " (comparison.folders[side].join(&episode.name).display()) } }
+                        script type="application/json" id={ "replay-" (number) "-" (side) } { (PreEscaped(json(&pair.replays[side]))) }
+                    }
+                }
+            }
+        }
+    }
+}

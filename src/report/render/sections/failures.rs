@@ -1,0 +1,37 @@
+use std::path::PathBuf;
+
+use crate::report::ListedFailure;
+use crate::report::render::table::{Column, Table, Value};
+
+/// Failures with the folders of their reports as text for a terminal. When all are of one report, rows have names without its folder.
+pub fn failures_for_terminal(failures: &[(PathBuf, ListedFailure)]) -> String {
+    let one = failures.iter().all(|(report, _)| *report == failures[0].0);
+    let row = |(report, failure): &(PathBuf, ListedFailure)| {
+        let name = failure.name();
+        vec![
+            Value::Code(if one { name } else { report.join(name).display().to_string() }),
+            failure.verdict_name().replace('_', " ").into(),
+            Value::Number(Some(failure.impact_speed), 1),
+            failure.policy.clone().into(),
+            Value::Text(controller(failure)),
+            failure.town.clone().into(),
+            failure.kind().into(),
+        ]
+    };
+    let head = vec![
+        Column::text("failure"),
+        Column::text("verdict"),
+        Column::number("m/s"),
+        Column::text("driver"),
+        Column::text("controller"),
+        Column::text("town"),
+        Column::text("kind"),
+    ];
+    Table { head, rows: failures.iter().map(row).collect(), ..Table::default() }.to_terminal()
+}
+
+/// The controller, with its reward if it was trained for one.
+fn controller(failure: &ListedFailure) -> String {
+    let trained = !failure.train_town.is_empty() || (failure.searched && !failure.reward.is_empty());
+    if trained { format!("{} {}", failure.controller, failure.reward) } else { failure.controller.clone() }
+}

@@ -1,0 +1,139 @@
+//! Failures are listed, and two reports or two drivers are compared start by start.
+
+use std::io::Write;
+use std::path::Path;
+use std::process::{Output, Stdio};
+
+use crate::program::{command, falsify};
+
+const SCENARIO: &str = r#"
+edition 1
+import "std/paper.scn"
+import "std/drivers.scn"
+import "std/towns.scn"
+param share: number = 0.2
+policy slow = cruise(limit_share: 0.2)
+policy changed = cruise(limit_share: share)
+falsifier home = homing()
+campaign two {
+  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds
+  evaluate { towns: [harbour] policies: [slow, changed] pedestrians: [random, intercept] episodes: 15 }
+  search { towns: [harbour] policies: [slow] falsifiers: [home] budget: 3_000 runs: 1 episodes: 0 }
+}
+"#;
+
+fn run(here: &Path, more: &[&str]) {
+    std::fs::write(here.join("two.scn"), SCENARIO).unwrap();
+    let output = falsify(&[&["run", "two.scn"], more].concat(), here);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+}
+
+fn text(output: &Output) -> String {
+    String::from_utf8_lossy(&[output.stdout.as_slice(), &output.stderr].concat()).into_owned()
+}
+
+#[test]
+fn failures_are_listed_and_their_names_are_taken_by_other_commands() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    run(here, &[]);
+    let names = |more: &[&str]| {
+        let output = falsify(&[&["failures", "reports/two", "--names"], more].concat(), here);
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let all = names(&[]);
+    let objects = falsify(&["failures", "reports", "--format", "json"], here);
+    let objects: Vec<serde_json::Value> =
+        text(&objects).lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(objects.len(), all.lines().count());
+    for found_by in ["evaluation", "search"] {
+        assert!(objects.iter().any(|object| object["found_by"] == found_by), "{found_by}");
+    }
+    assert!(objects.iter().zip(all.lines()).all(|(object, name)| object["name"] == name));
+    let table = falsify(&["failures", "--report", "reports/two", "--format", "csv"], here);
+    assert_eq!(text(&table).lines().count(), objects.len() + 1);
+
+    let speed = |object: &serde_json::Value| object["impact_speed_mps"].as_f64().unwrap();
+    let fast = objects.iter().filter(|object| object["policy"] == "slow" && speed(object) >= 1.0).count();
+    assert_eq!(names(&["--driver", "slow", "--min-speed", "1"]).lines().count(), fast);
+    assert!(names(&["--controller", "nobody"]).is_empty());
+    let wrong = falsify(&["failures", "reports", "--verdict", "bad"], here);
+    assert_eq!(wrong.status.code(), Some(2));
+
+    // From another folder, by the path alone; several at once, from the input.
+    let three = names(&["--top", "3"]);
+    let mut replay = command();
+    replay.args(["replay", "--json", "-"]).current_dir(here).stdin(Stdio::piped()).stdout(Stdio::piped());
+    let mut child = replay.spawn().unwrap();
+    child.stdin.take().unwrap().write_all(three.as_bytes()).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!((output.status.code(), text(&output).lines().count()), (Some(0), 3), "{output:?}");
+    let first = three.lines().next().unwrap();
+    let verify = falsify(&["verify", first], here);
+    assert_eq!(verify.status.code(), Some(0), "{verify:?}");
+    assert!(text(&verify).contains("1 repeated, 1 equal"), "{verify:?}");
+}
+
+#[test]
+fn a_changed_driver_differs_and_an_equal_one_does_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    run(here, &["--out", "old"]);
+    run(here, &["--out", "new", "--set", "share=0.9"]);
+    let object = |arguments: &[&str]| -> serde_json::Value {
+        let output = falsify(&[arguments, &["--format", "json"]].concat(), here);
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let same = object(&["compare", "old/two", "old/two"]);
+    for cell in same["cells"].as_array().unwrap() {
+        assert_eq!(
+            (&cell["common_starts"], &cell["collisions_new"], &cell["collisions_fixed"]),
+            (&15.into(), &0.into(), &0.into())
+        );
+        assert_eq!(cell["collision_rate_difference"], 0.0);
+    }
+    let changed = object(&["compare", "old/two", "new/two"]);
+    assert!(changed["notes"].to_string().contains("`share = 0.9` after"), "{}", changed["notes"]);
+    let cells = changed["cells"].as_array().unwrap();
+    let of = |policy: &str| cells.iter().filter(|cell| cell["policy"] == policy).collect::<Vec<_>>();
+    assert!(of("slow").iter().all(|cell| cell["collisions_new"] == 0 && cell["collisions_fixed"] == 0));
+    let differs = of("changed").iter().any(|cell| cell["collisions_new"] != 0 || cell["collisions_fixed"] != 0);
+    assert!(differs, "{cells:?}");
+    // Every change names one episode of each report, with the same start.
+    for change in changed["failures"].as_array().unwrap() {
+        let number = |side: &str| change[side]["name"].as_str().unwrap().split_once(':').unwrap().1.to_string();
+        assert_eq!(number("before"), number("after"));
+    }
+    let drivers = object(&["compare", "new/two", "--drivers", "slow", "changed"]);
+    let pairs = drivers["cells"].as_array().unwrap();
+    assert!(pairs.iter().all(|cell| cell["policy"] == "slow" && cell["other_policy"] == "changed"), "{pairs:?}");
+
+    let gate =
+        |condition: &str| falsify(&["compare", "old/two", "new/two", "--fail-if", condition], here).status.code();
+    assert_eq!(gate("common_starts >= 15"), Some(7));
+    assert_eq!(gate("common_starts > 15"), Some(0));
+    assert_eq!(gate("common_start > 15"), Some(2), "no such column");
+    assert_eq!(gate("common_starts > 15 and policy == nobody"), Some(2), "it speaks of nothing");
+    let baseline = ["run", "two.scn", "--out", "new", "--set", "share=0.9", "--baseline", "old", "--fail-if"];
+    let blocked = falsify(&[&baseline[..], &["common_starts >= 15"]].concat(), here);
+    assert_eq!(blocked.status.code(), Some(7), "{blocked:?}");
+    let page = falsify(&["compare", "old/two", "new/two", "--page", "diff.html"], here);
+    assert_eq!(page.status.code(), Some(0), "{page:?}");
+    let page = std::fs::read_to_string(here.join("diff.html")).unwrap();
+    assert!(page.matches("class=\"player\"").count() >= 2 && !page.contains("src="), "both episodes can be played");
+}
+
+#[test]
+fn reports_without_a_common_start_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    run(here, &["--out", "one"]);
+    run(here, &["--out", "other", "--seed", "2"]);
+    let refused = falsify(&["compare", "one/two", "other/two"], here);
+    assert_eq!(refused.status.code(), Some(2), "{refused:?}");
+    assert!(text(&refused).contains("the seeds are 1 and 2"), "{refused:?}");
+    let unknown = falsify(&["compare", "one/two", "--drivers", "slow", "fast"], here);
+    assert!(text(&unknown).contains("no episodes of a driver `fast`; it has changed, slow"), "{unknown:?}");
+}
