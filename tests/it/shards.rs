@@ -128,6 +128,8 @@ fn planned(path: &str) -> Campaign {
 fn every_cell_falls_to_one_shard_with_what_it_needs_and_the_shards_are_alike() {
     let mut campaign = planned("scenarios/first_look.scn");
     campaign.evaluations.iter_mut().for_each(|evaluation| evaluation.episodes = 25_000);
+    // A search is a task of its own size, so the numbers of tasks would differ.
+    campaign.searches.clear();
     for count in [1, 2, 3, 7, 16, 1000] {
         let dealt: BTreeMap<Task, u32> = campaign::deal(&campaign, count).into_iter().collect();
         assert_eq!(dealt.len(), tasks(&campaign).count());

@@ -64,6 +64,7 @@ fn the_tables_of_reports_have_the_columns_that_their_page_explains() {
         "mode_counts",
         "runs",
         "search_cells",
+        "search_comparisons",
         "search_failures",
         "search_kinds",
         "searches",
