@@ -19,10 +19,13 @@ pub struct Cruise {
 const COMFORTABLE: f64 = 2.0;
 
 impl Cruise {
+    /// The name of its kind.
+    pub const KIND: &'static str = "cruise";
+
     /// Its keys in a scenario.
     pub fn signature() -> Signature {
         Signature::new(
-            "cruise",
+            Self::KIND,
             "Keeps its lane and its speed. It sees neither pedestrians nor lights.",
             vec![
                 Param::with_default("limit_share", Type::share(), "0.9", "Share of the speed limit that it drives."),

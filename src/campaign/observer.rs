@@ -39,6 +39,16 @@ pub trait Observer: Sync {
         let _ = (task, episodes);
     }
 
+    /// A search starts. The number is its place in the campaign.
+    fn search_begun(&self, search: usize) {
+        let _ = search;
+    }
+
+    /// A search has used this number of simulator ticks of its budget. It is called before every episode.
+    fn searching(&self, search: usize, ticks: u64) {
+        let _ = (search, ticks);
+    }
+
     /// A search has ended. The number is its place in the campaign.
     fn searched(&self, search: usize, result: &super::SearchResult) {
         let _ = (search, result);

@@ -1,3 +1,5 @@
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use super::watch::flow;
 use super::{Evaluated, Observer, ResultStore, SearchResult, Task, TaskError};
 use crate::compile::{Search, episodes_seed};
@@ -33,7 +35,11 @@ pub fn search(
         return Some(SearchResult { key: key.clone(), budget, spent, verdicts, evaluated, error: Some(limit) });
     }
     let late = || stop() || results.limit(task, 0).is_some();
-    let mut simulator = Simulator::new(search.scenario.clone(), search.starts(seed), search.budget, &late);
+    observer.search_begun(index);
+    let used = AtomicU64::new(0);
+    let progress = |ticks: u64| observer.searching(index, used.fetch_add(ticks, Ordering::Relaxed) + ticks);
+    let mut simulator =
+        Simulator::new(search.scenario.clone(), search.starts(seed), search.budget, &late).with_progress(&progress);
     let own = seed.child("falsifier").child(&key.town).child(&key.policy).child(&key.falsifier).index(key.run.into());
     let (walker, error) = match search.falsifier.search(&mut simulator, &own.child("search")) {
         Ok(walker) => (walker, None),

@@ -13,6 +13,7 @@ mod progress;
 mod settings;
 mod config;
 mod run;
+mod results;
 mod shard;
 mod merge;
 mod status;

@@ -9,14 +9,15 @@ use super::gate::GateOptions;
 use super::input::{GivenOptions, session};
 use super::output::Output;
 use super::progress::{Event, Progress, Showing};
+use super::results::quoted;
 use super::seconds::seconds;
 use super::shard::NamedShard;
-use super::{console, failure, gate, interrupt, list};
+use super::{console, failure, gate, interrupt, list, results};
 use crate::campaign::{self, Shard, Task};
 use crate::compile::Campaign;
 use crate::diagnostic::{Diagnostic, Sources};
 use crate::process;
-use crate::report::{self, Formats};
+use crate::report::Formats;
 use crate::session::{
     self, CampaignOutcome, CampaignReport, Error, Notice, Observer, RunReport, Session, ShardOptions, ShardReport,
     Ticks,
@@ -179,11 +180,7 @@ impl RunOptions {
 
 /// The command of this process as a user would type it again.
 fn command_line() -> String {
-    let plain = |c: char| c.is_alphanumeric() || "-_./=:,@%+".contains(c);
-    let quoted = |word: String| {
-        if !word.is_empty() && word.chars().all(plain) { word } else { format!("'{}'", word.replace('\'', "'\\''")) }
-    };
-    let words = std::env::args().skip(1).map(quoted);
+    let words = std::env::args().skip(1).map(|word| quoted(&word));
     std::iter::once("falsify".to_string()).chain(words).collect::<Vec<_>>().join(" ")
 }
 
@@ -225,6 +222,12 @@ fn run_or_list(options: &RunOptions) -> Result<ExitCode, ExitCode> {
 /// The exit code, after the reason has been printed.
 pub fn finished(options: &RunOptions, run: &RunReport) -> Result<ExitCode, ExitCode> {
     options.gate.write(run)?;
+    if let Some(overview) = &run.overview {
+        match options.format {
+            Output::Human => results::show_overview(overview),
+            Output::Json => Event::OverviewWritten { page: &overview.page }.tell(),
+        }
+    }
     if run.interrupted {
         return Ok(ExitCode::Interrupted);
     }
@@ -310,13 +313,7 @@ impl RunReporter {
     fn reported(&self, report: &CampaignReport) {
         let CampaignReport { name, folder, manifest, .. } = report;
         match self.output {
-            Output::Human => {
-                console::say(report::results_for_terminal(&manifest.campaign, &report.cells).trim_end());
-                if !report.searches.is_empty() {
-                    console::say(report::searches_for_terminal(&report.searches).trim_end());
-                }
-                console::say(&folder.join("report.html").display().to_string());
-            }
+            Output::Human => results::show(report),
             Output::Json => Event::ReportWritten { campaign: name, folder, complete: manifest.complete }.tell(),
         }
         gate::show(report);

@@ -3,6 +3,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::{Fingerprint, RunId};
+use crate::av::Cruise;
 use crate::av::sensors::SensorModel;
 use crate::env::Scenario;
 use crate::falsifier::Falsifier;
@@ -154,6 +155,13 @@ pub struct Driver {
     pub sensor_model: Option<Arc<SensorModel>>,
     /// See [`Signature::surrogate`](crate::signature::Signature::surrogate).
     pub surrogate: &'static str,
+}
+
+impl Driver {
+    /// Whether it perceives no pedestrians, so that each of them can hit it. Reports show such a driver apart from those under test.
+    pub fn sees_no_pedestrians(&self) -> bool {
+        self.kind == Cruise::KIND
+    }
 }
 
 /// The names that distinguish a training from the others of its campaign.

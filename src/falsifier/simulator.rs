@@ -31,6 +31,10 @@ pub struct Simulator<'a> {
     spent: bool,
     stop: &'a (dyn Fn() -> bool + Sync),
     stopped: bool,
+    /// Hears the ticks that were used since the last episode began.
+    progress: &'a (dyn Fn(u64) + Sync),
+    /// The ticks that it has heard.
+    heard: u64,
     /// Ticks after every decision; only shares record them.
     clock: Option<Vec<u64>>,
 }
@@ -70,8 +74,15 @@ impl<'a> Simulator<'a> {
             spent: false,
             stop,
             stopped: false,
+            progress: &|_| {},
+            heard: 0,
             clock: None,
         }
+    }
+
+    /// Reports the ticks that were used since the last report, before every episode. Shares of the budget report their own.
+    pub fn with_progress(self, progress: &'a (dyn Fn(u64) + Sync)) -> Self {
+        Self { progress, ..self }
     }
 
     /// The environment as it is now.
@@ -91,6 +102,8 @@ impl<'a> Simulator<'a> {
 
     /// Starts an episode from the start with this number; false when the budget is used up.
     pub fn begin(&mut self, start: u64) -> bool {
+        (self.progress)(self.used - self.heard);
+        self.heard = self.used;
         self.stopped |= (self.stop)();
         let ready = self.ready.as_ref().filter(|(number, _)| *number == start).and_then(|(_, env)| env.snapshot());
         self.spent |= self.stopped || (ready.is_none() && self.left() < self.scenario.most_run_up().into());
@@ -168,7 +181,8 @@ impl<'a> Simulator<'a> {
     /// Splits the rest of the budget into equal shares that may be used in parallel, one decision at a time.
     pub(super) fn shares(&self, count: u64) -> Vec<Self> {
         let share = |_| {
-            let mut share = Self::new(self.scenario.clone(), self.seed, self.left() / count, self.stop);
+            let mut share = Self::new(self.scenario.clone(), self.seed, self.left() / count, self.stop)
+                .with_progress(self.progress);
             share.clock = Some(Vec::new());
             share
         };
@@ -186,6 +200,7 @@ impl<'a> Simulator<'a> {
         };
         for (share, clock) in shares.into_iter().zip(&clocks) {
             self.used += share.used;
+            self.heard += share.heard;
             self.episodes += share.episodes;
             self.starts.extend(share.starts);
             self.stopped |= share.stopped;

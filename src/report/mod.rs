@@ -16,13 +16,15 @@ mod scenario_files;
 mod table_stream;
 mod text_forms;
 mod folder;
+mod overview;
 mod write;
 
 pub use aggregate::{
-    Agreement, Average, Cell, Episodes, Gathered, MedianTime, Metrics, PublishedComparison, Run, SEARCH_COMPARISONS,
-    SearchCell, SearchKind, Spread, Wanted, beside, gather, learning_curve, metrics, published, search_cell_table,
-    search_cells, search_comparison_table, search_comparisons, search_failures, search_kind_table, search_kinds,
-    searches, ticks, write_ticks,
+    Agreement, Average, Cell, DriverResult, Episodes, FailureClass, Failures, FoundBy, FoundFailure, Gathered,
+    MedianTime, Metrics, PublishedComparison, Run, SEARCH_COMPARISONS, SearchCell, SearchFailures, SearchKind, Spread,
+    Wanted, beside, driver_results, gather, learning_curve, metrics, published, search_cell_table, search_cells,
+    search_comparison_table, search_comparisons, search_failures, search_kind_table, search_kinds, searches, ticks,
+    write_ticks,
 };
 pub use catalogue::{catalogue, column_reference};
 pub use compare::{
@@ -36,13 +38,15 @@ pub use infer::{
     Reason, Test, TrainingDifference, Transfer, Untrained, doubts, evident_cells,
 };
 pub use manifest::{Call, FileRecord, Manifest, RunRecord, ScenarioFile, TrainingRecord};
+pub use overview::{HighestRate, Overview, OverviewRow, Variant};
 pub use read::{
     Difference, FailureFilter, FailureOrder, Gate, GateError, Judged, ListedFailure, ReadError, StoredFailure,
     StoredReport, differences, divergence, failure, failure_list,
 };
 pub use render::{
-    Narrative, Starts, Suite, Tally, animation, failures_for_terminal, junit, narrative, results_for_terminal,
-    searches_for_terminal, shown, spawn_map, strip, town_map,
+    Narrative, Starts, Suite, Tally, animation, drivers_for_terminal, failures_for_terminal, junit, narrative,
+    overview_for_terminal, overview_page, results_for_terminal, searches_for_terminal, shown, spawn_map, strip,
+    town_map,
 };
 pub use render::{PlayedPair, Replay, comparison_for_terminal, comparison_page, comparison_title, worst_changes};
 pub use scenario_files::{MOST_HELD_BYTES, held_places};

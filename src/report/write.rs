@@ -3,12 +3,12 @@ use std::collections::BTreeMap;
 use super::aggregate::{CELLS, RUNS, SEARCH_KINDS};
 use super::failure_modes::{self, CellModes};
 use super::render::{
-    Section, accumulation_figure, file_names, mode_panels, modes_section, published_section, rule_bars, search_section,
-    summary, trainings_section, write_page,
+    Found, Section, accumulation_figure, file_names, mode_panels, modes_section, published_section, rule_bars,
+    search_section, summary, trainings_section, write_page,
 };
 use super::{
-    FailureModes, Gathered, Manifest, Metrics, ReportFolder, SEARCH_COMPARISONS, WriteError, beside, infer,
-    learning_curve, published, search_cell_table, search_cells, search_comparison_table, search_comparisons,
+    DriverResult, FailureModes, Gathered, Manifest, Metrics, ReportFolder, SEARCH_COMPARISONS, WriteError, beside,
+    infer, learning_curve, published, search_cell_table, search_cells, search_comparison_table, search_comparisons,
     search_failures, search_kind_table, search_kinds, searches, town_map,
 };
 use crate::campaign::Finished;
@@ -28,6 +28,7 @@ pub fn write(
     campaign: &Campaign,
     finished: &Finished,
     gathered: &Gathered,
+    drivers: &[DriverResult],
     modes: FailureModes<'_>,
     manifest: &Manifest,
 ) -> Result<(), WriteError> {
@@ -90,10 +91,10 @@ pub fn write(
         sections.push(search_section(&searched));
     }
     sections.extend(trainings_section(&finished.trainings));
-    let page = summary(campaign, &cells, evidence, manifest, &sections);
+    let page = summary(campaign, drivers, &cells, evidence, manifest, &sections);
     folder.file("summary.md", page.as_bytes())?;
     folder.file("manifest.toml", manifest.to_toml().as_bytes())?;
-    write_page(folder, campaign, finished, gathered, manifest, &cells, &modes)
+    write_page(folder, campaign, finished, gathered, manifest, &Found { cells: &cells, drivers, modes: &modes })
 }
 
 /// Adds the tables and pictures of failure modes to a report; returns the section of its summary, none without any collision.

@@ -1,7 +1,8 @@
 use std::path::PathBuf;
 
+use super::OverviewFiles;
 use crate::campaign::Shard;
-use crate::report::{Cell, Doubt, Gate, Judged, Manifest, SearchCell};
+use crate::report::{Cell, Doubt, DriverResult, Gate, Judged, Manifest, SearchCell};
 
 /// The result of a run of campaigns.
 #[derive(Debug)]
@@ -10,6 +11,8 @@ pub struct RunReport {
     pub campaigns: Vec<CampaignOutcome>,
     /// Whether the run was stopped. Then later campaigns are missing.
     pub interrupted: bool,
+    /// The overview; none for a single report.
+    pub overview: Option<OverviewFiles>,
 }
 
 impl RunReport {
@@ -47,6 +50,8 @@ pub struct CampaignReport {
     pub manifest: Manifest,
     /// Means and intervals of each cell of the grid, in the order of the table `cells`.
     pub cells: Vec<Cell>,
+    /// What was found about each driver, the worst first.
+    pub drivers: Vec<DriverResult>,
     /// Means of the searches, in the order of the table `search_cells`.
     pub searches: Vec<SearchCell>,
     /// The doubts about its trainings.

@@ -3,6 +3,7 @@ use std::time::Instant;
 
 use super::manifest::{Times, hold};
 use super::other_report::check_place;
+use super::overview::write_overview;
 use super::{
     CampaignOutcome, CampaignReport, Error, KeepError, Notice, Planned, RunOptions, RunReport, Session, Stop, Ticks,
 };
@@ -70,7 +71,9 @@ impl Session {
                 break;
             }
         }
-        Ok(RunReport { campaigns, interrupted: self.stop.is_asked() })
+        let run = RunReport { campaigns, interrupted: self.stop.is_asked(), overview: None };
+        let overview = write_overview(options, &run)?;
+        Ok(RunReport { overview, ..run })
     }
 
     /// Runs a campaign and writes its report.
@@ -113,7 +116,8 @@ impl Session {
         };
         let mut modes = FailureModes::new(campaign, &finished.trainings, &seed);
         let episodes = Episodes::new(campaign, &results);
-        let gathered = report::gather(&folder, &episodes, &mut modes, &seed).map_err(written)?;
+        let mut gathered = report::gather(&folder, &episodes, &mut modes, &seed).map_err(written)?;
+        gathered.failures.add_searches(&finished.searches);
         if let Some(error) = results.take_failure() {
             return Err(options.keep(error));
         }
@@ -131,7 +135,11 @@ impl Session {
         let times = Times { trainings: results.training_seconds(), run: began.elapsed().as_secs_f64() };
         let files = hold(&folder, planned).map_err(written)?;
         let manifest = self.manifest(campaign, options, files, &finished, &gathered, &times);
-        report::write(&folder, campaign, &finished, &gathered, modes, &manifest).map_err(written)?;
+        let failed = |source| options.keep(WriteError::Table { name: "cells".into(), source });
+        let metrics = Metrics::of_runs(gathered.runs.clone()).map_err(failed)?;
+        let cells = metrics.cells().map_err(failed)?;
+        let drivers = report::driver_results(&campaign.drivers, &cells, &gathered.failures, &finished.searches);
+        report::write(&folder, campaign, &finished, &gathered, &drivers, modes, &manifest).map_err(written)?;
         if options.ticks != Ticks::None {
             let all = options.ticks == Ticks::All;
             let wanted = Wanted::of(&Episodes::new(campaign, &results), &finished, all).map_err(written)?;
@@ -144,9 +152,6 @@ impl Session {
             folder.finish(manifest.complete)
         });
         let folder = folder.map_err(written)?;
-        let failed = |source| options.keep(WriteError::Table { name: "cells".into(), source });
-        let metrics = Metrics::of_runs(gathered.runs).map_err(failed)?;
-        let cells = metrics.cells().map_err(failed)?;
         let evident = report::evident_cells(&metrics.cells, &gathered.evidence.cells).map_err(failed)?;
         let searches = report::search_cells(&finished.searches);
         let searched = report::search_cell_table(&searches);
@@ -158,6 +163,7 @@ impl Session {
             folder,
             manifest,
             cells,
+            drivers,
             searches,
             doubts,
             gates,
@@ -239,6 +245,14 @@ impl campaign::Observer for Listener<'_> {
 
     fn continued(&self, task: Task, episodes: u32) {
         self.inner.continued(task, episodes);
+    }
+
+    fn search_begun(&self, search: usize) {
+        self.inner.search_begun(search);
+    }
+
+    fn searching(&self, search: usize, ticks: u64) {
+        self.inner.searching(search, ticks);
     }
 
     fn searched(&self, search: usize, result: &SearchResult) {

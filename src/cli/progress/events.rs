@@ -69,6 +69,11 @@ pub enum Event<'a> {
         /// Whether it is complete.
         complete: bool,
     },
+    /// The overview of several reports is in its place.
+    OverviewWritten {
+        /// Its page.
+        page: &'a Path,
+    },
     /// The program ends.
     RunEnded {
         /// The exit code.

@@ -134,6 +134,11 @@ impl Job {
         self.done.store(units, Ordering::Relaxed);
     }
 
+    /// Raises the number of units that are done. Several parts of a search report their ticks in any order.
+    pub fn rise(&self, units: u64) {
+        self.done.fetch_max(units, Ordering::Relaxed);
+    }
+
     /// Ends one of its tasks; returns whether that was the last.
     pub fn end_task(&self, error: Option<String>) -> bool {
         let mut state = self.state();

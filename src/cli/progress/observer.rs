@@ -162,12 +162,24 @@ impl Observer for Progress<'_> {
         self.job(task).found(episodes.into());
     }
 
+    fn search_begun(&self, search: usize) {
+        self.job(Task::Search(search));
+    }
+
+    fn searching(&self, search: usize, ticks: u64) {
+        self.board.job(Task::Search(search)).rise(ticks);
+        self.glance();
+    }
+
     fn searched(&self, search: usize, result: &SearchResult) {
         let spent = &result.spent;
         self.job(Task::Search(search)).reach(spent.ticks);
         let told = match &result.error {
             Some(error) => Err(error.to_string()),
-            None => Ok(format!("{} failures in {} episodes", spent.failures.len(), spent.episodes)),
+            None => {
+                let (failures, episodes) = (spent.failures.len(), spent.episodes);
+                Ok(format!("{failures} {} in {episodes} episodes", if failures == 1 { "failure" } else { "failures" }))
+            }
         };
         self.end(Task::Search(search), told);
     }

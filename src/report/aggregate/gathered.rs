@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use polars::prelude::{DataFrame, PolarsResult};
 
 use super::metrics::runs;
-use super::{Episodes, Run};
+use super::{Episodes, Failures, Run};
 use crate::compile::Evaluation;
 use crate::record::{self, EPISODES, EpisodeTable};
 use crate::report::{Evidence, FailureModes, Gathering, ReportFolder, Starts, Tally, WriteError};
@@ -38,6 +38,8 @@ pub struct Gathered {
     pub starts: BTreeMap<String, Starts>,
     /// The data of the page on the episodes.
     pub tally: Tally,
+    /// The worst failures of each driver in evaluations.
+    pub failures: Failures,
 }
 
 /// Reads all episodes once: writes the table `episodes` and gathers the data of all other outputs.
@@ -65,6 +67,7 @@ pub fn gather(
         evidence: Evidence::default(),
         starts: BTreeMap::new(),
         tally: Tally::default(),
+        failures: Failures::default(),
     };
     let mut evidence = Gathering::new(seed.child("report"));
     let mut drove: BTreeMap<(&str, &str), bool> = BTreeMap::new();
@@ -94,6 +97,7 @@ pub fn gather(
         if evaluation.controller.name() == "trained" {
             gathered.note_starts(evaluation, &whole).map_err(failed)?;
         }
+        gathered.failures.add(&whole).map_err(failed)?;
         kinds.add(&whole).map_err(failed)?;
         evidence.add(&whole).map_err(failed)?;
     }

@@ -5,6 +5,8 @@
 //! [`infer`](super::infer) has intervals that do.
 
 mod episodes;
+mod failures;
+mod drivers;
 mod metrics;
 mod gathered;
 mod learning_curve;
@@ -16,7 +18,9 @@ mod published;
 mod ticks;
 mod tick_file;
 
+pub use drivers::{DriverResult, SearchFailures, driver_results};
 pub use episodes::{Episodes, Run};
+pub use failures::{FailureClass, Failures, FoundBy, FoundFailure};
 pub use gathered::{Gathered, gather};
 pub use learning_curve::{learning_curve, learning_curve_table};
 pub use metrics::{CELLS, Cell, Metrics, RUNS, Spread, metrics, references};

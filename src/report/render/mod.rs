@@ -11,6 +11,7 @@ mod town;
 mod episode;
 mod summary;
 mod page;
+mod overview;
 mod junit;
 mod comparison_text;
 mod comparison_page;
@@ -20,10 +21,11 @@ pub use comparison_text::{comparison_for_terminal, title as comparison_title, wo
 pub use episode::{Narrative, animation, narrative, strip};
 pub use junit::{Suite, junit, shown};
 pub use modes::{accumulation_figure, file_names, mode_panels, modes_section, rule_bars};
-pub use page::{Replay, Tally, write_page};
+pub use overview::{overview_for_terminal, overview_page};
+pub use page::{Found, Replay, Tally, write_page};
 pub use sections::{
-    failures_for_terminal, published_section, results_for_terminal, search_section, searches_for_terminal,
-    trainings_section,
+    drivers_for_terminal, failures_for_terminal, published_section, results_for_terminal, search_section,
+    searches_for_terminal, trainings_section,
 };
 pub use summary::summary;
 pub use table::Section;

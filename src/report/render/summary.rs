@@ -1,10 +1,10 @@
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-use super::sections::{conclusions, errors, results};
+use super::sections::{conclusions, drivers as driver_section, errors, results};
 use super::table::Section;
 use crate::compile::{Campaign, Driver};
-use crate::report::{Cell, Evidence, Manifest, doubts};
+use crate::report::{Cell, DriverResult, Evidence, Manifest, doubts};
 
 /// The limits of the simulator, for every summary.
 pub const LEFT_OUT: &str = "\
@@ -13,9 +13,10 @@ only where the scenario puts them. The car is a kinematic bicycle whose pedals a
 perceives without error and without delay, unless the scenario gives it sensors. The pedestrian is a disc. Maps from OpenDRIVE have \
 no buildings unless the scenario adds them.";
 
-/// The text to read first: tables of cells and the conclusions from them, further sections, the origin of the report, and its limits.
+/// The text to read first: what was found about each driver, tables of cells and the conclusions from them, further sections, the origin of the report, and its limits.
 pub fn summary(
     campaign: &Campaign,
+    found: &[DriverResult],
     cells: &[Cell],
     evidence: &Evidence,
     manifest: &Manifest,
@@ -38,7 +39,11 @@ pub fn summary(
     if !doubts.is_empty() {
         let _ = writeln!(page, "**{DOUBTFUL}**\n");
     }
+    if let Some(section) = driver_section(found, cells, |_| None) {
+        page.push_str(&section.to_markdown());
+    }
     if !cells.is_empty() {
+        page.push_str("\n## Controllers\n\n");
         page.push_str(&results(cells).to_markdown());
         page.push_str(&errors(cells));
         conclusions(cells, evidence, &doubts).iter().for_each(|section| page.push_str(&section.to_markdown()));

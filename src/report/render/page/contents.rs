@@ -1,10 +1,10 @@
 use polars::prelude::DataFrame;
 
-use super::{ModeCard, Tally};
+use super::{ModeCard, Players, Tally};
 use crate::campaign::TrainingResult;
 use crate::compile::Campaign;
 use crate::report::render::table::Section;
-use crate::report::{Cell, Doubt, Manifest, PublishedComparison};
+use crate::report::{Cell, Doubt, DriverResult, Failures, Manifest, PublishedComparison};
 
 /// The data of a page.
 #[derive(Debug, Clone)]
@@ -15,11 +15,17 @@ pub struct Contents<'a> {
     pub manifest: &'a Manifest,
     /// The cells.
     pub cells: &'a [Cell],
+    /// What was found about each driver, the worst first.
+    pub drivers: &'a [DriverResult],
+    /// The worst failures of each driver.
+    pub failures: &'a Failures,
+    /// The failures that can be played.
+    pub players: &'a Players,
     /// The table of runs.
     pub runs: &'a DataFrame,
     /// The counts of the episodes.
     pub tally: &'a Tally,
-    /// The counts of the episodes.
+    /// The results of the trainings.
     pub trainings: &'a [TrainingResult],
     /// The kinds of collisions.
     pub modes: &'a [ModeCard],
@@ -27,7 +33,7 @@ pub struct Contents<'a> {
     pub sections: &'a [Section],
     /// The doubts about the trainings.
     pub doubts: &'a [Doubt],
-    /// Tables that are also in the summary, each as a section.
+    /// The comparison with published figures, which the summary has, too.
     pub published_section: Option<Section>,
     /// The published figures, for the diamonds in the results.
     pub published: &'a [PublishedComparison<'a>],

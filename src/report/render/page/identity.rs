@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use polars::prelude::{DataFrame, PolarsResult};
 
-use super::super::sections::{place, training};
+use super::super::sections::{distinct, place, who};
 use crate::record::{CellKey, metric};
 use crate::report::Cell;
 use crate::statistics::Weighted;
@@ -20,28 +20,13 @@ pub struct Named<'a> {
     pub colour: usize,
 }
 
-/// Names the cells of a page and gives controllers their colours.
-///
-/// An untrained controller behaves the same for every reward. So only its first row is shown; the others differ only in the reward.
+/// Names the cells of a page and gives controllers their colours. Rows that would be the same twice are there once.
 pub fn named(cells: &[Cell]) -> Vec<Named<'_>> {
-    let trainings = cells.iter().filter(|cell| cell.key.is_trained());
-    let several = trainings.clone().any(|cell| trainings.clone().any(|other| training(other) != training(cell)));
     let mut all: Vec<Named<'_>> = Vec::new();
     let mut learners: Vec<String> = Vec::new();
-    for cell in cells {
-        let learnt = cell.key.is_trained();
-        let mut who = match (learnt, cell.key.controller.as_str()) {
-            (true, "trained") => format!("trained, {}", cell.key.reward),
-            (true, other) => format!("{other}, {}", cell.key.reward),
-            (false, other) => other.to_string(),
-        };
-        if learnt && several {
-            who = format!("{who} ({})", training(cell));
-        }
+    for cell in distinct(cells) {
+        let who = who(cell, cells);
         let place = format!("{} · {}", place(cell, cells), cell.key.policy);
-        if !learnt && all.iter().any(|other| other.who == who && other.place == place) {
-            continue;
-        }
         let colour = match cell.key.controller.as_str() {
             "random" => 6,
             "intercept" => 2,

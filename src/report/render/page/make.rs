@@ -3,14 +3,17 @@ use polars::prelude::PolarsResult;
 
 use super::Contents;
 use super::closing::{data, meaning};
-use super::identity::{Named, named, run_rates};
+use super::identity::{named, run_rates};
 use super::learning::learning;
-use super::markup::{count, percent, prose};
+use super::markup::{count, prose};
 use super::modes::modes;
 use super::results::results;
 use super::severity::{near_misses, severity};
 use super::spawns::spawns;
 use super::verdicts::verdicts;
+use super::worst::{failures, worst};
+use crate::report::FoundFailure;
+use crate::report::render::sections::drivers;
 use crate::report::render::summary::{INCOMPLETE, SMOKE};
 use crate::report::render::svg::{FIGURE_CSS, Figure, properties};
 
@@ -40,6 +43,11 @@ pub fn page(contents: &Contents<'_>) -> PolarsResult<Page> {
     let rates = run_rates(contents.runs)?;
     let text = |id, name, html| Part { id, name, html, figures: Vec::new() };
     let mut parts = Vec::new();
+    let link = |found: &FoundFailure| contents.players.link(&found.name());
+    if let Some(section) = drivers(contents.drivers, contents.cells, link) {
+        parts.push(text(section.id, section.name, section.to_html()));
+        parts.push(text("failures", "Failures", failures(contents.drivers, contents.failures, contents.players)));
+    }
     if !cells.is_empty() {
         parts.push(text("results", "Results", results(contents, &cells, &rates)));
     }
@@ -52,7 +60,9 @@ pub fn page(contents: &Contents<'_>) -> PolarsResult<Page> {
         verdicts(&cells),
     ));
     if !contents.modes.is_empty() {
-        parts.push(text("modes", "Kinds", modes(contents.modes)));
+        let worst: Vec<String> = worst(contents.drivers).map(FoundFailure::name).collect();
+        let played: Vec<&str> = worst.iter().map(String::as_str).collect();
+        parts.push(text("modes", "Kinds", modes(contents.modes, contents.players, &played)));
     }
     parts.extend(figures("speed", "Speed", "How fast the car was", SPEED, severity(contents.tally, &cells)));
     parts.extend(figures("near", "Near misses", "Near misses", NEAR, near_misses(contents.tally, &cells)));
@@ -64,7 +74,18 @@ pub fn page(contents: &Contents<'_>) -> PolarsResult<Page> {
     }
     parts.push(text("meaning", "Names", meaning(contents.campaign)));
     parts.push(text("data", "Data", data(contents.manifest, contents.files)));
-    let name = &contents.campaign.name;
+    let body = html! {
+        a.skip href="#main" { "Skip to the results" }
+        (head(contents))
+        nav aria-label="Sections" { @for part in &parts { a href={ "#" (part.id) } { (part.name) } } }
+        main #main { (key_numbers(contents)) @for part in &parts { (part.html) } }
+    };
+    let html = document(&contents.campaign.name, &contents.manifest.version, &body, true);
+    Ok(Page { html, figures: parts.into_iter().flat_map(|part| part.figures).collect() })
+}
+
+/// A file of HTML that needs no other: this body with the style sheet and the scripts, the player's if there are any players.
+pub fn document(title: &str, version: &str, body: &Markup, has_players: bool) -> String {
     let html = html! {
         (PreEscaped("<!doctype html>"))
         html lang="en" {
@@ -72,20 +93,20 @@ pub fn page(contents: &Contents<'_>) -> PolarsResult<Page> {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
-                meta name="generator" content={ "falsify " (contents.manifest.version) };
-                title { (name) }
+                meta name="generator" content={ "falsify " (version) };
+                title { (title) }
                 style { (PreEscaped(properties())) (PreEscaped(FIGURE_CSS)) (PreEscaped(include_str!("page.css"))) }
             }
             body {
-                a.skip href="#main" { "Skip to the results" }
-                (head(contents))
-                nav aria-label="Sections" { @for part in &parts { a href={ "#" (part.id) } { (part.name) } } }
-                main #main { (key_numbers(contents, &cells)) @for part in &parts { (part.html) } }
-                script { (PreEscaped(include_str!("page.js"))) (PreEscaped(include_str!("player.js"))) }
+                (body)
+                script {
+                    (PreEscaped(include_str!("page.js")))
+                    @if has_players { (PreEscaped(include_str!("player.js"))) }
+                }
             }
         }
     };
-    Ok(Page { html: html.into_string() + "\n", figures: parts.into_iter().flat_map(|part| part.figures).collect() })
+    html.into_string() + "\n"
 }
 
 /// The most doubts at the top of the page; the section on learning has all.
@@ -141,33 +162,14 @@ fn head(contents: &Contents<'_>) -> Markup {
 }
 
 /// A few key numbers.
-fn key_numbers(contents: &Contents<'_>, cells: &[Named<'_>]) -> Markup {
+fn key_numbers(contents: &Contents<'_>) -> Markup {
     let mut tiles: Vec<(String, String)> = Vec::new();
     let episodes: u64 = contents.cells.iter().map(|cell| u64::from(cell.episodes)).sum();
     if episodes > 0 {
         tiles.push((count(episodes), "episodes evaluated".into()));
     }
-    let trained: Vec<&Named<'_>> = cells.iter().filter(|named| named.cell.key.controller == "trained").collect();
-    let most = |rate: fn(&Named<'_>) -> Option<f64>| {
-        let judged: &[&Named<'_>] = &trained;
-        judged.iter().filter_map(|named| Some((rate(named)?, *named))).max_by(|a, b| a.0.total_cmp(&b.0))
-    };
-    let at = |named: &Named<'_>| format!("{}, {}", named.who, named.place);
-    if let Some((rate, named)) = most(|named| named.cell.moving.mean) {
-        tiles.push((percent(rate), format!("highest rate with a moving car: {}", at(named))));
-    }
-    if let Some((rate, named)) = most(|named| named.cell.preventable.mean).filter(|(rate, _)| *rate > 0.0) {
-        let (low, high) = named.cell.preventable_interval;
-        let interval = format!("{} to {}", percent(low), percent(high));
-        tiles.push((percent(rate), format!("highest preventable rate ({interval}): {}", at(named))));
-    }
-    if let Some((rate, named)) = most(|named| named.cell.attributable.mean).filter(|(rate, _)| *rate > 0.0) {
-        let (low, high) = named.cell.attributable_interval;
-        let interval = format!("{} to {}", percent(low), percent(high));
-        tiles.push((percent(rate), format!("highest attributable rate ({interval}): {}", at(named))));
-    }
-    if let Some((speed, named)) = most(|named| named.cell.impact_speed.mean) {
-        tiles.push((format!("{speed:.1} m/s"), format!("fastest mean impact: {}", at(named))));
+    if contents.manifest.search_ticks > 0 {
+        tiles.push((count(contents.manifest.search_ticks), "simulator ticks of searches".into()));
     }
     let done = contents.trainings.iter().filter(|training| training.result.is_ok()).count();
     if done > 0 {

@@ -15,3 +15,38 @@
   system.addEventListener("change", show);
   show();
 })();
+
+// Tables whose heads sort their rows. A value is the text of its cell, or `data-value` where the text has another order.
+for (const table of document.querySelectorAll("table.sortable")) {
+  const body = table.tBodies[0], heads = [...table.tHead.rows[0].cells];
+  const value = (row, column) => {
+    const cell = row.cells[column], text = cell.dataset.value ?? cell.textContent.trim();
+    return text !== "" && isFinite(text) ? Number(text) : text;
+  };
+  const order = (a, b) => (typeof a === "number" && typeof b === "number" ? a - b : String(a).localeCompare(String(b)));
+  heads.forEach((head, column) => {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.append(...head.childNodes);
+    head.append(button);
+    button.addEventListener("click", () => {
+      const known = head.getAttribute("aria-sort");
+      // Numbers are most interesting from above, words from the start of the alphabet.
+      const down = known ? known === "ascending" : head.classList.contains("number");
+      for (const other of heads) other.removeAttribute("aria-sort");
+      head.setAttribute("aria-sort", down ? "descending" : "ascending");
+      const rows = [...body.rows].map((row) => [value(row, column), row]);
+      rows.sort((a, b) => (down ? order(b[0], a[0]) : order(a[0], b[0])));
+      body.append(...rows.map(([, row]) => row));
+    });
+  });
+}
+
+// A link to a player opens what it is folded in.
+addEventListener("hashchange", () => {
+  const target = document.getElementById(location.hash.slice(1)), folded = target?.closest("details:not([open])");
+  if (folded) {
+    folded.open = true;
+    target.scrollIntoView();
+  }
+});

@@ -137,8 +137,3 @@ pub fn verdict_text(label: Label) -> &'static str {
         Label::Standing => "car standing",
     }
 }
-
-/// The same, by the verdict's name in tables.
-pub fn verdict_named(name: &str) -> &'static str {
-    Label::ALL.into_iter().find(|label| label.name() == name).map_or("", verdict_text)
-}

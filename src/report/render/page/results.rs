@@ -13,6 +13,8 @@ use crate::statistics::wilson;
 
 /// Width and height of the picture of a rate.
 const SIZE: (f64, f64) = (96.0, 26.0);
+/// The names of the rates.
+const NAMES: [&str; 4] = ["any collision", "with a moving car", "preventable", "attributable"];
 /// Its margin at both ends.
 const END: f64 = 6.0;
 
@@ -28,7 +30,7 @@ pub fn results(contents: &Contents<'_>, cells: &[Named<'_>], rates: &BTreeMap<Ce
                         tr {
                             th scope="col" { "controller" }
                             th.number scope="col" { "runs × episodes" }
-                            @for name in ["any collision", "with a moving car", "preventable", "attributable"] { th scope="col" { (name) } }
+                            @for name in NAMES { th scope="col" { (name) } }
                             @for name in ["impact speed", "length"] { th.number scope="col" { (name) } }
                         }
                         tr.scale {
@@ -73,12 +75,12 @@ fn row(contents: &Contents<'_>, named: &Named<'_>, rates: &RunRates) -> Markup {
     html! {
         tr {
             th scope="row" { i class={ "dot f" (named.colour) } {} (named.who) }
-            td.number {
+            td.number data-label="runs × episodes" {
                 (cell.runs) " × " (count((cell.episodes / cell.runs.max(1)).into()))
                 @if cell.errors > 0 { " " em.warn { (cell.errors) " in error" } }
             }
             @for (number, rate) in [cell.collision, cell.moving, cell.preventable, cell.attributable].into_iter().enumerate() {
-                td {
+                td data-label=(NAMES[number]) {
                     div.rate {
                         @let colour = if number >= 2 { "v0".to_string() } else { format!("f{}", named.colour) };
                         @let interval = wilson(rates.failures[number], rates.episodes);
@@ -87,8 +89,8 @@ fn row(contents: &Contents<'_>, named: &Named<'_>, rates: &RunRates) -> Markup {
                     }
                 }
             }
-            td.number { (tenths(cell.impact_speed)) }
-            td.number { (tenths(cell.length)) }
+            td.number data-label="impact speed, m/s" { (tenths(cell.impact_speed)) }
+            td.number data-label="length, s" { (tenths(cell.length)) }
         }
     }
 }

@@ -1,6 +1,7 @@
-use super::examples::repeat_examples;
 use super::identity::{Named, named};
-use super::{Contents, ModeCard, page};
+use super::modes::order;
+use super::worst::worst;
+use super::{Contents, ModeCard, Players, page};
 use crate::analysis::{Impact, Kind};
 use crate::campaign::Finished;
 use crate::compile::Campaign;
@@ -8,9 +9,21 @@ use crate::record::CellKey;
 use crate::report::failure_modes::{CellModes, Mode};
 use crate::report::render::sections::{comparisons, learnt, published_section, search_section, transfer};
 use crate::report::{
-    Cell, Gathered, Manifest, ReportFolder, SearchKind, WriteError, beside, doubts, search_cells, search_kinds,
+    Cell, DriverResult, FoundFailure, Gathered, Manifest, ReportFolder, SearchKind, WriteError, beside, doubts,
+    search_cells, search_kinds,
 };
 use crate::seed::Seed;
+
+/// What a campaign found.
+#[derive(Debug, Clone, Copy)]
+pub struct Found<'a> {
+    /// The cells.
+    pub cells: &'a [Cell],
+    /// What was found about each driver.
+    pub drivers: &'a [DriverResult],
+    /// The kinds of collisions of each cell.
+    pub modes: &'a [CellModes<'a>],
+}
 
 /// Writes the page of a report, and its figures as files.
 ///
@@ -22,15 +35,20 @@ pub fn write_page(
     finished: &Finished,
     gathered: &Gathered,
     manifest: &Manifest,
-    cells: &[Cell],
-    modes: &[CellModes<'_>],
+    found: &Found<'_>,
 ) -> Result<(), WriteError> {
     let failed = |source| WriteError::Table { name: "report.html".into(), source };
+    let Found { cells, drivers, modes } = *found;
     let names = named(cells);
     let mut cards: Vec<ModeCard> =
         modes.iter().flat_map(|cell| cell.modes.iter().filter_map(|mode| card(&cell.key, mode, &names))).collect();
     cards.extend(search_kinds(&finished.searches).iter().map(searched_card));
-    repeat_examples(&mut cards, campaign, finished, &Seed::root(manifest.seed));
+    let is_blind =
+        |name: &str| campaign.drivers.iter().any(|driver| driver.name == name && driver.sees_no_pedestrians());
+    order(&mut cards, is_blind);
+    let worst: Vec<String> = worst(drivers).map(FoundFailure::name).collect();
+    let played = worst.iter().chain(cards.iter().map(|card| &card.example)).map(String::as_str);
+    let players = Players::repeat(played, campaign, finished, &Seed::root(manifest.seed));
     let published = beside(&campaign.published, cells);
     let searched = search_cells(&finished.searches);
     let searches = (!searched.is_empty()).then(|| search_section(&searched));
@@ -48,6 +66,9 @@ pub fn write_page(
         campaign,
         manifest,
         cells,
+        drivers,
+        failures: &gathered.failures,
+        players: &players,
         runs: &gathered.runs,
         tally: &gathered.tally,
         trainings: &finished.trainings,
@@ -72,36 +93,43 @@ fn card(key: &CellKey, mode: &Mode, names: &[Named<'_>]) -> Option<ModeCard> {
     let speed = format!("Half of them at {middle:.1} m/s or more, most between {low:.1} and {high:.1}");
     let example = mode.example_name();
     let mode = &mode.mode;
+    let (title, about) = words(mode.kind, &speed, mode.length);
     Some(ModeCard {
         place: named.place.clone(),
+        driver: key.policy.clone(),
         who: named.who.clone(),
-        trained: key.is_trained(),
+        title,
+        about,
+        verdict: mode.kind.verdict,
         failures: (mode.share * f64::from(named.cell.collisions)).round() as usize,
         share: mode.share,
         impact_speed: middle,
         length: mode.length,
         example,
-        ..of_kind(mode.kind, &speed, mode.length)
     })
 }
 
 /// The card of a kind of failure that searches found.
 fn searched_card(found: &SearchKind) -> ModeCard {
     let speed = format!("Half of them at {:.1} m/s or more", found.impact_speed);
+    let (title, about) = words(found.kind, &speed, found.length);
     ModeCard {
         place: format!("{} · {}", found.key.town, found.key.policy),
+        driver: found.key.policy.clone(),
         who: format!("search: {}", found.key.falsifier),
+        title,
+        about,
+        verdict: found.kind.verdict,
         failures: found.failures,
         share: found.share,
         impact_speed: found.impact_speed,
         length: found.length,
         example: found.example_name(),
-        ..of_kind(found.kind, &speed, found.length)
     }
 }
 
-/// The words about a kind of collision, with a usual time of the contact (s).
-fn of_kind(kind: Kind, speed: &str, length: f64) -> ModeCard {
+/// A title and a text about a kind of collision, with a usual time of the contact (s).
+fn words(kind: Kind, speed: &str, length: f64) -> (String, String) {
     let side = match kind.impact {
         Impact::Front => "the front",
         Impact::Left => "the left side",
@@ -111,16 +139,7 @@ fn of_kind(kind: Kind, speed: &str, length: f64) -> ModeCard {
     let speed = if kind.moving { speed } else { "The car stood" };
     let late = if kind.occluded { " The pedestrian came into sight too late for a careful human." } else { "" };
     let mode = kind.mode.name().replace('_', " ");
-    ModeCard {
-        title: if kind.moving {
-            format!("Into {side} of the moving car")
-        } else {
-            format!("At {side} of the standing car")
-        },
-        about: format!(
-            "{speed}; contact after {length:.1} s. At the last decision the driver’s mode was {mode}.{late}"
-        ),
-        verdict: kind.verdict.name(),
-        ..ModeCard::default()
-    }
+    let title =
+        if kind.moving { format!("Into {side} of the moving car") } else { format!("At {side} of the standing car") };
+    (title, format!("{speed}; contact after {length:.1} s. At the last decision the driver’s mode was {mode}.{late}"))
 }

@@ -1,4 +1,4 @@
-use super::names::{head, names};
+use super::names::{distinct, head, names};
 use crate::report::Cell;
 use crate::report::render::table::{Column, Section, Table, Value};
 
@@ -45,7 +45,7 @@ pub fn avoidable(cells: &[Cell]) -> Option<Section> {
         .map(Column::number),
     );
     columns.extend(names_of_shares.map(Column::number));
-    let row = |cell: &Cell| {
+    let row = |cell: &&Cell| {
         let share = |count: u32| Some(f64::from(count) / f64::from(cell.collisions));
         let [preventable, others @ ..] = cell.labels;
         let mut row = names(cell, cells);
@@ -63,7 +63,7 @@ pub fn avoidable(cells: &[Cell]) -> Option<Section> {
         );
         row
     };
-    let rows = cells.iter().filter(|cell| cell.collisions > 0).map(row).collect();
+    let rows = distinct(cells).iter().filter(|cell| cell.collisions > 0).map(row).collect();
     Some(Section {
         id: "avoidable",
         name: "Avoidable?",

@@ -1,6 +1,7 @@
 //! The sections of a report: each makes its tables once, for the summary and for the page.
 
 mod names;
+mod drivers;
 mod results;
 mod avoidable;
 mod further_trainings;
@@ -15,9 +16,10 @@ mod trainings;
 mod failures;
 
 pub use comparisons::comparisons;
+pub use drivers::drivers;
 pub use failures::failures_for_terminal;
 pub use learnt::learnt;
-pub use names::{place, training};
+pub use names::{distinct, place, who};
 pub use published::published_section;
 pub use results::{errors, results};
 pub use searches::search_section;
@@ -25,12 +27,21 @@ pub use trainings::trainings_section;
 pub use transfer::transfer;
 
 use super::table::{Section, Table};
-use crate::report::{Cell, Doubt, Evidence, SearchCell};
+use crate::report::{Cell, Doubt, DriverResult, Evidence, SearchCell};
 
-/// The results of a campaign as text for a terminal.
-pub fn results_for_terminal(campaign: &str, cells: &[Cell]) -> String {
-    let table = if cells.is_empty() { String::new() } else { results(cells).to_terminal() };
-    format!("campaign {campaign}\n{table}")
+/// The rates of a campaign's controllers as text for a terminal; empty without cells.
+pub fn results_for_terminal(cells: &[Cell]) -> String {
+    if cells.is_empty() { String::new() } else { results::rates(cells).to_terminal() }
+}
+
+/// What was found about each driver as text for a terminal.
+pub fn drivers_for_terminal(results: &[DriverResult], cells: &[Cell]) -> String {
+    let section = drivers(results, cells, |_| None);
+    let text = |table: Table| {
+        let title = if table.title.is_empty() { String::new() } else { format!("{}\n", table.title) };
+        format!("{title}{}", table.to_terminal())
+    };
+    section.into_iter().flat_map(|section| section.tables).map(text).collect()
 }
 
 /// The comparison of falsifiers as text for a terminal.
@@ -40,7 +51,9 @@ pub fn searches_for_terminal(cells: &[SearchCell]) -> String {
 
 /// The conclusions from the cells, one section each.
 pub fn conclusions(cells: &[Cell], evidence: &Evidence, doubts: &[Doubt]) -> Vec<Section> {
-    let both: Vec<_> = cells.iter().zip(&evidence.cells).collect();
+    let rows = distinct(cells);
+    let is_row = |cell: &Cell| rows.iter().any(|row| std::ptr::eq(*row, cell));
+    let both: Vec<_> = cells.iter().zip(&evidence.cells).filter(|(cell, _)| is_row(cell)).collect();
     let all = [
         avoidable::avoidable(cells),
         learnt(cells, evidence, doubts),

@@ -6,17 +6,17 @@ pub fn search_section(cells: &[SearchCell]) -> Section {
     let mut head: Vec<Column> = ["falsifier", "town", "policy"].map(Column::text).into();
     // Estimates are left-aligned, so that their numbers are below each other.
     head.extend([
-        Column::number("runs × ticks"),
+        Column::number("runs × ticks").detail(),
         Column::number("found in"),
         Column::text("ticks to first failure"),
         Column::text("failures of episodes").detail(),
         Column::text("failed starts"),
-        Column::text("kinds of failures"),
+        Column::text("kinds of failures").page_only(),
         Column::text("attributable failures"),
-        Column::text("starts with one"),
-        Column::text("kinds of these per million ticks"),
-        Column::text("evaluated afterwards"),
-        Column::text("attributable"),
+        Column::text("starts with one").page_only(),
+        Column::text("kinds of these per million ticks").detail(),
+        Column::text("evaluated afterwards").page_only(),
+        Column::text("attributable").detail(),
     ]);
     let row = |cell: &SearchCell| {
         vec![
@@ -46,7 +46,7 @@ pub fn search_section(cells: &[SearchCell]) -> Section {
              rest of the budget cannot hold is not started."
                 .into(),
             "*Ticks to first failure* is the median of Kaplan and Meier. Runs without a failure count as censored. The interval is \
-             Brookmeyer and Crowley's; an empty end is one that the runs do not show. The other intervals are Student's 95 % over runs."
+             Brookmeyer and Crowley's; `≥` and `≤` stand where the runs show one end alone. The other intervals are Student's 95 % over runs."
                 .into(),
             "A falsifier that leaves a start when it has failed spends few episodes on failures. So compare *failed starts* between \
              methods, not failures of episodes. Kinds of failures are the different cells that were filled: place on the car, direction of the walk, both speeds, what the driver was doing. \
@@ -65,11 +65,13 @@ fn who(cell: &SearchCell) -> String {
 }
 
 fn median(time: MedianTime) -> String {
-    let end = |end: Option<f64>| end.map_or(String::new(), |ticks| format!("{ticks}"));
-    match (time.median, time.low) {
-        (None, None) => "–".into(),
-        (None, Some(low)) => format!("above {low}"),
-        (Some(median), low) => format!("{median} ({}..{})", end(low), end(time.high)),
+    match (time.median, time.low, time.high) {
+        (None, None, _) => "–".into(),
+        (None, Some(low), _) => format!("above {low}"),
+        (Some(median), Some(low), Some(high)) => format!("{median} ({low}..{high})"),
+        (Some(median), Some(low), None) => format!("{median} (≥ {low})"),
+        (Some(median), None, Some(high)) => format!("{median} (≤ {high})"),
+        (Some(median), None, None) => format!("{median}"),
     }
 }
 

@@ -5,7 +5,7 @@ use super::{Digits, Document, px};
 /// A picture of panels side by side.
 #[derive(Debug, Clone, Default)]
 pub struct Figure {
-    /// Its name: the file name without extension.
+    /// Its name: the file name without extension. Empty if there is no file of it.
     pub name: String,
     /// Its content, in one line.
     pub title: String,
@@ -73,7 +73,7 @@ impl Figure {
                 figcaption {
                     (self.title) " "
                     @for note in &self.notes { (note) " " }
-                    a href={ (self.name) ".svg" } { "SVG" }
+                    @if !self.name.is_empty() { a href={ (self.name) ".svg" } { "SVG" } }
                 }
             }
         }

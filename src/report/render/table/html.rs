@@ -4,23 +4,38 @@ use super::{Align, Section, Table, Value};
 use crate::report::render::page::{count, paragraph, percent};
 
 impl Table {
-    /// The table for a page, with its title and notes.
+    /// The table for a page, with its title and notes. Columns that do not fit beside the others are in a list that can be unfolded.
     pub fn to_html(&self) -> Markup {
         let class = |column: usize| (self.head[column].align == Align::Right).then_some("number");
+        let shown: Vec<usize> = (0..self.head.len()).filter(|column| self.head[*column].is_shown).collect();
         html! {
             @if !self.title.is_empty() { h3 { (self.title) } }
             div.wide {
-                table {
+                table.stack {
                     thead {
-                        tr { @for (place, column) in self.head.iter().enumerate() { th class=[class(place)] { (column.name) } } }
+                        tr { @for column in &shown { th class=[class(*column)] { (self.head[*column].name) } } }
                     }
                     tbody {
                         @for row in &self.rows {
                             tr {
-                                @for (place, each) in row.iter().enumerate() {
-                                    @if place == 0 { th scope="row" { (value(each)) } }
-                                    @else { td class=[class(place)] { (value(each)) } }
+                                @for (place, column) in shown.iter().enumerate() {
+                                    @if place == 0 { th scope="row" { (value(&row[*column])) } }
+                                    @else {
+                                        td class=[class(*column)] data-label=(self.head[*column].name) { (value(&row[*column])) }
+                                    }
                                 }
+                            }
+                        }
+                    }
+                }
+            }
+            @if shown.len() < self.head.len() {
+                details {
+                    summary { "All columns" }
+                    @for row in &self.rows {
+                        dl.row {
+                            @for (column, each) in self.head.iter().zip(row) {
+                                div { dt { (column.name) } dd { (value(each)) } }
                             }
                         }
                     }
@@ -58,6 +73,13 @@ fn value(value: &Value) -> Markup {
             Value::Count(number) => (count(*number)),
             Value::Times(runs, each) => { (runs) " × " (count(*each)) },
             Value::Percent(share) => (percent(*share)),
+            // The interval is below its number, so that many columns fit side by side.
+            Value::Estimate(Some(number), Some((low, high)), digits) if low != high => {
+                (format!("{number:.digits$}")) " " small { (format!("{low:.digits$}..{high:.digits$}")) }
+            },
+            Value::Difference(Some(number), Some((low, high))) => {
+                (format!("{number:+.2}")) " " small { (format!("{low:+.2}..{high:+.2}")) }
+            },
             Value::Lines(lines) => @for (place, line) in lines.iter().enumerate() {
                 @if place > 0 { br; }
                 (self::value(line))

@@ -25,12 +25,14 @@ pub struct Column {
     pub align: Align,
     /// Whether a terminal shows it.
     pub is_brief: bool,
+    /// Whether a page shows it at once; else it shows it in a list of all columns that can be unfolded.
+    pub is_shown: bool,
 }
 
 impl Column {
     /// A column of words.
     pub fn text(name: impl Into<String>) -> Self {
-        Self { name: name.into(), align: Align::Left, is_brief: true }
+        Self { name: name.into(), align: Align::Left, is_brief: true, is_shown: true }
     }
 
     /// A column of numbers.
@@ -38,8 +40,13 @@ impl Column {
         Self { align: Align::Right, ..Self::text(name) }
     }
 
-    /// The same column, but not in a terminal.
+    /// The same column, but not in a terminal, and folded on a page.
     pub fn detail(self) -> Self {
+        Self { is_brief: false, is_shown: false, ..self }
+    }
+
+    /// The same column, but not in a terminal.
+    pub fn page_only(self) -> Self {
         Self { is_brief: false, ..self }
     }
 }
@@ -106,11 +113,14 @@ mod tests {
             "<h3>Rates</h3>",
             "<th class=\"number\">rate</th>",
             "<th scope=\"row\">a|&lt;b&gt;</th>",
-            "<td class=\"number\">1\u{202f}234</td>",
+            "<summary>All columns</summary>",
+            "<dt>runs</dt><dd>1\u{202f}234</dd>",
+            "<td class=\"number\" data-label=\"rate\">0.50 ± 0.12</td>",
             "<a href=\"c.svg\">c</a>",
             "A <em>rate</em> is <code>hits</code> of all.",
         ] {
             assert!(html.contains(part), "{part}: {html}");
         }
+        assert!(!html.contains("<th class=\"number\">runs</th>"), "a detail has no column of its own: {html}");
     }
 }

@@ -1,0 +1,47 @@
+//! The end of a run on a terminal: the rates, the drivers, the worst failure, and the commands to look at it.
+
+use std::path::Path;
+
+use super::console;
+use crate::report::{self, FoundFailure};
+use crate::session::{CampaignReport, OverviewFiles};
+
+/// Prints the results of a campaign for people, narrow enough for a terminal of 80 columns where names are short.
+pub fn show(report: &CampaignReport) {
+    let CampaignReport { folder, manifest, cells, drivers, searches, .. } = report;
+    console::say(&format!("campaign {}", manifest.campaign));
+    let searched = if searches.is_empty() { String::new() } else { report::searches_for_terminal(searches) };
+    for text in [report::results_for_terminal(cells), searched, report::drivers_for_terminal(drivers, cells)] {
+        if !text.is_empty() {
+            console::say(&format!("{}\n", text.trim_end()));
+        }
+    }
+    // Drivers that see no pedestrians are last.
+    let mut found = drivers.iter().filter_map(|result| result.worst.as_ref());
+    match found.next() {
+        Some(worst) => console::say(&worst_failure(worst, folder)),
+        None => console::say("no collision was found"),
+    }
+    console::say(&folder.join("report.html").display().to_string());
+}
+
+/// Prints the overview of several reports.
+pub fn show_overview(overview: &OverviewFiles) {
+    console::say(&format!("\n{}\n\n{}", overview.text.trim_end(), overview.page.display()));
+}
+
+/// A failure in a line, and the commands that show it.
+fn worst_failure(worst: &FoundFailure, folder: &Path) -> String {
+    let (driver, town, class, speed) = (worst.driver(), worst.town(), worst.class.name(), worst.impact_speed);
+    let (name, folder) = (worst.name(), quoted(&folder.display().to_string()));
+    format!(
+        "worst: {driver} in {town}, {class}, {speed:.1} m/s, by {}\n  falsify replay {name} --report {folder}\n  falsify render {name} --report {folder}",
+        worst.finder()
+    )
+}
+
+/// A word as a user would type it into a shell.
+pub fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./=:,@%+".contains(c);
+    if !word.is_empty() && word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', "'\\''")) }
+}
