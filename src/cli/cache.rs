@@ -67,7 +67,10 @@ fn tell(store: &Store, options: &CacheOptions) -> Result<(), StoreError> {
     kept.iter().for_each(|wants| used.extend(&wants.tasks));
     let unused: Vec<(&String, &u64)> = sizes.iter().filter(|(id, _)| !used.contains(id)).collect();
     let size = megabytes(unused.iter().map(|(_, size)| **size).sum());
-    let what = format!("{} tasks that no campaign needs, {size}", unused.len());
+    let what = match unused.len() {
+        1 => format!("1 task that no campaign needs, {size}"),
+        count => format!("{count} tasks that no campaign needs, {size}"),
+    };
     if options.prune {
         gone.iter().try_for_each(|wants| store.give_up(wants))?;
         unused.iter().try_for_each(|(id, _)| store.remove(id))?;

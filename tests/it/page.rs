@@ -34,7 +34,7 @@ campaign page {
   }
   evaluate {
     towns: [harbour]
-    policies: [blind]
+    policies: [blind, careful]
     pedestrians: [trained, random, intercept]
     episodes: 20
   }
@@ -43,6 +43,66 @@ campaign page {
 /// <b>Short</b>
 training short = ppo(steps: 1_500, portable_bits: true)
 "#;
+
+/// A campaign without training, once for each speed of its car.
+const MATRIX: &str = r#"edition 1
+import "std/paper.scn"
+import "std/drivers.scn"
+import "std/towns.scn"
+
+param share: number = 0.9
+policy slow = cruise(limit_share: share)
+
+campaign speeds {
+  vehicle: model3
+  adversary: suicidal
+  spawn: ahead
+  episode: thirty_seconds
+  matrix { share: [0.3, 0.6, 0.9] }
+  evaluate {
+    towns: [harbour]
+    policies: [slow, careful]
+    pedestrians: [intercept]
+    episodes: 5
+  }
+}
+"#;
+
+#[test]
+fn a_matrix_has_an_overview_that_leads_to_its_reports() {
+    let out = tempfile::tempdir().unwrap();
+    let file = out.path().join("speeds.scn");
+    std::fs::write(&file, MATRIX).unwrap();
+    let run = command().arg("run").arg(&file).arg("--out").arg(out.path()).output().unwrap();
+    assert!(run.status.success(), "{run:?}");
+    let said = String::from_utf8_lossy(&run.stdout);
+    assert!(said.trim_end().ends_with("overview.html"), "{said}");
+    let html = std::fs::read_to_string(out.path().join("overview.html")).unwrap();
+    closed(&html, out.path());
+    assert_eq!(html.matches("/report.html\"").count(), 6, "a row for each driver of each report");
+    assert!(html.contains("Highest rates over share"), "the numeric parameter has curves");
+    let table = std::fs::read_to_string(out.path().join("overview.csv")).unwrap();
+    let head: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    assert_eq!(head.last(), Some(&"share"), "{head:?}");
+    assert_eq!(table.lines().count(), 7);
+    let Some(browser) = browser() else {
+        loud!("SKIPPED: there is no Chromium or Chrome to open overview.html in; set FALSIFY_BROWSER");
+        return;
+    };
+    let profile = tempfile::tempdir().unwrap();
+    let mut tab = Tab::open(&browser, profile.path());
+    tab.ask("Page.enable", json!({}));
+    tab.ask("Page.navigate", json!({ "url": format!("file://{}", out.path().join("overview.html").display()) }));
+    tab.wait("Page.loadEventFired");
+    assert_eq!(
+        tab.value("document.querySelectorAll('#curves svg[role=img]').length"),
+        json!(3),
+        "a panel for each rate"
+    );
+    for width in [1400, 1100, 390] {
+        fits(&mut tab, width);
+    }
+}
 
 /// Runs the campaign and returns the folder of its report.
 fn report(out: &Path) -> PathBuf {
@@ -68,6 +128,26 @@ fn a_report_has_a_page_that_needs_nothing_else_and_moves() {
 
 /// Checks that need no browser.
 fn stands_alone(html: &str, folder: &Path) {
+    closed(html, folder);
+    let data: Vec<&str> = html.split("<script type=\"application/json\"").skip(1).collect();
+    assert!(!data.is_empty(), "no kind of failure can be played");
+    for part in data {
+        let text = part.split_once('>').unwrap().1.split("</script>").next().unwrap();
+        let replay: Value = serde_json::from_str(text).unwrap();
+        assert_eq!(replay["ego"].as_array().unwrap().len(), replay["person"].as_array().unwrap().len());
+    }
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|extension| extension == "svg") {
+            let svg = std::fs::read_to_string(&path).unwrap();
+            let read = roxmltree::Document::parse(&svg);
+            assert!(read.is_ok(), "{}: {read:?}", path.display());
+        }
+    }
+}
+
+/// Whether all links of a page lead somewhere within its folder, nothing is loaded, and all elements are closed.
+fn closed(html: &str, folder: &Path) {
     let mut ids = BTreeSet::new();
     for part in html.split(" id=\"").skip(1) {
         let id = part.split('"').next().unwrap();
@@ -85,22 +165,7 @@ fn stands_alone(html: &str, folder: &Path) {
     for outside in ["url(", "@import", "fetch(", "XMLHttpRequest", "<img", "<link", "<iframe", "onerror=alert(1)>"] {
         assert!(!html.contains(outside), "the page holds `{outside}`");
     }
-    let data: Vec<&str> = html.split("<script type=\"application/json\"").skip(1).collect();
-    assert!(!data.is_empty(), "no kind of failure can be played");
-    for part in data {
-        let text = part.split_once('>').unwrap().1.split("</script>").next().unwrap();
-        let replay: Value = serde_json::from_str(text).unwrap();
-        assert_eq!(replay["ego"].as_array().unwrap().len(), replay["person"].as_array().unwrap().len());
-    }
     balanced(html);
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.extension().is_some_and(|extension| extension == "svg") {
-            let svg = std::fs::read_to_string(&path).unwrap();
-            let read = roxmltree::Document::parse(&svg);
-            assert!(read.is_ok(), "{}: {read:?}", path.display());
-        }
-    }
 }
 
 /// Whether all elements are closed, in order.
@@ -172,8 +237,14 @@ fn opens(browser: &Path, page: &Path) {
     tab.value("document.getElementById('theme').click()");
     let theme = tab.value("document.documentElement.dataset.theme");
     assert!(["dark", "light"].contains(&theme.as_str().unwrap_or_default()), "{theme}");
-    let width = tab.value("document.documentElement.scrollWidth <= innerWidth");
-    assert_eq!(width, json!(true), "the page is wider than its window");
+    // Rows are sorted by a click on a head, numbers from above first.
+    let speeds = "[...document.querySelectorAll('.sortable tbody tr')].map((row) => Number(row.cells[2].textContent))";
+    tab.value("document.querySelectorAll('.sortable th button')[2].click()");
+    let sorted = tab.value(&format!("{speeds}.every((speed, row, all) => row === 0 || all[row - 1] >= speed)"));
+    assert_eq!(sorted, json!(true), "{}", tab.value(speeds));
+    for width in [1400, 1100, 390] {
+        fits(&mut tab, width);
+    }
     let unnamed = "[...document.querySelectorAll('button, input, select, svg[role=img], canvas[role=img]')]\
          .filter((e) => !(e.getAttribute('aria-label') || e.textContent.trim())).length";
     assert_eq!(tab.value(unnamed), json!(0), "something has no name for those who do not see it");
@@ -188,6 +259,20 @@ fn opens(browser: &Path, page: &Path) {
         })
         .collect();
     assert!(talked.is_empty(), "{talked:#?}");
+}
+
+/// Whether the page and each of its tables fit a window of this width (CSS pixels), with everything unfolded.
+fn fits(tab: &mut Tab, width: u32) {
+    let metrics = json!({ "width": width, "height": 900, "deviceScaleFactor": 1, "mobile": false });
+    tab.ask("Emulation.setDeviceMetricsOverride", metrics);
+    tab.value("document.querySelectorAll('details').forEach((details) => { details.open = true; })");
+    let wider = "[document.documentElement, ...document.querySelectorAll('.wide')].filter((e) => e.scrollWidth > e.clientWidth) \
+         .map((e) => `${e.closest('section')?.id}: ${e.scrollWidth} > ${e.clientWidth}, ${e.querySelector('thead')?.textContent}`)";
+    assert_eq!(tab.value(wider), json!([]), "wider than a window of {width} px");
+    // A table may end exactly at its frame and still be cut by the page.
+    let cut = "[...document.querySelectorAll('td, th')].filter((e) => e.getBoundingClientRect().right > innerWidth + 1) \
+         .map((e) => e.textContent.slice(0, 60))";
+    assert_eq!(tab.value(cut), json!([]), "cut by a window of {width} px");
 }
 
 /// A tab of a browser that is controlled through its pipe; the browser ends when the value is dropped.

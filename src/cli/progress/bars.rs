@@ -31,7 +31,7 @@ impl Bars {
         let screen = MultiProgress::with_draw_target(ProgressDrawTarget::stderr_with_hz(5));
         let whole = screen.add(ProgressBar::new(board.jobs.len() as u64));
         whole.set_style(style(
-            "{prefix:.bold} {bar:24.green/black.bright} {pos}/{len} tasks, {elapsed_precise} elapsed{msg}",
+            "{prefix:.bold} {bar:16.green/black.bright} {pos}/{len} tasks, {elapsed_precise} elapsed{wide_msg}",
         ));
         whole.set_prefix(board.campaign.name.clone());
         whole.enable_steady_tick(Duration::from_millis(500));
@@ -53,7 +53,7 @@ impl Bars {
             if shown.len() < MOST && shown.iter().all(|(other, _)| other != place) {
                 let job = &board.jobs[*place];
                 let bar = self.screen.add(ProgressBar::new(job.total));
-                bar.set_style(style("  {bar:24.cyan/black.bright} {wide_msg}"));
+                bar.set_style(style("  {bar:16.cyan/black.bright} {wide_msg}"));
                 shown.push((*place, bar));
             }
         }

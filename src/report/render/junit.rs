@@ -1,6 +1,7 @@
 use std::fmt::Write;
 
 use super::super::{Cell, Gate, Judged, Manifest, SearchCell};
+use super::sections::{place, who};
 
 /// The results of a campaign for a server of continuous integration.
 #[derive(Debug, Clone)]
@@ -62,7 +63,7 @@ fn one(page: &mut String, suite: &Suite, [tests, failures, errors, skipped]: &[u
     }
     page.push_str("    </properties>\n");
     for (row, cell) in suite.cells.iter().enumerate() {
-        case(page, &manifest.campaign, &cell.key.in_full(), &findings(suite, row));
+        case(page, &manifest.campaign, &short_name(cell, &suite.cells), &findings(suite, row));
     }
     for (row, cell) in suite.searches.iter().enumerate() {
         case(page, &manifest.campaign, &cell.in_full(), &of_gates(suite, true, row));
@@ -75,6 +76,13 @@ fn one(page: &mut String, suite: &Suite, [tests, failures, errors, skipped]: &[u
         case(page, &manifest.campaign, &name, &[("error", "training", training.error.clone())]);
     }
     page.push_str("  </testsuite>\n");
+}
+
+/// The name of a cell's test case: the controller, the town, the driver, and only so much else as tells the cells of the campaign apart.
+fn short_name(cell: &Cell, cells: &[Cell]) -> String {
+    let rewards = !cell.key.is_trained() && cells.iter().any(|other| other.key.reward != cell.key.reward);
+    let reward = if rewards { format!(" ({})", cell.key.reward) } else { String::new() };
+    format!("{}{reward} in {} against {}", who(cell, cells), place(cell, cells), cell.key.policy)
 }
 
 /// Numbers of tests, failures, errors and skipped tests of a campaign.

@@ -92,7 +92,7 @@ fn table(overview: &Overview<'_>) -> Table {
 
 /// A folder's name in a relative address.
 fn address(name: &str) -> String {
-    let plain = |byte: &u8| byte.is_ascii_alphanumeric() || b"-_.~".contains(byte);
+    let plain = |byte: &u8| byte.is_ascii_alphanumeric() || b"-_.~=,+".contains(byte);
     name.bytes().map(|byte| if plain(&byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") }).collect()
 }
 
@@ -198,6 +198,6 @@ mod tests {
         assert_eq!(number("0 m/s .. 2 m/s"), None);
         assert_eq!(number("behavior"), None);
         assert_eq!(number("(1 m, 2 m)"), None);
-        assert_eq!(address("a=1 b"), "a%3D1%20b");
+        assert_eq!(address("a=1 b"), "a=1%20b");
     }
 }

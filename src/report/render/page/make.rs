@@ -12,6 +12,7 @@ use super::severity::{near_misses, severity};
 use super::spawns::spawns;
 use super::verdicts::verdicts;
 use super::worst::{failures, worst};
+use crate::compile::Campaign;
 use crate::report::FoundFailure;
 use crate::report::render::sections::drivers;
 use crate::report::render::summary::{INCOMPLETE, SMOKE};
@@ -146,6 +147,7 @@ fn head(contents: &Contents<'_>) -> Markup {
             p.kind { "falsify · campaign" }
             h1 { (campaign.name) }
             @if !campaign.docs.is_empty() { p.lead { (prose(&campaign.docs.join("\n"))) } }
+            @else { p.lead { (grid(campaign)) } }
             @if manifest.smoke { p.warn { (SMOKE) } }
             @if !manifest.complete { p.warn { (INCOMPLETE) } }
             @for doubt in contents.doubts.iter().take(DOUBTS) { p.warn { (prose(&format!("{doubt}."))) } }
@@ -159,6 +161,13 @@ fn head(contents: &Contents<'_>) -> Markup {
             button #theme type="button" hidden { "Dark" }
         }
     }
+}
+
+/// What is run, for a campaign without documentation: the drivers and the towns.
+fn grid(campaign: &Campaign) -> String {
+    let drivers: Vec<&str> = campaign.drivers.iter().map(|driver| driver.name.as_str()).collect();
+    let towns: Vec<&str> = campaign.towns.iter().map(|town| town.name.as_str()).collect();
+    format!("Drivers: {}. Towns: {}.", drivers.join(", "), towns.join(", "))
 }
 
 /// A few key numbers.

@@ -39,6 +39,7 @@ class Player {
     this.speed.setAttribute("aria-label", "Speed");
     this.camera = make("button", { type: "button", textContent: "Follow" });
     this.camera.setAttribute("aria-pressed", "true");
+    this.camera.title = "Follow keeps the car in the middle, Whole shows the whole way";
     const zoom = (by, text, label) => {
       const button = make("button", { type: "button", textContent: text, onclick: () => this.magnify(by) });
       button.setAttribute("aria-label", label);
@@ -259,7 +260,7 @@ class Player {
     if (!paper) return;
     const { context: c, width, height } = paper, { data, colour } = this;
     const most = Math.max(3, ...data.ego.map((state) => state[3] / 100), ...data.person.map((state) => state[3] / 100));
-    const floor = height - 4, x = (tick) => tick / Math.max(1, this.end) * width, y = (speed) => floor - speed / most * (height - 20);
+    const floor = height - 4, x = (tick) => tick / Math.max(1, this.end) * width, y = (speed) => floor - speed / most * (height - 22);
     if (data.danger !== null) {
       c.fillStyle = colour.h1;
       c.globalAlpha = 0.45;
@@ -280,11 +281,12 @@ class Player {
     c.font = "11px system-ui, sans-serif";
     c.textAlign = "left";
     c.fillStyle = colour.muted;
-    c.fillText("speed, up to " + most.toFixed(1) + " m/s", 2, 10);
+    // Both labels are in a line above the curves.
+    const label = "speed, up to " + most.toFixed(1) + " m/s";
+    c.fillText(label, 2, 11);
     if (data.danger !== null) {
-      const right = x(data.danger) > width * 0.7;
-      c.textAlign = right ? "right" : "left";
-      c.fillText("danger", x(data.danger) + (right ? -4 : 4), 24);
+      const word = "danger", least = c.measureText(label).width + 14;
+      c.fillText(word, Math.min(Math.max(least, x(data.danger)), width - c.measureText(word).width - 2), 11);
     }
     c.fillStyle = colour.ink;
     c.fillRect(x(this.tick) - 0.75, 0, 1.5, height);
@@ -298,9 +300,8 @@ class Player {
     const brake = data.brake[tick];
     this.says.replaceChildren(
       line(bold((tick * data.dt).toFixed(2) + " s"), " · car ", bold(ego.speed.toFixed(1)), " m/s · pedestrian ", bold(person.speed.toFixed(1)), " m/s"),
-      line(touched ? bold("touch") : "gap " + gap.toFixed(1) + " m"),
-      line("driver: ", bold(this.mode(tick)), brake > 4 ? " · brake " + brake + " %" : ""),
-      line(this.seen(tick) ? "in sight" : "hidden"));
+      line(touched ? bold("touch") : "gap " + gap.toFixed(1) + " m, " + (this.seen(tick) ? "in sight" : "hidden")),
+      line("driver: ", bold(this.mode(tick)), brake > 4 ? " · brake " + brake + " %" : ""));
     this.scene.setAttribute("aria-label", [...this.says.children].map((part) => part.textContent).join(", "));
     this.bar.setAttribute("aria-valuetext", (tick * data.dt).toFixed(2) + " seconds");
   }

@@ -1,3 +1,6 @@
+use std::collections::BTreeSet;
+
+use crate::record::CellKey;
 use crate::report::render::table::{Column, Section, Table, Value};
 use crate::report::{Comparison, Evidence, Test};
 
@@ -33,22 +36,25 @@ pub fn comparisons(evidence: &Evidence) -> Option<Section> {
 
 /// A row for each pair, with its rates side by side.
 fn table(title: &str, found: &[&Comparison]) -> Table {
-    let mut head: Vec<Column> =
-        ["controller", "reward", "trained in, against", "town", "policy", "less"].map(Column::text).into();
-    for rate in ["collisions", "with a moving car", "preventable", "attributable"] {
-        head.extend([Column::number(format!("{rate} (95 %)")), Column::number("p")]);
-    }
+    let trainings: BTreeSet<(&str, &str)> =
+        found.iter().map(|found| (found.first.train_town.as_str(), found.first.train_policy.as_str())).collect();
+    let several = trainings.iter().filter(|training| !training.0.is_empty()).count() > 1;
+    let mut head: Vec<Column> = ["controller", "place", "less"].map(Column::text).into();
+    head.extend(
+        ["collisions", "with a moving car", "preventable", "attributable"]
+            .map(|rate| Column::number(format!("{rate} (95 %), p"))),
+    );
     let (columns, mut rows) = (head.len(), Vec::<Vec<Value>>::new());
     for found in found {
-        let names = names(found);
-        let difference = [
+        let names = names(found, several);
+        let difference = Value::Lines(vec![
             Value::Difference(Some(found.difference), found.student.or(Some(found.bootstrap))),
             Value::Text(probability(found)),
-        ];
+        ]);
         // The rates of a pair are consecutive.
         match rows.last_mut().filter(|row| row.starts_with(&names) && row.len() < columns) {
-            Some(row) => row.extend(difference),
-            None => rows.push(names.into_iter().chain(difference).collect()),
+            Some(row) => row.push(difference),
+            None => rows.push(names.into_iter().chain([difference]).collect()),
         }
     }
     rows.iter_mut().for_each(|row| row.resize(columns, Value::Number(None, 2)));
@@ -59,30 +65,24 @@ fn table(title: &str, found: &[&Comparison]) -> Table {
     Table { title: title.into(), head, rows, notes: left.into_iter().collect() }
 }
 
-fn names(found: &Comparison) -> Vec<Value> {
+fn names(found: &Comparison, several_trainings: bool) -> Vec<Value> {
     let (first, second) = (&found.first, &found.second);
-    let other = if found.is_of_drivers() {
-        second.policy.clone()
-    } else if second.reward == first.reward {
-        second.controller.clone()
-    } else {
-        format!("{} {}", second.controller, second.reward)
+    let who = |key: &CellKey| {
+        if key.is_trained() { format!("{}, {}", key.controller, key.reward) } else { key.controller.clone() }
     };
-    vec![
-        Value::from(&first.controller),
-        Value::from(&first.reward),
-        (if first.is_trained() { format!("{}, {}", first.train_town, first.train_policy) } else { "–".into() }).into(),
-        Value::from(&first.town),
-        Value::from(&first.policy),
-        other.into(),
-    ]
+    let training = match first.is_trained() && several_trainings {
+        true => format!(" ({}, {})", first.train_town, first.train_policy),
+        false => String::new(),
+    };
+    let other = if found.is_of_drivers() { second.policy.clone() } else { who(second) };
+    vec![format!("{}{training}", who(first)).into(), format!("{} · {}", first.town, first.policy).into(), other.into()]
 }
 
 fn probability(found: &Comparison) -> String {
     let mark = if found.test == Test::McNemar { "¹" } else { "" };
     match found.holm {
-        None => format!("–{mark}"),
-        Some(p) if p < 0.001 => format!("<0.001{mark}"),
-        Some(p) => format!("{p:.3}{mark}"),
+        None => format!("no test{mark}"),
+        Some(p) if p < 0.001 => format!("p < 0.001{mark}"),
+        Some(p) => format!("p = {p:.3}{mark}"),
     }
 }

@@ -1,3 +1,4 @@
+use crate::compile::SearchKey;
 use crate::report::render::table::{Column, Section, Table, Value};
 use crate::report::{Average, MedianTime, SearchCell};
 
@@ -36,26 +37,43 @@ pub fn search_section(cells: &[SearchCell]) -> Section {
             average(cell.evaluated_attributable_rate, 3),
         ]
     };
+    let reading = [
+        "Every falsifier has the same budget of simulator ticks and meets the same starts in the same order. A command that the \
+         rest of the budget cannot hold is not started.",
+        "*Ticks to first failure* is the median of Kaplan and Meier. Runs without a failure count as censored. The interval is \
+         Brookmeyer and Crowley's; `≥` and `≤` stand where the runs show one end alone. The other intervals are Student's 95 % over runs.",
+        "A falsifier that leaves a start when it has failed spends few episodes on failures. So compare *failed starts* between \
+         methods, not failures of episodes. Kinds of failures are the different cells that were filled: place on the car, direction of the walk, both speeds, what the driver was doing. \
+         A failure is *attributable* when both careful humans avoid it and the pedestrian moves as people do. \
+         *Evaluated afterwards* are the collision rate and the rate of attributable collisions of the controller with which the falsifier \
+         ends, in fresh episodes; `–` if there is none. Pairs of falsifiers and of drivers are compared in `search_comparisons`.",
+    ];
     Section {
         id: "searches",
         name: "Falsifiers",
         title: "Falsifiers compared",
         tables: vec![Table { head, rows: cells.iter().map(row).collect(), ..Table::default() }],
-        notes: vec![
-            "Every falsifier has the same budget of simulator ticks and meets the same starts in the same order. A command that the \
-             rest of the budget cannot hold is not started."
-                .into(),
-            "*Ticks to first failure* is the median of Kaplan and Meier. Runs without a failure count as censored. The interval is \
-             Brookmeyer and Crowley's; `≥` and `≤` stand where the runs show one end alone. The other intervals are Student's 95 % over runs."
-                .into(),
-            "A falsifier that leaves a start when it has failed spends few episodes on failures. So compare *failed starts* between \
-             methods, not failures of episodes. Kinds of failures are the different cells that were filled: place on the car, direction of the walk, both speeds, what the driver was doing. \
-             A failure is *attributable* when both careful humans avoid it and the pedestrian moves as people do. \
-             *Evaluated afterwards* are the collision rate and the rate of attributable collisions of the controller with which the falsifier \
-             ends, in fresh episodes; `–` if there is none. Pairs of falsifiers and of drivers are compared in `search_comparisons`."
-                .into(),
-        ],
+        notes: outdone_by_chance(cells).into_iter().chain(reading.map(String::from)).collect(),
     }
+}
+
+/// A note on the falsifiers that found failures from fewer starts than random walking did with the same budget; none without any.
+fn outdone_by_chance(cells: &[SearchCell]) -> Option<String> {
+    let outdone = |cell: &&SearchCell| {
+        let chance = cells.iter().filter(|other| {
+            let same = |key: &SearchKey| (key.block, key.town.clone(), key.policy.clone());
+            other.key.method == "random" && cell.key.method != "random" && same(&other.key) == same(&cell.key)
+        });
+        chance.map(|chance| chance.failed_starts.0).any(|found| found > cell.failed_starts.0)
+    };
+    let names: Vec<String> = cells.iter().filter(outdone).map(SearchCell::in_full).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "**Random walking failed from more starts** than {}, with the same budget. Where collisions are common, a directed search has little to \
+             improve; compare attributable failures, or choose rarer ones.",
+            names.join("; than ")
+        )
+    })
 }
 
 /// The falsifier; with the number of its block when that is not the first.

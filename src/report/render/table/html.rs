@@ -81,7 +81,7 @@ fn value(value: &Value) -> Markup {
                 (format!("{number:+.2}")) " " small { (format!("{low:+.2}..{high:+.2}")) }
             },
             Value::Lines(lines) => @for (place, line) in lines.iter().enumerate() {
-                @if place > 0 { br; }
+                @if place > 0 { " " br; }
                 (self::value(line))
             },
             other => (other.to_string()),
