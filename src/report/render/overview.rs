@@ -58,7 +58,9 @@ fn table(overview: &Overview<'_>) -> Table {
     head.extend(overview.parameters.iter().map(|name| Column::text(*name)));
     head.extend(["driver", "worst failure"].map(Column::text));
     if evaluated {
-        head.extend(OverviewRow::RATES.map(|rate| Column::number(format!("{rate} (95 %)"))));
+        let [attributable, preventable, collision] =
+            OverviewRow::RATES.map(|rate| Column::number(format!("{rate} (95 %)")));
+        head.extend([attributable, preventable, collision.page_only()]);
     }
     if searched {
         head.push(Column::text("found by searches"));

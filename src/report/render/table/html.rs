@@ -3,13 +3,24 @@ use maud::{Markup, html};
 use super::{Align, Section, Table, Value};
 use crate::report::render::page::{count, paragraph, percent};
 
+/// A table with more rows is folded on a page.
+const LONG: usize = 30;
+
 impl Table {
     /// The table for a page, with its title and notes. Columns that do not fit beside the others are in a list that can be unfolded.
     pub fn to_html(&self) -> Markup {
+        let rows = self.rows.len();
+        if rows <= LONG {
+            return html! { @if !self.title.is_empty() { h3 { (self.title) } } (self.unfolded()) };
+        }
+        let title = if self.title.is_empty() { "All rows" } else { self.title.as_str() };
+        html! { details { summary { (title) ", " (rows) " rows" } (self.unfolded()) } }
+    }
+
+    fn unfolded(&self) -> Markup {
         let class = |column: usize| (self.head[column].align == Align::Right).then_some("number");
         let shown: Vec<usize> = (0..self.head.len()).filter(|column| self.head[*column].is_shown).collect();
         html! {
-            @if !self.title.is_empty() { h3 { (self.title) } }
             div.wide {
                 table.stack {
                     thead {
