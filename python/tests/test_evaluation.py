@@ -68,5 +68,26 @@ def test_a_missing_program_is_an_error_that_names_the_remedy(monkeypatch, tmp_pa
     monkeypatch.delenv("FALSIFY_BIN", raising=False)
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setattr("sysconfig.get_path", lambda name: str(tmp_path))
-    with pytest.raises(FileNotFoundError, match="falsify-av-cli"):
+    with pytest.raises(FileNotFoundError, match="cargo install"):
         falsify.call("--version")
+
+
+def test_a_network_walks_as_the_function_that_it_holds(scenario, tmp_path):
+    pytest.importorskip("onnxruntime", reason="onnxruntime is not installed")
+    onnx = pytest.importorskip("onnx", reason="onnx is not installed")
+    from onnx import TensorProto, helper
+
+    weights = helper.make_tensor("weights", TensorProto.FLOAT, [4, 2], [1, 0, 0, 0, 0, 0, 0, 0])
+    bias = helper.make_tensor("bias", TensorProto.FLOAT, [2], [0, 3])
+    graph = helper.make_graph(
+        [helper.make_node("Gemm", ["states", "weights", "bias"], ["actions"])],
+        "homing",
+        [helper.make_tensor_value_info("states", TensorProto.FLOAT, ["worlds", 4])],
+        [helper.make_tensor_value_info("actions", TensorProto.FLOAT, ["worlds", 2])],
+        [weights, bias],
+    )
+    model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 13)], ir_version=8)
+    onnx.save(model, tmp_path / "homing.onnx")
+    learnt = falsify_av.onnx(tmp_path / "homing.onnx")
+    rows = falsify_av.evaluate(learnt, scenario, **CHOICE, episodes=6)
+    assert [row["digest"] for row in rows] == [row["digest"] for row in falsify_av.evaluate(homing, scenario, **CHOICE, episodes=6)]
