@@ -28,6 +28,38 @@ pub fn sides(first: &[DataFrame], second: &[DataFrame], seed: &Seed) -> PolarsRe
     if place.cells.len() < 2 {
         return Ok(Vec::new());
     }
-    let compared = |figure| compare(&place, &place.measure(figure), (1, 0), seed);
+    let agree = |figure| {
+        let partner = |run: &Tried| place.runs(0).iter().find(|other| other.run == run.run);
+        let mut pairs = place.runs(1).iter().filter_map(|run| Some((run, partner(run)?)));
+        pairs.all(|(run, other)| run.discordant(other, figure) == (0, 0))
+    };
+    let compared = |figure| {
+        let mut found = compare(&place, &place.measure(figure), (1, 0), seed)?;
+        if agree(figure) {
+            // Without a pair that disagrees the samples show no spread, but not that there is no difference.
+            let most = most_unseen(found.episodes);
+            (found.bootstrap, found.student) = ((-most, most), None);
+        }
+        Some(found)
+    };
     Ok(Figure::COMPARED.into_iter().filter_map(compared).collect())
+}
+
+/// The greatest share of pairs that may disagree in one direction when none of this number does: the high end of Clopper and Pearson's 95 %
+/// interval for 0 of n.
+fn most_unseen(pairs: u64) -> f64 {
+    1.0 - libm::pow(0.025, 1.0 / pairs.max(1) as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::most_unseen;
+
+    #[test]
+    fn no_pair_that_disagrees_leaves_room_for_a_difference() {
+        // scipy.stats.binomtest(0, n).proportion_ci(method="exact").high
+        for (pairs, wanted) in [(1, 0.975), (10, 0.308_497_1), (400, 0.009_179_8)] {
+            assert!((most_unseen(pairs) - wanted).abs() < 1e-6, "{pairs}: {}", most_unseen(pairs));
+        }
+    }
 }
