@@ -8,7 +8,7 @@ use crate::sim::{ActorId, PedestrianBody, VehicleBlueprint};
 ///
 /// # Source
 /// Dumps of a running CARLA 0.9.1x: the box of `vehicle.tesla.model3`.
-const CAR_HEIGHT: f64 = 1.488;
+pub(super) const CAR_HEIGHT: f64 = 1.488;
 
 /// An episode that was repeated: the input of every exporter.
 #[derive(Debug, Clone, Copy)]

@@ -12,13 +12,17 @@ mod episode;
 mod xml;
 mod opendrive;
 mod openscenario;
+mod commonroad;
+mod osi;
 
 pub use episode::Episode;
 pub use error::ExportError;
 pub use opendrive::town;
 
+use crate::export::commonroad::CommonRoad;
 use crate::export::opendrive::OpenDrive;
 use crate::export::openscenario::{OpenScenario, Version};
+use crate::export::osi::Osi;
 
 /// The date in the files (ISO 8601). It is that of the first writer, so that the same episode gives the same bytes at any time.
 const DATE: &str = "2026-11-22T00:00:00";
@@ -88,8 +92,14 @@ pub struct ExportFile {
 }
 
 /// All formats.
-pub const EXPORTERS: &[&dyn Exporter] =
-    &[&OpenScenario(Version::V1_3), &OpenScenario(Version::V1_2), &OpenScenario(Version::V1_0), &OpenDrive];
+pub const EXPORTERS: &[&dyn Exporter] = &[
+    &OpenScenario(Version::V1_3),
+    &OpenScenario(Version::V1_2),
+    &OpenScenario(Version::V1_0),
+    &OpenDrive,
+    &Osi,
+    &CommonRoad,
+];
 
 /// The format with this name.
 pub fn exporter(name: &str) -> Option<&'static dyn Exporter> {

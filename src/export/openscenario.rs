@@ -90,6 +90,11 @@ struct Storyboard<'a> {
 impl<'a> Storyboard<'a> {
     fn new(version: Version, episode: &Episode<'a>, variant: Variant, map: &'a str) -> Result<Self, ExportError> {
         let format = OpenScenario(version).name();
+        let lights = episode.scenario.episode.traffic_lights && !episode.scenario.town.traffic_lights.is_empty();
+        if variant.ego == EgoDriver::User && lights {
+            let what = "the phases of the traffic lights, which an ego of the user would obey".to_owned();
+            return Err(ExportError::NotRepresentable { format, what });
+        }
         let pedestrian = episode.main_pedestrian();
         let mut storyboard = Self {
             version,

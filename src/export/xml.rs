@@ -49,6 +49,14 @@ impl Xml {
     }
 
     /// An element that holds a text.
+    /// An element that holds a text.
+    pub fn text(&mut self, name: &str, text: &dyn Display) {
+        self.start(name, &[]);
+        self.text.push('>');
+        self.escaped(text);
+        self.put(format_args!("</{name}>\n"));
+    }
+
     fn start(&mut self, name: &str, attributes: Attributes) {
         self.indent();
         self.put(format_args!("<{name}"));

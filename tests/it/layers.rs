@@ -141,7 +141,7 @@ const DOORS: &[(&str, &str)] = &[
     ("roxmltree", "road"),
     ("rstar", "road"),
     ("safetensors", "rl"),
-    ("prost", "rl"),
+    ("prost", "rl, export"),
     ("polars", "record, report"),
     ("polars_io", "record, report"),
     ("maud", "report"),
