@@ -168,7 +168,7 @@ fn write_exact(xml: &mut Xml, name: &str, value: f64) {
 
 fn write_static(xml: &mut Xml, number: usize, obstacle: &OrientedBox) {
     xml.element("staticObstacle", &[("id", &number)], |xml| {
-        xml.text("type", &"building");
+        xml.text("type", &"unknown");
         write_rectangle(xml, 2.0 * obstacle.half.x, 2.0 * obstacle.half.y);
         xml.element("initialState", &[], |xml| {
             xml.element("position", &[], |xml| write_point(xml, &obstacle.pose.position()));

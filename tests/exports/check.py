@@ -85,13 +85,13 @@ def osi(path):
 
 def commonroad(path):
     """The schema, and the drivability checker: ego and pedestrian first collide at the last tick."""
-    import commonroad.common.xml_definition_files as definitions
+    import commonroad
     import xmlschema
     from commonroad.common.file_reader import CommonRoadFileReader
     from commonroad.scenario.obstacle import ObstacleType
     from commonroad_dc.collision.collision_detection.pycrcc_collision_dispatch import create_collision_object
 
-    xsd = Path(list(definitions.__path__)[0]) / "XML_commonRoad_XSD.xsd"
+    xsd = next(Path(list(commonroad.__path__)[0]).rglob("XML_commonRoad_XSD.xsd"))
     errors = list(xmlschema.XMLSchema(str(xsd)).iter_errors(str(path)))
     assert not errors, (path, str(errors[0]))
     scenario, _ = CommonRoadFileReader(str(path)).open()
