@@ -12,6 +12,7 @@ use super::export::{self, ExportOptions};
 use super::failures::{self, FailuresOptions};
 use super::fmt::{self, FmtOptions};
 use super::lsp;
+use super::manual::{self, ManualOptions};
 use super::map::{self, MapOptions};
 use super::merge::{self, MergeOptions};
 use super::new::{self, NewOptions};
@@ -116,6 +117,9 @@ pub enum Command {
         #[arg(long)]
         stdio: bool,
     },
+    /// Write the manual pages of all commands.
+    #[command(after_help = manual::EXAMPLES)]
+    Manual(ManualOptions),
     /// Print a completion script for a shell.
     #[command(after_help = COMPLETIONS_EXAMPLES)]
     Completions {

@@ -34,6 +34,7 @@ mod explain;
 mod new;
 mod demo;
 mod welcome;
+mod manual;
 mod debug;
 mod lsp;
 mod map;
@@ -108,6 +109,7 @@ fn run_command() -> ExitCode {
         args::Command::Fmt(options) => fmt::fmt(&options),
         args::Command::Map(options) => map::map(&options),
         args::Command::Av(args::AvCommand::Check(options)) => av_check::check(&options),
+        args::Command::Manual(options) => manual::manual(&options),
         args::Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Arguments::command(), "falsify", &mut script);

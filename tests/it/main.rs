@@ -14,6 +14,7 @@ macro_rules! loud {
 
 mod allocation;
 mod behavior_agent_reference;
+mod book;
 mod caches;
 mod cast;
 mod catalogue;
@@ -49,6 +50,7 @@ mod policies_elsewhere;
 mod program;
 mod recorded_update;
 mod reference;
+mod release;
 mod replaying;
 mod resuming;
 mod road_reference;

@@ -1,0 +1,39 @@
+//! Manual pages, made from the same definitions as `--help`.
+
+use std::path::PathBuf;
+
+use clap::{Args, CommandFactory};
+
+use super::args::Arguments;
+use super::console;
+use super::exit_code::ExitCode;
+
+/// Shown after the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  falsify manual --out ~/.local/share/man/man1
+  man falsify-run";
+
+/// Options of `falsify manual`.
+#[derive(Debug, Args)]
+pub struct ManualOptions {
+    /// Folder for the pages, one for each command: `falsify.1`, `falsify-run.1` and so on.
+    #[arg(long, short, default_value = ".", value_name = "DIR")]
+    pub out: PathBuf,
+}
+
+/// `falsify manual`
+pub fn manual(options: &ManualOptions) -> ExitCode {
+    let folder = &options.out;
+    let written = std::fs::create_dir_all(folder).and_then(|()| clap_mangen::generate_to(Arguments::command(), folder));
+    match written {
+        Ok(()) => {
+            console::say(&format!("manual pages are in {}", folder.display()));
+            ExitCode::Done
+        }
+        Err(error) => {
+            console::fail(&format!("cannot write manual pages to `{}`: {error}", folder.display()));
+            ExitCode::WriteFailed
+        }
+    }
+}
