@@ -48,7 +48,7 @@ fn a_new_file_checks_runs_and_is_never_written_over_another() {
     assert!(said(&check).1.is_empty(), "{check:?}");
     let run = falsify(&["run", "--smoke", "a.scn"], folder.path());
     assert_eq!(run.status.code(), Some(0), "{run:?}");
-    let manifest = std::fs::read_to_string(folder.path().join("reports/first-smoke/manifest.toml")).unwrap();
+    let manifest = std::fs::read_to_string(folder.path().join("reports/crossing-smoke/manifest.toml")).unwrap();
     assert!(manifest.contains("<std>/towns.scn"), "the manifest names what came out of the program: {manifest}");
     std::fs::write(folder.path().join("a.scn"), "mine").unwrap();
     assert_eq!(falsify(&["new", "a.scn"], folder.path()).status.code(), Some(2));
