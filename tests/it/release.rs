@@ -11,7 +11,7 @@ fn repository(path: &str) -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
 }
 
-#[cfg(unix)]
+#[cfg(target_os = "linux")]
 #[test]
 fn an_archive_holds_a_program_that_runs() {
     let out = tempfile::tempdir().unwrap();
