@@ -31,6 +31,7 @@ pub fn failed(error: &Error) -> ExitCode {
                 "{error}; reports hold files of up to 4 MiB, --files DIR names the folder of larger ones"
             ));
         }
+        Error::Gate(reason) => console::fail(&format!("--fail-if: {reason}")),
         Error::Changed { changes } => {
             changes.iter().for_each(|change| console::fail(&change.to_string()));
             console::fail("these are not the files that were run; --anyway continues all the same");
@@ -59,6 +60,7 @@ fn code(error: &Error) -> ExitCode {
         Error::Export { .. } => ExitCode::WriteFailed,
         Error::Unreadable { .. }
         | Error::UnusedMap { .. }
+        | Error::Gate(_)
         | Error::Threads { .. }
         | Error::Read(_)
         | Error::NoFolder { .. }

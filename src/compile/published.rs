@@ -44,10 +44,16 @@ pub fn form() -> Form {
         ),
     ];
     let cells = Signature::new("cell", "Figures of one cell of a published table, as they are printed.", cell);
+    let margins = FIGURES.map(|(_, mean, _, doc)| Param::optional(mean, Type::positive(Dimension::RATIO), doc));
+    let margins = Signature::new(
+        "margins",
+        "For each figure, the difference that matters: ours is equivalent where the difference is shown to be smaller.",
+        margins.into(),
+    );
     Form {
         name: "published",
         doc: "Figures that others have published, to stand beside those of a campaign that names them.",
-        plain: Some(Signature { children: vec![cells], ..Signature::new("published", "", params) }),
+        plain: Some(Signature { children: vec![margins, cells], ..Signature::new("published", "", params) }),
         multiplies: false,
         kinds: Vec::new(),
     }
@@ -56,15 +62,20 @@ pub fn form() -> Form {
 /// The figures of a declaration.
 pub fn lower(declaration: &Declaration, program: &Program, said: &mut Vec<Diagnostic>) -> Published {
     let arguments = &declaration.block.arguments;
+    let mut margins = declaration.block.nested("margins");
+    let stated = margins.next();
+    if let Some(second) = margins.next() {
+        said.push(diagnostics::contradiction(second.head, "`margins` is given twice".to_string()));
+    }
     Published {
         source: arguments.text("source").to_string(),
         docs: declaration.docs.join(" "),
         runs: arguments.integer("runs") as u32,
-        cells: declaration.block.nested("cell").map(|block| cell(block, program, said)).collect(),
+        cells: declaration.block.nested("cell").map(|block| cell(block, stated, program, said)).collect(),
     }
 }
 
-fn cell(block: &Block, program: &Program, said: &mut Vec<Diagnostic>) -> PublishedCell {
+fn cell(block: &Block, margins: Option<&Block>, program: &Program, said: &mut Vec<Diagnostic>) -> PublishedCell {
     let arguments = &block.arguments;
     for (_, mean, spread, _) in FIGURES {
         if arguments.has(spread) && !arguments.has(mean) {
@@ -75,7 +86,10 @@ fn cell(block: &Block, program: &Program, said: &mut Vec<Diagnostic>) -> Publish
     let name = |id: DeclarationId| program.get(id).name.clone();
     let names = |key| arguments.references(key).into_iter().map(name).collect();
     let given = |key| arguments.has(key).then(|| arguments.number(key));
-    let figure = |(column, mean, spread, _)| Some(PublishedFigure { column, mean: given(mean)?, sd: given(spread) });
+    let margin = |mean| margins.filter(|block| block.arguments.has(mean)).map(|block| block.arguments.number(mean));
+    let figure = |(column, mean, spread, _)| {
+        Some(PublishedFigure { column, mean: given(mean)?, sd: given(spread), margin: margin(mean) })
+    };
     PublishedCell {
         rewards: names("rewards"),
         towns: names("towns"),

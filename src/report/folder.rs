@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use polars::prelude::{DataFrame, PolarsError, Schema};
 use polars_io::SerWriter;
 use polars_io::csv::write::CsvWriter;
-use polars_io::parquet::write::ParquetWriter;
 use tempfile::TempDir;
 
+use super::parquet::write_parquet;
 use super::scenario_files::SCENARIO;
 use super::table_stream::{Watched, cause};
 use super::{FileRecord, Manifest, TableStream, catalogue};
@@ -108,9 +108,7 @@ impl ReportFolder {
             self.write(&format!("{name}.csv"), |writer| CsvWriter::new(writer).finish(&mut table).map_err(failed))?;
         }
         if self.formats.parquet {
-            self.write(&format!("{name}.parquet"), |writer| {
-                ParquetWriter::new(writer).finish(&mut table).map(|_| ()).map_err(failed)
-            })?;
+            self.write(&format!("{name}.parquet"), |writer| write_parquet(writer, &table).map_err(failed))?;
         }
         Ok(())
     }
@@ -277,8 +275,7 @@ pub fn write_table(path: &Path, table: &DataFrame) -> Result<(), WriteError> {
         return write_csv(path, table);
     }
     let (mut bytes, name) = (Vec::new(), path.display().to_string());
-    let written = ParquetWriter::new(&mut bytes).finish(&mut table.clone());
-    written.map_err(|source| WriteError::Table { name, source })?;
+    write_parquet(&mut bytes, table).map_err(|source| WriteError::Table { name, source })?;
     write_file(path, &bytes)
 }
 

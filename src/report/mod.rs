@@ -13,6 +13,7 @@ mod catalogue;
 mod waypoints;
 mod manifest;
 mod scenario_files;
+mod parquet;
 mod table_stream;
 mod text_forms;
 mod folder;

@@ -6,9 +6,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 use polars::prelude::{DataFrame, PolarsError, PolarsResult, Schema};
 use polars_io::SerWriter;
 use polars_io::csv::write::{BatchedWriter as CsvPieces, CsvWriter};
-use polars_io::parquet::write::{BatchedWriter as ParquetPieces, ParquetWriter};
 
 use super::WriteError;
+use super::parquet::ParquetFile;
 
 /// A file that remembers why it could not be written. Polars has other words for that, such as "transport error".
 pub(super) struct Watched {
@@ -67,7 +67,7 @@ const GROUP: usize = 1 << 16;
 pub struct TableStream {
     waiting: DataFrame,
     csv: Option<Stream<CsvPieces<Watched>>>,
-    parquet: Option<Stream<ParquetPieces<Watched>>>,
+    parquet: Option<Stream<ParquetFile<Watched>>>,
 }
 
 /// A file in one of the formats.
@@ -110,7 +110,7 @@ impl TableStream {
         parquet: Option<(PathBuf, Watched)>,
     ) -> Result<Self, WriteError> {
         let csv = csv.map(|file| Stream::begin(file, |writer| CsvWriter::new(writer).batched(schema)));
-        let parquet = parquet.map(|file| Stream::begin(file, |writer| ParquetWriter::new(writer).batched(schema)));
+        let parquet = parquet.map(|file| Stream::begin(file, |writer| ParquetFile::new(writer, schema)));
         let waiting = DataFrame::empty_with_schema(schema);
         Ok(Self { waiting, csv: csv.transpose()?, parquet: parquet.transpose()? })
     }
@@ -132,7 +132,7 @@ impl TableStream {
             csv.write(|pieces| pieces.write_batch(&rows))?;
         }
         if let Some(parquet) = &mut self.parquet {
-            parquet.write(|pieces| pieces.write_batch(&rows))?;
+            parquet.write(|file| file.add(&rows))?;
         }
         Ok(())
     }
@@ -148,7 +148,7 @@ impl TableStream {
             csv.settle()?;
         }
         if let Some(mut parquet) = self.parquet {
-            parquet.write(|pieces| pieces.finish().map(|_| ()))?;
+            parquet.write(ParquetFile::finish)?;
             parquet.settle()?;
         }
         Ok(())

@@ -75,7 +75,7 @@ pub fn write(
     let cells = metrics.cells().map_err(failed(CELLS))?;
     let mut sections = Vec::new();
     if !campaign.published.is_empty() {
-        let all = beside(&campaign.published, &cells);
+        let all = beside(&campaign.published, &cells, &evidence.cells);
         folder.table("published", &published(&all))?;
         sections.extend(published_section(&all));
     }

@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use super::{EpisodeName, OtherReport};
 use crate::export::ExportError;
 use crate::lang::Unreadable;
-use crate::report::{Incomparable, ReadError, WriteError};
+use crate::report::{GateError, Incomparable, ReadError, WriteError};
 use crate::store::StoreError;
 
 /// Why a call of a session has no result.
@@ -36,6 +36,9 @@ pub enum Error {
         /// What to write or to name instead.
         advice: String,
     },
+    /// A gate judges no row of the campaigns.
+    #[error(transparent)]
+    Gate(#[from] GateError),
     /// Threads cannot be started.
     #[error("cannot start {threads} threads: {source}")]
     Threads {

@@ -54,6 +54,9 @@ impl Session {
     }
 
     pub(super) fn run_plan(&self, options: &RunOptions, planned: &Planned, work: Work) -> Result<RunReport, Error> {
+        for gate in &options.gates {
+            gate.check(&planned.plan.campaigns)?;
+        }
         let pool = pool(options.threads)?;
         for campaign in &planned.plan.campaigns {
             check_place(campaign, options, &planned.records)?;

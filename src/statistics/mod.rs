@@ -6,6 +6,7 @@
 mod normal;
 mod wilson;
 mod student;
+mod uncertainty;
 mod quantile;
 mod mcnemar;
 mod adjust;
@@ -18,6 +19,7 @@ pub use normal::{normal_below, normal_quantile};
 pub use quantile::{interquartile_mean, quantile};
 pub use sample::{Estimate, Sample};
 pub use student::{mean_interval, student_quantile, student_tails};
+pub use uncertainty::Uncertainty;
 pub use weighted::Weighted;
 pub use wilson::{wilson, wilson_at};
 

@@ -1,6 +1,6 @@
 use rand::Rng;
 
-use super::{Weighted, normal_quantile, quantile, student_quantile, student_tails};
+use super::{Uncertainty, Weighted, normal_quantile, quantile};
 use crate::seed::{Seed, Stream};
 
 /// The number of bootstrap samples.
@@ -89,11 +89,26 @@ impl Sample {
         (end(0.025), end(0.975))
     }
 
-    /// Student's t over trainings, with Welch's degrees of freedom; none when a group is a single training.
-    ///
-    /// The variance is that between trainings plus that of the common episodes. A pedestrian that is not trained has only the
-    /// latter. If both are 0, the variance of a single episode is used.
+    /// Student's t over trainings; see [`uncertainty`](Self::uncertainty).
     pub fn student(&self) -> Option<Estimate> {
+        let (estimate, uncertainty) = (self.estimate(), self.uncertainty()?);
+        let (low, high) = uncertainty.interval(estimate);
+        Some(Estimate { low, high, p: uncertainty.p(estimate) })
+    }
+
+    /// The standard error about further trainings and further episodes; none when a group is a single training.
+    ///
+    /// Trainings and starts are crossed: the figure of training i at start j is μ + tᵢ + sⱼ + eᵢⱼ. The variance of a mean over I
+    /// trainings and J starts is σt²/I + σs²/J + σe²/(I J). The variance between the trainings' means, divided by I, estimates the
+    /// first and the last part. It shows nothing of the second one, since all trainings meet the same starts; the covariance of
+    /// different trainings over these starts estimates that one. The degrees of freedom are Welch's and Satterthwaite's, in which
+    /// the part of the starts is known.
+    ///
+    /// A pedestrian that is not trained has only the part of the starts. If all is 0, the variance of a single episode is used.
+    ///
+    /// # Source
+    /// Searle, Casella and McCulloch, *Variance Components*, 1992, chapter 4 (two-way crossed random model).
+    pub fn uncertainty(&self) -> Option<Uncertainty> {
         let (mut between, mut squares, mut common, mut fewest) = (0.0, 0.0, 0.0, KNOWN);
         for ((group, _), trained) in self.groups().into_iter().zip(self.trained) {
             let n = group.len() as f64;
@@ -113,14 +128,11 @@ impl Sample {
         common -= 2.0 * self.mean_covariance(&first, &second);
         let variance = between + common.max(0.0);
         let least = 1.0 / self.episodes.effective_size().max(1.0);
-        let (error, degrees) = if variance <= least * least {
-            (least, fewest)
-        } else {
-            (variance.sqrt(), if squares > 0.0 { (variance * variance / squares).min(KNOWN) } else { KNOWN })
-        };
-        let (estimate, half) = (self.estimate(), student_quantile(degrees) * error);
-        let p = student_tails(estimate / error, degrees);
-        Some(Estimate { low: estimate - half, high: estimate + half, p })
+        if variance <= least * least {
+            return Some(Uncertainty { error: least, degrees: fewest });
+        }
+        let degrees = if squares > 0.0 { (variance * variance / squares).min(KNOWN) } else { KNOWN };
+        Some(Uncertainty { error: variance.sqrt(), degrees })
     }
 
     /// The mean covariance between members of two groups, each with the others except in a group of one; 0 for an empty one.

@@ -1,6 +1,6 @@
 //! The tables of a report can be read as `reports/README.md` shows.
 //!
-//! Needs a Python with polars, pandas and duckdb; `FALSIFY_PYTHON` names it (default `python3`). The test reports a missing package
+//! Needs a Python with polars, pandas, duckdb and pyarrow; `FALSIFY_PYTHON` names it (default `python3`). The test reports a missing package
 //! and skips its part.
 
 use std::path::Path;
@@ -39,8 +39,15 @@ fn the_snippets_of_the_report_s_page_run() {
     std::fs::write(&file, SCENARIO.replace("lib/", &format!("{}/lib/", scenarios.display()))).unwrap();
     let run = command().args(["run", "--out"]).arg(folder.path()).arg(&file).output().unwrap();
     assert!(run.status.success(), "{run:?}");
+    let filter = "import pyarrow.parquet as pq, pyarrow.compute as pc, glob
+for name in sorted(glob.glob('*.parquet')):
+    table = pq.read_table(name)
+    assert not any('view' in str(field.type) for field in table.schema), name
+    if 'town' in table.column_names:
+        print(name, table.filter(pc.field('town') == 'village').num_rows, pq.read_table(name, filters=[('town', 'in', ['village'])])['town'].unique(), table['policy'].type, 'r2')
+";
     let python = std::env::var("FALSIFY_PYTHON").unwrap_or_else(|_| "python3".to_owned());
-    for (module, snippet) in snippets {
+    for (module, snippet) in snippets.into_iter().chain([("pyarrow", filter)]) {
         let has = Command::new(&python).args(["-c", &format!("import {module}")]).output();
         if !has.is_ok_and(|output| output.status.success()) {
             loud!("SKIPPED: `{python}` has no {module}; set FALSIFY_PYTHON");

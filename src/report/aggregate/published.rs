@@ -2,8 +2,9 @@ use polars::prelude::DataFrame;
 
 use super::{Cell, Spread};
 use crate::compile::{Published, PublishedCell, PublishedFigure};
-use crate::record::{Column, Interval, Table, cell_key, metric};
-use crate::statistics::student_quantile;
+use crate::record::{Column, Interval, Table, cell_key};
+use crate::report::{CellEvidence, Figure};
+use crate::statistics::Uncertainty;
 
 /// The largest spread that is printed as 0.00.
 const ROUNDED_AWAY: f64 = 0.004;
@@ -25,23 +26,21 @@ pub struct PublishedComparison<'a> {
     pub ours: Spread,
     /// Our figure less the published one; none when ours has no value.
     pub difference: Option<f64>,
-    /// Welch's 95 % interval of the difference, where both spreads are between trainings; none without spreads.
-    ///
-    /// # Source
-    /// Welch, *The generalization of "Student's" problem*, Biometrika 34, 1947. A published spread of 0.00 counts as 0.004.
-    pub interval: Option<(f64, f64)>,
+    /// The standard error of the difference: of ours over trainings and starts, of the published one over its trainings alone, since
+    /// no publication states what its starts add. None without spreads. A published spread of 0.00 counts as 0.004.
+    pub uncertainty: Option<Uncertainty>,
 }
 
 /// How near our figure is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Agreement {
-    /// No farther from the published mean than the published standard deviation.
-    Within,
-    /// Farther, but the interval of the difference contains 0.
-    Indistinct,
-    /// The interval of the difference does not contain 0.
+    /// Two one-sided tests at 5 % show that the difference is smaller than the margin.
+    Equivalent,
+    /// The 95 % interval of the difference does not contain 0, and equivalence is not shown.
     Differs,
-    /// There is not enough data.
+    /// Neither is shown.
+    Inconclusive,
+    /// There are no spreads.
     Unknown,
 }
 
@@ -49,9 +48,9 @@ impl Agreement {
     /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Within => "within its spread",
-            Self::Indistinct => "indistinct",
+            Self::Equivalent => "equivalent",
             Self::Differs => "differs",
+            Self::Inconclusive => "inconclusive",
             Self::Unknown => "unknown",
         }
     }
@@ -65,23 +64,40 @@ impl PublishedComparison<'_> {
 
     /// How near our figure is.
     pub fn agreement(&self) -> Agreement {
-        let (Some(difference), Some((low, high))) = (self.difference, self.interval) else { return Agreement::Unknown };
-        if self.published.sd.is_some_and(|sd| difference.abs() <= sd.max(ROUNDED_AWAY)) {
-            Agreement::Within
+        let Some((low, high)) = self.interval() else { return Agreement::Unknown };
+        if self.equivalence_p().is_some_and(|p| p < 0.05) {
+            Agreement::Equivalent
         } else if low <= 0.0 && high >= 0.0 {
-            Agreement::Indistinct
+            Agreement::Inconclusive
         } else {
             Agreement::Differs
         }
     }
+
+    /// Student's 95 % interval of the difference.
+    pub fn interval(&self) -> Option<(f64, f64)> {
+        Some(self.uncertainty?.interval(self.difference?))
+    }
+
+    /// The p-value of the hypothesis that the difference is as large as the margin; none without a margin or spreads.
+    pub fn equivalence_p(&self) -> Option<f64> {
+        Some(self.uncertainty?.equivalence_p(self.difference?, self.published.margin?))
+    }
 }
 
 /// Compares published figures with those of our trained pedestrians, in the order of the published cells.
-pub fn beside<'a>(published: &'a [Published], cells: &'a [Cell]) -> Vec<PublishedComparison<'a>> {
+///
+/// `evidence` has the evidence on the cells.
+pub fn beside<'a>(
+    published: &'a [Published],
+    cells: &'a [Cell],
+    evidence: &[CellEvidence],
+) -> Vec<PublishedComparison<'a>> {
     let mut all = Vec::new();
     for table in published {
         for (theirs, cell) in table.cells.iter().flat_map(|theirs| matching(theirs, cells)) {
-            all.extend(theirs.figures.iter().map(|figure| compare(table, *figure, cell)));
+            let found = evidence.iter().find(|found| found.key == cell.key);
+            all.extend(theirs.figures.iter().map(|figure| compare(table, *figure, cell, found)));
         }
     }
     all
@@ -97,38 +113,32 @@ fn matching<'a>(theirs: &'a PublishedCell, cells: &'a [Cell]) -> impl Iterator<I
     cells.iter().filter(trained).filter(same).map(move |cell| (theirs, cell))
 }
 
-fn compare<'a>(table: &'a Published, published: PublishedFigure, cell: &'a Cell) -> PublishedComparison<'a> {
-    let ours = figure(cell, published.column).expect("checked: every published figure is one of a cell");
+fn compare<'a>(
+    table: &'a Published,
+    published: PublishedFigure,
+    cell: &'a Cell,
+    evidence: Option<&CellEvidence>,
+) -> PublishedComparison<'a> {
+    let (ours, figure) = figure(cell, published.column).expect("checked: every published figure is one of a cell");
     let difference = ours.mean.map(|mean| mean - published.mean);
-    let interval = difference.zip(ours.sd).zip(published.sd).and_then(|((difference, sd), theirs)| {
-        let half = welch((sd, cell.runs), (theirs.max(ROUNDED_AWAY), table.runs))?;
-        Some((difference - half, difference + half))
-    });
+    let here = evidence.and_then(|found| found.between(figure).uncertainty);
+    let there = published.sd.and_then(|sd| Uncertainty::of_mean(sd.max(ROUNDED_AWAY), table.runs));
+    let uncertainty = here.zip(there).map(|(here, there)| here.of_difference(there));
     let (source, docs) = (&table.source, &table.docs);
-    PublishedComparison { source, docs, cell, published, published_runs: table.runs, ours, difference, interval }
+    PublishedComparison { source, docs, cell, published, published_runs: table.runs, ours, difference, uncertainty }
 }
 
 /// The figure of a cell that published ones are compared with, by its column without `_mean`.
-fn figure(cell: &Cell, column: &str) -> Option<Spread> {
+fn figure(cell: &Cell, column: &str) -> Option<(Spread, Figure)> {
     let figures = [
-        (metric::COLLISION_RATE.name, cell.collision),
-        (metric::FRONT_RATE.name, cell.front),
-        (metric::MOVING_RATE.name, cell.moving),
-        (metric::EPISODE_REWARD.name, cell.reward_sum),
-        (metric::EPISODE_LENGTH.name, cell.length),
-        (metric::IMPACT_SPEED.name, cell.impact_speed),
+        (Figure::Collision, cell.collision),
+        (Figure::Front, cell.front),
+        (Figure::Moving, cell.moving),
+        (Figure::Reward, cell.reward_sum),
+        (Figure::Length, cell.length),
+        (Figure::ImpactSpeed, cell.impact_speed),
     ];
-    figures.into_iter().find(|(name, _)| *name == column).map(|(_, spread)| spread)
-}
-
-/// Half the width of Welch's 95 % interval of a difference of two means, from their standard deviations and numbers.
-fn welch((a, n): (f64, u32), (b, m): (f64, u32)) -> Option<f64> {
-    if n < 2 || m < 2 {
-        return None;
-    }
-    let (a, b) = (a * a / f64::from(n), b * b / f64::from(m));
-    let degrees = (a + b) * (a + b) / (a * a / f64::from(n - 1) + b * b / f64::from(m - 1));
-    Some(student_quantile(degrees) * (a + b).sqrt())
+    figures.into_iter().find(|(figure, _)| figure.name() == column).map(|(figure, spread)| (spread, figure))
 }
 
 /// Published figures compared with ours as a table, one row for each figure.
@@ -165,16 +175,30 @@ pub fn published_table<'a>() -> Table<'a, &'a PublishedComparison<'a>> {
         Interval::new(
             "difference",
             "as the figure",
-            "Welch's 95 % interval of the difference between trainings here and there; a published spread of 0.00 counts as 0.004",
+            "Student's 95 % interval of the difference with Welch's degrees of freedom. Its variance is that between trainings here and there, plus \
+             that of our starts; what the starts there add is not published, so the interval is rather too narrow. A published spread of 0.00 counts \
+             as 0.004",
         )
-        .of(|row: &Row<'_>| row.interval),
+        .of(|row: &Row<'_>| row.interval()),
+    )
+    .column(
+        number("margin", "as the figure", "differences below it count as none: `margins` of the published figures; missing where none is stated")
+            .of(|row: &Row<'_>| row.published.margin),
+    )
+    .column(
+        number(
+            "equivalence_p",
+            "",
+            "p-value of the hypothesis that the difference is `margin` or more: the larger one of two one-sided tests (TOST)",
+        )
+        .of(|row: &Row<'_>| row.equivalence_p()),
     )
     .column(
         text(
             "agreement",
             "",
-            "`within its spread` (no farther from the published mean than its standard deviation), `indistinct` (farther, but the interval \
-             contains 0), `differs`, or `unknown` without spreads",
+            "`equivalent` (`equivalence_p` is below 0.05: the difference is shown to be below the margin), else `differs` (the interval does not \
+             contain 0), else `inconclusive` (neither is shown), or `unknown` without spreads",
         )
         .of(|row: &Row<'_>| row.agreement().name()),
     )
@@ -188,6 +212,7 @@ fn no_formula(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::record::metric;
 
     #[test]
     fn a_source_is_no_formula() {
@@ -206,10 +231,33 @@ mod tests {
     }
 
     #[test]
-    fn welchs_interval_is_scipys() {
-        // scipy 1.17.1: stats.t.ppf(0.975, 2.391412) times the standard error, for 0.02 of 5 and 0.05 of 3.
-        let half = welch((0.02, 5), (0.05, 3)).unwrap();
-        assert!((half - 0.111_622_865_793).abs() < 1e-9, "{half}");
-        assert_eq!(welch((0.02, 1), (0.05, 3)), None);
+    fn agreement_needs_a_margin_and_a_precise_difference() {
+        let table = |margin| Published {
+            source: "a paper".into(),
+            docs: String::new(),
+            runs: 5,
+            cells: vec![PublishedCell {
+                rewards: vec!["r1".into()],
+                towns: vec!["a".into()],
+                policies: vec!["p".into()],
+                figures: vec![PublishedFigure { column: "collision_rate", mean: 0.5, sd: Some(0.02), margin }],
+            }],
+        };
+        let agreement = |mean: f64, error: f64, margin: Option<f64>| {
+            let mut cell = Cell { collision: Spread { mean: Some(mean), sd: Some(0.0) }, ..Cell::default() };
+            (cell.key.controller, cell.key.reward) = ("trained".into(), "r1".into());
+            (cell.key.town, cell.key.policy) = ("a".into(), "p".into());
+            let mut found = CellEvidence::default();
+            found.key.clone_from(&cell.key);
+            found.between[Figure::Collision as usize].uncertainty = Some(Uncertainty { error, degrees: 4.0 });
+            let (table, cells) = ([table(margin)], [cell]);
+            beside(&table, &cells, &[found])[0].agreement()
+        };
+        assert_eq!(agreement(0.51, 0.01, Some(0.05)), Agreement::Equivalent);
+        assert_eq!(agreement(0.51, 0.01, Some(0.02)), Agreement::Inconclusive, "the margin is too small to show it");
+        assert_eq!(agreement(0.51, 0.05, Some(0.05)), Agreement::Inconclusive, "the difference is too uncertain");
+        assert_eq!(agreement(0.51, 0.01, None), Agreement::Inconclusive, "without a margin equivalence means nothing");
+        assert_eq!(agreement(0.7, 0.01, Some(0.05)), Agreement::Differs);
+        assert_eq!(agreement(0.53, 0.001, Some(0.1)), Agreement::Equivalent, "significant, but below the margin");
     }
 }

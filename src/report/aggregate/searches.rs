@@ -255,7 +255,7 @@ const EVALUATED_RATE: &str = "evaluated_rate";
 const EVALUATED_ATTRIBUTABLE_RATE: &str = "evaluated_attributable_rate";
 
 /// The columns of a search's key, without the run.
-pub(super) fn search_key<'t, R>(key: impl Fn(&R) -> &SearchKey + Copy + 't) -> [Entry<'t, R>; 6] {
+pub fn search_key<'t, R>(key: impl Fn(&R) -> &SearchKey + Copy + 't) -> [Entry<'t, R>; 6] {
     [
         FALSIFIER.of(move |row: &R| key(row).falsifier.clone()),
         Column::<String>::new("method", "", "kind of the falsifier").of(move |row: &R| key(row).method),

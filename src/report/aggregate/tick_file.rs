@@ -2,7 +2,6 @@ use std::io::{self, Write};
 use std::ops::ControlFlow;
 
 use polars::prelude::{DataFrame, PolarsError, PolarsResult};
-use polars_io::parquet::write::{BatchedWriter, ParquetWriter};
 use rayon::prelude::*;
 
 use super::ticks::TICKS;
@@ -11,6 +10,7 @@ use crate::campaign::{Finished, watch};
 use crate::compile::{ControllerKind, Evaluation};
 use crate::env::{Outcome, Trace};
 use crate::record::EpisodeTable;
+use crate::report::parquet::ParquetFile;
 use crate::report::{ReportFolder, WriteError};
 use crate::rl::ActorCritic;
 use crate::seed::Seed;
@@ -96,7 +96,7 @@ pub fn write_ticks(folder: &ReportFolder, seed: &Seed, wanted: &[Wanted<'_>]) ->
 
 /// Writes tables of the same columns one after another.
 fn stream(file: impl Write, first: DataFrame, others: impl Iterator<Item = DataFrame>) -> PolarsResult<()> {
-    let mut writer = ParquetWriter::new(file).batched(first.schema())?;
+    let mut writer = ParquetFile::new(file, first.schema())?;
     let mut gathered = first;
     for table in others {
         gathered.vstack_mut_owned(table)?;
@@ -105,12 +105,12 @@ fn stream(file: impl Write, first: DataFrame, others: impl Iterator<Item = DataF
         }
     }
     flush(&mut writer, &mut gathered)?;
-    writer.finish().map(|_| ())
+    writer.finish()
 }
 
-fn flush<W: Write>(writer: &mut BatchedWriter<W>, gathered: &mut DataFrame) -> Result<(), PolarsError> {
+fn flush<W: Write>(writer: &mut ParquetFile<W>, gathered: &mut DataFrame) -> Result<(), PolarsError> {
     gathered.align_chunks_par();
-    writer.write_batch(gathered)?;
+    writer.add(gathered)?;
     *gathered = gathered.clear();
     Ok(())
 }

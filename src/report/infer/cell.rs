@@ -4,7 +4,7 @@ use super::{Figure, Learning};
 use crate::judge::Reference;
 use crate::record::CellKey;
 use crate::seed::Seed;
-use crate::statistics::{Sample, Weighted, interquartile_mean, mean_interval, quantile};
+use crate::statistics::{Sample, Uncertainty, Weighted, interquartile_mean, quantile};
 
 /// The distribution of a figure between trainings.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -15,7 +15,9 @@ pub struct AcrossRuns {
     pub iqm: Option<f64>,
     /// 95 % interval of the mean by hierarchical bootstrap.
     pub bootstrap: Option<(f64, f64)>,
-    /// Student's 95 % interval over the runs; none for a single run.
+    /// The standard error of the mean about further trainings and episodes; none for a single training.
+    pub uncertainty: Option<Uncertainty>,
+    /// Student's 95 % interval of the mean, from that.
     pub student: Option<(f64, f64)>,
 }
 
@@ -36,7 +38,7 @@ impl Quantiles {
 }
 
 /// The evidence on a cell, in addition to its means.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct CellEvidence {
     /// The key of the cell.
     pub key: CellKey,
@@ -45,7 +47,7 @@ pub struct CellEvidence {
     /// Collisions of all runs.
     pub collisions: Weighted,
     /// In the order of [`Figure::ALL`].
-    pub between: [AcrossRuns; 6],
+    pub between: [AcrossRuns; 8],
     /// Median, 90th and 99th percentile of the impact speeds (m/s).
     pub impact_speed: Quantiles,
     /// 1st and 10th percentile and median of the least times to collision of episodes without a collision (s).
@@ -92,7 +94,8 @@ impl CellEvidence {
         self.between[figure as usize] = AcrossRuns {
             iqm: interquartile_mean(&known),
             bootstrap: sample.as_ref().map(|sample| cut(sample.bootstrap(&seed.child(figure.name())))),
-            student: if known.is_empty() { None } else { mean_interval(&known).1.map(cut) },
+            uncertainty: sample.as_ref().and_then(Sample::uncertainty),
+            student: sample.as_ref().and_then(Sample::student).map(|found| cut((found.low, found.high))),
             by_run,
         };
         if figure == Figure::Reward {

@@ -15,12 +15,24 @@ pub enum Figure {
     Attributable,
     /// Reward of an episode.
     Reward,
+    /// Length of an episode (s).
+    Length,
+    /// Speed of the car at a collision (m/s).
+    ImpactSpeed,
 }
 
 impl Figure {
     /// All of them, in the order of the tables.
-    pub const ALL: [Self; 6] =
-        [Self::Collision, Self::Front, Self::Moving, Self::Preventable, Self::Attributable, Self::Reward];
+    pub const ALL: [Self; 8] = [
+        Self::Collision,
+        Self::Front,
+        Self::Moving,
+        Self::Preventable,
+        Self::Attributable,
+        Self::Reward,
+        Self::Length,
+        Self::ImpactSpeed,
+    ];
     /// The figures in which pedestrians are compared: rates of all episodes.
     pub const COMPARED: [Self; 4] = [Self::Collision, Self::Moving, Self::Preventable, Self::Attributable];
 
@@ -33,6 +45,8 @@ impl Figure {
             Self::Preventable => metric::PREVENTABLE_RATE.name,
             Self::Attributable => metric::ATTRIBUTABLE_RATE.name,
             Self::Reward => metric::EPISODE_REWARD.name,
+            Self::Length => metric::EPISODE_LENGTH.name,
+            Self::ImpactSpeed => metric::IMPACT_SPEED.name,
         }
     }
 
@@ -40,6 +54,7 @@ impl Figure {
     pub fn bounds(self) -> (f64, f64) {
         match self {
             Self::Reward => (f64::NEG_INFINITY, f64::INFINITY),
+            Self::Length | Self::ImpactSpeed => (0.0, f64::INFINITY),
             _ => (0.0, 1.0),
         }
     }

@@ -3,7 +3,7 @@ use polars::prelude::{DataFrame, PolarsResult};
 use super::cell::CellEvidence;
 use super::comparison::{Comparison, adjust, compare, pairs};
 use super::place::Place;
-use super::transfer::{Transfer, transfers};
+use super::transfer::{PolicyGaps, Transfer, transfers};
 use super::tried::{KEPT, Tried};
 use super::{Figure, learning};
 use crate::seed::Seed;
@@ -26,6 +26,7 @@ pub struct Gathering {
     seed: Seed,
     kept: usize,
     here: Vec<Tried>,
+    gaps: PolicyGaps,
     found: Evidence,
 }
 
@@ -37,7 +38,7 @@ impl Gathering {
 
     /// Starts with another number of episodes of a run that are kept one by one.
     pub(super) fn keeping(kept: usize, seed: Seed) -> Self {
-        Self { seed, kept, here: Vec::new(), found: Evidence::default() }
+        Self { seed, kept, here: Vec::new(), gaps: PolicyGaps::default(), found: Evidence::default() }
     }
 
     /// Adds all episodes of a run.
@@ -50,7 +51,7 @@ impl Gathering {
         }
         let tried = Tried::new(run, self.kept)?;
         if self.here.first().is_some_and(|first| !first.key.is_beside(&tried.key)) {
-            self.found.add(std::mem::take(&mut self.here), &self.seed);
+            self.found.add(std::mem::take(&mut self.here), &mut self.gaps, &self.seed);
         }
         self.here.push(tried);
         Ok(())
@@ -58,24 +59,24 @@ impl Gathering {
 
     /// The evidence of all runs.
     pub fn finish(mut self) -> Evidence {
-        self.found.add(self.here, &self.seed);
+        self.found.add(self.here, &mut self.gaps, &self.seed);
         adjust(&mut self.found.comparisons);
         learning::adjust(&mut self.found.cells);
-        self.found.transfers = transfers(&self.found.cells, &self.seed.child("transfer"));
+        self.found.transfers = transfers(&self.found.cells, &self.gaps, &self.seed.child("transfer"));
         self.found
     }
 }
 
 impl Evidence {
     /// Adds all runs of a place.
-    fn add(&mut self, runs: Vec<Tried>, seed: &Seed) {
+    fn add(&mut self, runs: Vec<Tried>, gaps: &mut PolicyGaps, seed: &Seed) {
         if runs.is_empty() {
             return;
         }
         let place = Place::new(runs);
         let mut cells: Vec<_> = (0..place.cells.len()).map(|cell| CellEvidence::new(&place, cell)).collect();
         let pairs = pairs(&place);
-        let mut comparisons = Vec::new();
+        let (before, mut comparisons) = (self.cells.len(), Vec::new());
         // One figure after the other, since each needs a number for every episode.
         for figure in Figure::ALL {
             let measured = place.measure(figure);
@@ -84,6 +85,7 @@ impl Evidence {
                 cell.measure(&place, &measured, number, &seed);
             }
             if Figure::COMPARED.contains(&figure) {
+                gaps.add(&place, &measured, before);
                 let found =
                     pairs.iter().enumerate().map(|(rank, pair)| (rank, compare(&place, &measured, *pair, seed)));
                 comparisons.extend(found);

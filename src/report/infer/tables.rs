@@ -70,8 +70,11 @@ const AWAY_VALUE: Column<f64> = Column::new("away_value", "", "mean of the same 
 const GAP: Column<f64> =
     Column::new("gap", "", "`home_value` less `away_value`: above 0 the part that does not transfer");
 /// Student's interval of the gap.
-const GAP_STUDENT: Interval =
-    Interval::new("gap_student", "", "Student's 95 % interval over the gaps of the trainings");
+const GAP_STUDENT: Interval = Interval::new(
+    "gap_student",
+    "",
+    "Student's 95 % interval over the gaps of the trainings, with the variance of the starts; missing with a single training",
+);
 
 const BY_RUN: Family<String> = Family::new(
     "_by_run",
@@ -128,7 +131,7 @@ fn cell_columns(cells: &[CellEvidence]) -> Vec<Values> {
 
 /// The columns of [`cell_columns`].
 pub fn cell_table() -> Table<'static, CellEvidence> {
-    let above = "see [above](#which-interval-answers-which-question); cut at 0 and 1";
+    let above = "see [above](#which-interval-answers-which-question); cut at the bounds of the figure";
     let mut table = Table::new(CELLS, "");
     for figure in Figure::ALL {
         let name = figure.name();
@@ -293,8 +296,8 @@ pub fn transfer_columns() -> Table<'static, Transfer> {
         Interval::new(
             "gap_bootstrap",
             "",
-            "hierarchical bootstrap: trainings are drawn as pairs, the episodes of the two places independently. Two policies in one town share their \
-             starts, so this is too wide for them; `comparisons` has their paired difference",
+            "hierarchical bootstrap: trainings are drawn as pairs; so are the episodes of two policies in one town, which share their starts. The \
+             episodes of two towns are drawn independently",
         )
         .of(|row: &Transfer| Some(row.bootstrap)),
     )

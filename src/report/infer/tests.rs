@@ -179,7 +179,8 @@ fn transfer_is_home_less_away_for_the_same_trainings() {
     assert_eq!((gap.home.town.as_str(), gap.away.town.as_str()), ("a", "b"));
     assert_eq!((gap.values, gap.gap), ([0.875, 0.375], 0.5));
     // Both gaps are 0.5, with no spread between trainings, so the interval is that of the episodes.
-    assert_eq!(gap.student, Some((0.5, 0.5)));
+    let (low, high) = gap.student.unwrap();
+    assert!(low < 0.3 && high > 0.7, "{gap:?}");
     assert!(gap.bootstrap.0 < 0.4 && gap.bootstrap.1 > 0.6, "{gap:?}");
     assert_eq!(
         found.transfers.len(),

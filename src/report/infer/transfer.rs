@@ -1,10 +1,10 @@
 use std::collections::BTreeMap;
 
-use super::place::least;
+use super::place::{Measured, Place, least};
 use super::{CellEvidence, Figure};
 use crate::record::CellKey;
 use crate::seed::Seed;
-use crate::statistics::{Sample, mean_interval};
+use crate::statistics::Sample;
 
 /// The change from the place of the training.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,31 +42,64 @@ pub struct Transfer {
     pub values: [f64; 2],
     /// Home less away: above 0 the part that does not transfer.
     pub gap: f64,
-    /// 95 % interval by hierarchical bootstrap: trainings as pairs, episodes separately.
+    /// 95 % interval by hierarchical bootstrap: trainings as pairs; episodes as pairs between drivers, separately between towns.
     pub bootstrap: (f64, f64),
-    /// Student's 95 % interval over the gaps of the trainings.
+    /// Student's 95 % interval over the gaps of the trainings and over episodes; none for a single training.
     pub student: Option<(f64, f64)>,
 }
 
+/// The gaps between two drivers in one town, by the numbers of both cells and the figure. They have the same starts, so they are taken
+/// while all episodes of their place are known.
+#[derive(Debug, Clone, Default)]
+pub struct PolicyGaps(BTreeMap<(usize, usize, Figure), (Sample, [f64; 2])>);
+
+impl PolicyGaps {
+    /// Adds a figure of the pedestrians of a place whose first cell has the number `before`.
+    pub fn add(&mut self, place: &Place, measured: &Measured, before: usize) {
+        let key = |cell: usize| &place.runs(cell)[0].key;
+        for home in 0..place.cells.len() {
+            for away in 0..place.cells.len() {
+                let same = pedestrian(key(home)) == pedestrian(key(away));
+                if same && change(key(home), key(away)) == Some(Change::Policy) {
+                    let gap = place.paired(measured, home, away);
+                    self.0.extend(gap.map(|gap| ((before + home, before + away, measured.figure), gap)));
+                }
+            }
+        }
+    }
+}
+
+/// The change between the place of a training and another one; none if there is none, or several.
+fn change(home: &CellKey, away: &CellKey) -> Option<Change> {
+    match (home.town == away.town, home.policy == away.policy) {
+        _ if !home.is_trained() => None,
+        (false, true) if home.town == home.train_town => Some(Change::Town),
+        (true, false) if home.policy == home.train_policy => Some(Change::Policy),
+        _ => None,
+    }
+}
+
 /// The transfer gaps between all cells of a campaign.
-pub fn transfers(cells: &[CellEvidence], seed: &Seed) -> Vec<Transfer> {
-    let mut everywhere: BTreeMap<_, Vec<&CellEvidence>> = BTreeMap::new();
-    for cell in cells.iter().filter(|cell| cell.key.is_trained()) {
-        everywhere.entry(pedestrian(&cell.key)).or_default().push(cell);
+pub fn transfers(cells: &[CellEvidence], gaps: &PolicyGaps, seed: &Seed) -> Vec<Transfer> {
+    let mut everywhere: BTreeMap<_, Vec<(usize, &CellEvidence)>> = BTreeMap::new();
+    let trained = || cells.iter().enumerate().filter(|(_, cell)| cell.key.is_trained());
+    for (number, cell) in trained() {
+        everywhere.entry(pedestrian(&cell.key)).or_default().push((number, cell));
     }
     let mut all = Vec::new();
-    for home in cells.iter().filter(|cell| cell.key.is_trained()) {
-        for away in &everywhere[&pedestrian(&home.key)] {
+    for (at_home, home) in trained() {
+        for (abroad, away) in &everywhere[&pedestrian(&home.key)] {
             let (here, there) = (&home.key, &away.key);
-            let change = match (here.town == there.town, here.policy == there.policy) {
-                (false, true) if here.town == here.train_town => Change::Town,
-                (true, false) if here.policy == here.train_policy => Change::Policy,
-                _ => continue,
-            };
+            let Some(change) = change(here, there) else { continue };
             let seed = there.place_seed(&here.controller_seed(&here.place_seed(seed)));
             for (slot, figure) in Figure::COMPARED.into_iter().enumerate() {
-                let (Some(first), Some(second)) = (&home.samples[slot], &away.samples[slot]) else { continue };
-                all.extend(gap(first, second).map(|(sample, values)| Transfer {
+                let found = match change {
+                    Change::Policy => gaps.0.get(&(at_home, *abroad, figure)).cloned(),
+                    Change::Town => {
+                        home.samples[slot].as_ref().zip(away.samples[slot].as_ref()).and_then(|(a, b)| gap(a, b))
+                    }
+                };
+                all.extend(found.map(|(sample, values)| Transfer {
                     home: here.clone(),
                     away: there.clone(),
                     change,
@@ -75,7 +108,7 @@ pub fn transfers(cells: &[CellEvidence], seed: &Seed) -> Vec<Transfer> {
                     values,
                     gap: sample.estimate(),
                     bootstrap: cut(sample.bootstrap(&seed.child(figure.name()))),
-                    student: mean_interval(&sample.values).1.map(cut),
+                    student: sample.student().map(|found| cut((found.low, found.high))),
                 }));
             }
         }
@@ -93,7 +126,7 @@ fn pedestrian(key: &CellKey) -> (u32, [&String; 6]) {
     (key.block, names)
 }
 
-/// The gaps of the trainings that were evaluated in both places, and their means there. Each place has its own starts.
+/// The gaps of the trainings that were evaluated in both towns, and their means there. Each town has its own starts.
 fn gap(home: &(Vec<u32>, Sample), away: &(Vec<u32>, Sample)) -> Option<(Sample, [f64; 2])> {
     let both = |run: &(usize, &u32)| Some((run.0, away.0.iter().position(|other| other == run.1)?));
     let pairs: Vec<(usize, usize)> = home.0.iter().enumerate().filter_map(|run| both(&run)).collect();

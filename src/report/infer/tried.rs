@@ -35,6 +35,15 @@ mod is {
     pub const ALL: [u8; 6] = [VALID, COLLISION, FRONT, MOVING, PREVENTABLE, ATTRIBUTABLE];
 }
 
+/// A quantity of episodes.
+#[derive(Debug, Clone)]
+struct Quantity {
+    /// The sum over all episodes, each times its weight.
+    sum: f64,
+    /// The values of the kept episodes; 0 where there is none.
+    kept: Vec<f64>,
+}
+
 /// The part of one run's episodes that inference needs.
 #[derive(Debug, Clone)]
 pub struct Tried {
@@ -54,11 +63,10 @@ pub struct Tried {
     size: usize,
     /// The number of episodes with each flag, over all episodes.
     counts: [Weighted; 6],
-    /// Sum of the rewards of all episodes, each times its weight.
-    reward: f64,
-    /// Rewards of the kept episodes.
+    /// Flags of the kept episodes.
     flags: Vec<u8>,
-    rewards: Vec<f64>,
+    /// Rewards, lengths and impact speeds of the episodes.
+    quantities: [Quantity; 3],
     /// The weight of each kept episode; empty when all weights are 1.
     weights: Vec<f64>,
 }
@@ -72,7 +80,7 @@ impl Tried {
         let table = EpisodeTable::new(run)?;
         let key = table.key()?;
         let size = table.rows().map(|row| table.episode(row) as usize + 1).max().unwrap_or(0);
-        let (mut flags, mut rewards) = (vec![0; size.min(kept)], vec![0.0; size.min(kept)]);
+        let mut flags = vec![0; size.min(kept)];
         let mut tried = Self {
             key: key.cell,
             run: key.run,
@@ -82,9 +90,8 @@ impl Tried {
             avoided: Default::default(),
             size,
             counts: Default::default(),
-            reward: -0.0,
             flags: Vec::new(),
-            rewards: Vec::new(),
+            quantities: std::array::from_fn(|_| Quantity { sum: -0.0, kept: vec![0.0; size.min(kept)] }),
             weights: Vec::new(),
         };
         for row in table.rows().filter(|row| table.error(*row).is_none()) {
@@ -97,16 +104,22 @@ impl Tried {
                 | flag(table.is_moving(row), is::MOVING)
                 | flag(table.label(row) == Some(Label::Preventable), is::PREVENTABLE)
                 | flag(table.is_attributable(row), is::ATTRIBUTABLE);
-            let reward = table.reward(row).unwrap_or_default();
+            // In the order of `quantity`.
+            let values = [table.reward(row), table.length(row), table.impact_speed(row)].map(Option::unwrap_or_default);
             let weight = table.weight(row);
             for (count, _) in tried.counts.iter_mut().zip(is::ALL).filter(|(_, flag)| known & flag != 0) {
                 count.include(weight);
             }
-            tried.reward += weight * reward;
+            for (quantity, value) in tried.quantities.iter_mut().zip(values) {
+                quantity.sum += weight * value;
+                if let Some(kept) = quantity.kept.get_mut(episode) {
+                    *kept = value;
+                }
+            }
             if episode >= kept {
                 continue;
             }
-            (flags[episode], rewards[episode]) = (known, reward);
+            flags[episode] = known;
             if weight != 1.0 && tried.weights.is_empty() {
                 tried.weights = vec![1.0; flags.len()];
             }
@@ -123,7 +136,7 @@ impl Tried {
         for (avoided, reference) in tried.avoided.iter_mut().zip(Reference::ALL) {
             *avoided = table.avoided(reference)?;
         }
-        (tried.flags, tried.rewards) = (flags, rewards);
+        tried.flags = flags;
         Ok(tried)
     }
 
@@ -165,17 +178,19 @@ impl Tried {
 
     /// A figure, and the influence of each kept episode on it, relative to its mean; none when it has no value.
     pub fn influence(&self, figure: Figure) -> Option<(f64, Vec<f64>)> {
-        let (whole, flag) = (if figure == Figure::Front { is::COLLISION } else { is::VALID }, part(figure));
+        let of_collisions = matches!(figure, Figure::Front | Figure::ImpactSpeed);
+        let (whole, flag) = (if of_collisions { is::COLLISION } else { is::VALID }, part(figure));
+        let quantity = quantity(figure).map(|quantity| &self.quantities[quantity]);
         let count = self.count(whole).sum();
         if count == 0.0 {
             return None;
         }
-        let value = |episode: usize| match figure {
-            Figure::Reward => self.rewards[episode],
-            _ => f64::from(u8::from(self.flags[episode] & flag != 0)),
+        let value = |episode: usize| match quantity {
+            Some(quantity) => quantity.kept[episode],
+            None => f64::from(u8::from(self.flags[episode] & flag != 0)),
         };
         let counts = |episode: &usize| self.flags[*episode] & whole != 0;
-        let sum = if figure == Figure::Reward { self.reward } else { self.count(flag).sum() };
+        let sum = quantity.map_or_else(|| self.count(flag).sum(), |quantity| quantity.sum);
         let mean = sum / count;
         let weight = |episode: usize| self.weights.get(episode).copied().unwrap_or(1.0);
         let pull = |episode| if counts(&episode) { weight(episode) * (value(episode) - mean) / count } else { 0.0 };
@@ -186,10 +201,15 @@ impl Tried {
 /// The flag of the episodes that count for a rate.
 fn part(figure: Figure) -> u8 {
     match figure {
-        Figure::Collision | Figure::Reward => is::COLLISION,
+        Figure::Collision | Figure::Reward | Figure::Length | Figure::ImpactSpeed => is::COLLISION,
         Figure::Front => is::FRONT,
         Figure::Moving => is::MOVING,
         Figure::Preventable => is::PREVENTABLE,
         Figure::Attributable => is::ATTRIBUTABLE,
     }
+}
+
+/// The place of a figure among the quantities; none for a rate.
+fn quantity(figure: Figure) -> Option<usize> {
+    [Figure::Reward, Figure::Length, Figure::ImpactSpeed].iter().position(|quantity| *quantity == figure)
 }

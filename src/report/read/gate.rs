@@ -1,9 +1,10 @@
 use polars::prelude::{AnyValue, DataFrame};
 
+use crate::compile::{Campaign, SearchKey};
 use crate::record::columns::{ADVERSARY, BLOCK, POLICY, TOWN, VEHICLE};
 use crate::record::metric::MEAN;
-use crate::record::{ColumnReference, TableReference, metrics};
-use crate::report::aggregate::{references, search_cell_columns};
+use crate::record::{CellKey, ColumnReference, Table, TableReference, cell_key, metrics};
+use crate::report::aggregate::{references, search_cell_columns, search_key};
 use crate::report::infer::cell_table;
 
 /// A condition under which a run fails, as `preventable_rate > 0.05 and town == village`. It is about the table `cells`, or about `search_cells`
@@ -30,14 +31,20 @@ pub enum GateError {
         text: String,
     },
     /// The table of cells has no such column.
-    #[error("`cells` has no column `{name}`{}; it has {}", nearest.as_ref().map_or(String::new(), |near| format!("; did you mean `{near}`?")), columns.join(", "))]
+    #[error("`cells` has no column `{name}`; {}", nearest.as_ref().map_or_else(|| "reports/README.md lists its columns".to_string(), |near| format!("did you mean `{near}`?")))]
     Column {
         /// The name that was written.
         name: String,
         /// A suggestion for it.
         nearest: Option<String>,
-        /// All columns.
-        columns: Vec<String>,
+    },
+    /// No row of the campaigns is about what it says, so it could never fail.
+    #[error("`{text}` would judge nothing: {reason}")]
+    AboutNothing {
+        /// Its text.
+        text: String,
+        /// Why.
+        reason: String,
     },
     /// Several columns are taken over controllers.
     #[error(
@@ -181,6 +188,53 @@ impl Gate {
         self.about_searches
     }
 
+    /// Checks that the gate judges a row of one of these campaigns. A condition with a typo would pass for ever.
+    ///
+    /// # Errors
+    /// No campaign has such a row.
+    pub fn check(&self, campaigns: &[Campaign]) -> Result<(), GateError> {
+        let keys = if self.about_searches {
+            let keys: Vec<&SearchKey> =
+                campaigns.iter().flat_map(|each| &each.searches).map(|each| &each.key).collect();
+            Table::new("", "").columns(search_key(|key: &&SearchKey| key)).frame(&keys)
+        } else {
+            let keys: Vec<CellKey> = campaigns.iter().flat_map(|each| &each.evaluations).map(CellKey::of).collect();
+            Table::new("", "").columns(cell_key(|key: &CellKey| key)).frame(&keys)
+        };
+        self.check_keys(&keys).map_err(|reason| GateError::AboutNothing { text: self.text.clone(), reason })
+    }
+
+    /// Checks that it chooses one of the rows with these keys.
+    fn check_keys(&self, keys: &DataFrame) -> Result<(), String> {
+        if keys.height() == 0 {
+            let what = if self.about_searches { "a `search`" } else { "an `evaluate`" };
+            return Err(format!("no campaign has {what} block"));
+        }
+        let chosen = |condition: &Condition, row: usize| match (&condition.bound, condition.chooses) {
+            (Bound::Word(word), true) => {
+                let found = value(keys, &condition.column, row);
+                condition.is_true_of(found.get_str().unwrap_or_default(), word)
+            }
+            _ => true,
+        };
+        let rows = || 0..keys.height();
+        if rows().any(|row| self.conditions.iter().all(|condition| chosen(condition, row))) {
+            return Ok(());
+        }
+        let never = self.conditions.iter().find(|condition| !rows().any(|row| chosen(condition, row)));
+        let Some(condition) = never else {
+            return Err("each of its words chooses some rows, but no row is chosen by all".into());
+        };
+        let mut known: Vec<String> = Vec::new();
+        for row in rows() {
+            let found = value(keys, &condition.column, row).get_str().unwrap_or_default().to_string();
+            if !found.is_empty() && !known.contains(&found) {
+                known.push(found);
+            }
+        }
+        Err(format!("the values of `{}` are {}", condition.column, known.join(", ")))
+    }
+
     /// Judges every cell of the table that it is about, in its order.
     pub fn judge(&self, cells: &DataFrame) -> Vec<Judged> {
         let rows = || (0..cells.height()).filter(|row| self.is_about(cells, *row));
@@ -306,13 +360,13 @@ impl Condition {
 }
 
 fn unknown(name: &str, columns: &[ColumnReference]) -> GateError {
-    let columns: Vec<String> = columns.iter().map(|column| column.name.to_string()).collect();
+    let columns = columns.iter().map(|column| column.name.to_string());
     let suffix = MEAN.name("");
     let bare = |column: &str| column.strip_suffix(&suffix).unwrap_or(column).to_string();
-    let distance = |column: &&String| strsim::damerau_levenshtein(name, &bare(column));
-    let near = columns.iter().min_by_key(distance).filter(|column| distance(column) <= name.len().div_ceil(3));
-    let nearest = near.or_else(|| columns.iter().find(|column| !name.is_empty() && column.starts_with(name))).cloned();
-    GateError::Column { name: name.to_string(), nearest, columns }
+    let distance = |column: &String| strsim::damerau_levenshtein(name, &bare(column));
+    let near = columns.clone().min_by_key(distance).filter(|column| distance(column) <= name.len().div_ceil(3));
+    let nearest = near.or_else(|| columns.clone().find(|column| !name.is_empty() && column.starts_with(name)));
+    GateError::Column { name: name.to_string(), nearest }
 }
 
 #[cfg(test)]
@@ -402,6 +456,31 @@ mod tests {
     }
 
     #[test]
+    fn a_gate_that_chooses_no_row_is_refused_before_the_run() {
+        let keys = cells().drop_many(["learnt", "preventable_rate", "errors"]);
+        let reason = |text: &str| {
+            let said = |column: &Column| ColumnReference {
+                name: column.name().to_string().into(),
+                unit: "".into(),
+                doc: "".into(),
+                holds: column.dtype().clone(),
+            };
+            let columns: Vec<ColumnReference> = cells().columns().iter().map(said).collect();
+            Gate::of_columns(text, &columns).unwrap().check_keys(&keys)
+        };
+        assert_eq!(reason("preventable_rate > 0.05"), Ok(()));
+        assert_eq!(reason("preventable_rate > 0.05 and town == village"), Ok(()));
+        assert_eq!(reason("learnt != yes"), Ok(()), "results are known after the run only");
+        let typo = reason("preventable_rate > 0.05 and town == vilage").unwrap_err();
+        assert_eq!(typo, "the values of `town` are harbour, village");
+        let apart = reason("preventable_rate > 0.05 and town == harbour and controller == random").unwrap_err();
+        assert!(apart.contains("no row is chosen by all"), "{apart}");
+        let gate = Gate::parse("preventable_rate > 0.05").unwrap();
+        let empty = gate.check(&[]).unwrap_err().to_string();
+        assert_eq!(empty, "`preventable_rate > 0.05` would judge nothing: no campaign has an `evaluate` block");
+    }
+
+    #[test]
     fn a_gate_over_controllers_judges_one_cell_of_each_place() {
         let rates: Vec<Option<f64>> = vec![Some(0.02), Some(0.15), Some(0.15), Some(0.03), None, None];
         let columns: Vec<Column> = vec![
@@ -429,7 +508,7 @@ mod tests {
         assert!(Gate::parse("preventable_rate_wilson_low > 0.05 and town == village").is_ok());
         assert_eq!(Gate::parse("preventable_rate > 0.05").unwrap().conditions[0].column, "preventable_rate_mean");
         assert!(said("preventible_rate > 0.05").contains("did you mean `preventable_rate_mean`?"));
-        assert!(said("xyz > 1").contains("it has reward, train_town"));
+        assert!(said("xyz > 1").contains("reports/README.md lists its columns"));
         for text in ["", "preventable_rate", "preventable_rate = 1", "> 1", "preventable_rate >", "a > 1 and "] {
             assert!(matches!(Gate::parse(text), Err(GateError::Form { .. } | GateError::Column { .. })), "{text}");
         }

@@ -75,7 +75,7 @@ pub fn rates(cell: &ComparedCell) -> Table {
             Figure::Collision => Some(cell.collisions),
             Figure::Preventable => Some(cell.preventable),
             Figure::Attributable => Some(cell.attributable),
-            Figure::Front | Figure::Moving | Figure::Reward => None,
+            Figure::Front | Figure::Moving | Figure::Reward | Figure::Length | Figure::ImpactSpeed => None,
         };
         let count = |count: Option<u64>| count.map_or(Value::Text(String::new()), Value::Count);
         Some(vec![

@@ -49,7 +49,7 @@ pub fn write_page(
     let worst: Vec<String> = worst(drivers).map(FoundFailure::name).collect();
     let played = worst.iter().chain(cards.iter().map(|card| &card.example)).map(String::as_str);
     let players = Players::repeat(played, campaign, finished, &Seed::root(manifest.seed));
-    let published = beside(&campaign.published, cells);
+    let published = beside(&campaign.published, cells, &gathered.evidence.cells);
     let searched = search_cells(&finished.searches);
     let searches = (!searched.is_empty()).then(|| search_section(&searched));
     let doubts = if manifest.smoke { Vec::new() } else { doubts(&gathered.evidence.cells) };

@@ -27,7 +27,7 @@ pub fn further_trainings(cells: &[Cell], evidence: &[(&Cell, &CellEvidence)]) ->
     };
     let mut note = String::from(
         "*Middle half* is the mean without the best and the worst quarter of the runs. Both intervals are about further trainings. \
-         The bootstrap draws runs and then episodes; Student's interval follows from \"±\". ",
+         The bootstrap draws runs and then episodes; Student's interval adds the variance of the common starts to that between trainings. ",
     );
     match cells.iter().filter(|cell| cell.key.is_trained()).map(|cell| cell.runs).min() {
         Some(1) => note.push_str("**With one training the bootstrap is about its episodes only.** "),

@@ -4,18 +4,21 @@ use crate::report::{Agreement, PublishedComparison};
 /// Published figures compared with ours; none without any.
 pub fn published_section(all: &[PublishedComparison<'_>]) -> Option<Section> {
     let first = all.first()?;
-    let within = all.iter().filter(|row| row.agreement() == Agreement::Within).count();
-    let indistinct = all.iter().filter(|row| row.agreement() == Agreement::Indistinct).count();
+    let count = |agreement| all.iter().filter(|row| row.agreement() == agreement).count();
     Some(Section {
         id: "published",
         name: "Published",
         title: "Compared with published figures",
         tables: all.chunk_by(|a, b| a.source == b.source).map(table).collect(),
         notes: vec![format!(
-            "{within} of {} are within the published spread, and {indistinct} more cannot be told apart from it. *Within its spread*: \
-             no farther from the published mean than its standard deviation. *Indistinct*: farther, but Welch's 95 % interval of \
-             the difference holds 0. It follows from the spreads between {} trainings here and {} there. A few trainings can only show large differences.",
+            "Of {} figures {} are equivalent to the published ones, {} differ and {} are inconclusive. *Equivalent*: two one-sided tests at 5 % show that \
+             the difference is below the margin, which the file states. *Differs*: the 95 % interval of the difference does not contain 0. \
+             *Inconclusive*: neither is shown, which is no evidence of agreement. Intervals follow from {} trainings here and their starts, and from {} \
+             trainings there. A few trainings can only show large differences.",
             all.len(),
+            count(Agreement::Equivalent),
+            count(Agreement::Differs),
+            count(Agreement::Inconclusive),
             first.cell.runs,
             first.published_runs,
         )],
@@ -25,6 +28,7 @@ pub fn published_section(all: &[PublishedComparison<'_>]) -> Option<Section> {
 fn table(rows: &[PublishedComparison<'_>]) -> Table {
     let mut head: Vec<Column> = ["controller", "reward", "town", "policy", "figure"].map(Column::text).into();
     head.extend(["published", "here", "difference, 95 %"].map(Column::number));
+    head.push(Column::number("margin"));
     head.push(Column::text("agreement"));
     let row = |row: &PublishedComparison<'_>| {
         let agreement = row.agreement();
@@ -38,7 +42,8 @@ fn table(rows: &[PublishedComparison<'_>]) -> Table {
             row.published.column.replace('_', " ").into(),
             row.theirs().into(),
             row.ours.into(),
-            Value::Difference(row.difference, row.interval),
+            Value::Difference(row.difference, row.interval()),
+            Value::Number(row.published.margin, 2),
             if differs { Value::Warning(name) } else { Value::Text(name) },
         ]
     };

@@ -28,8 +28,8 @@ pub fn transfer(evidence: &Evidence) -> Option<Section> {
         tables: vec![Table { head, rows, ..Table::default() }],
         notes: vec![
             "The rate where the controller was trained, less the rate of the same trainings elsewhere. Above 0, the controller loses by the change. \
-             The interval is Student's over the gaps of the trainings; with one training it is a bootstrap over episodes. Starts \
-             differ between towns and between drivers."
+             The interval is Student's over the gaps of the trainings and over episodes; with one training it is a bootstrap over episodes. \
+             Drivers of a town meet the same starts, so their episodes are paired; towns have starts of their own."
                 .into(),
         ],
     })
