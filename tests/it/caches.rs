@@ -101,7 +101,7 @@ fn a_cache_may_be_the_cells_of_another_folder_and_is_left_whole() {
     run(here, &["--out", "new", "--cache", "old/.falsify", "--seed", "2", "--replace"]);
     let pruned = said(&falsify(&["cache", "new", "--cache", "old/.falsify", "--prune"], here));
     assert!(pruned.contains("removed 0 tasks"), "{pruned}");
-    run(here, &["--out", "old", "--seed", "3"]);
+    run(here, &["--out", "old", "--seed", "3", "--replace"]);
     // A cache that is the reports' own folder of tasks holds the same tasks under any spelling of its path.
     let named = run(here, &["--out", "old", "--seed", "3", "--cache", "new/../old/.falsify"]);
     assert!(error(&named).contains("6 of 6 tasks were there already"), "{}", error(&named));
