@@ -131,6 +131,10 @@ fn time_to(actor: &OnTrace, perception: &Perception<'_>, margin: f64) -> f64 {
 }
 
 impl DrivingPolicy for Aeb {
+    fn speed_limit_for(&self, speed: f64) -> f64 {
+        self.driver.speed_limit_for(speed)
+    }
+
     fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
         self.driver.reset(perception, stream);
         self.braking = 0.0;

@@ -51,6 +51,10 @@ impl Cruise {
 }
 
 impl DrivingPolicy for Cruise {
+    fn speed_limit_for(&self, speed: f64) -> f64 {
+        speed / self.limit_share
+    }
+
     fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
         self.path.reset(perception, stream);
         self.mode = DrivingMode::Cruise;

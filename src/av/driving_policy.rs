@@ -62,6 +62,12 @@ pub trait DrivingPolicy: Send {
     /// Forgets the last episode and prepares for one that starts with this perception; `stream` is the policy's own.
     fn reset(&mut self, perception: &Perception<'_>, stream: Stream);
 
+    /// The speed limit at which it drives this speed (m/s) on a free, straight road; the driver holds a test speed that way. A driver whose
+    /// speed does not follow the limit returns the speed.
+    fn speed_limit_for(&self, speed: f64) -> f64 {
+        speed
+    }
+
     /// Called before [`DrivingPolicy::drive`] with the same perception. All policies of a batch are prepared before the first of
     /// them drives. A driver that answers a whole batch at once collects its requests here.
     fn prepare(&mut self, perception: &Perception<'_>) {

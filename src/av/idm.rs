@@ -180,6 +180,10 @@ impl Idm {
 }
 
 impl DrivingPolicy for Idm {
+    fn speed_limit_for(&self, speed: f64) -> f64 {
+        speed / self.limit_share
+    }
+
     fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
         self.path.reset(perception, stream);
         self.mode = DrivingMode::Cruise;

@@ -50,6 +50,11 @@ impl LaneFollower {
         Self { limit_share: arguments.number("limit_share"), path: Path::default(), trace: RouteTrace::default() }
     }
 
+    /// The speed limit at which it drives this speed (m/s).
+    pub fn speed_limit_for(&self, speed: f64) -> f64 {
+        speed / self.limit_share
+    }
+
     /// Starts an episode.
     pub fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
         self.path.reset(perception, stream);

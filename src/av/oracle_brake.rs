@@ -106,6 +106,10 @@ impl OracleBrake {
 }
 
 impl DrivingPolicy for OracleBrake {
+    fn speed_limit_for(&self, speed: f64) -> f64 {
+        self.driver.speed_limit_for(speed)
+    }
+
     fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
         self.driver.reset(perception, stream);
         self.mode = DrivingMode::Cruise;

@@ -2,7 +2,7 @@ use std::ops::{ControlFlow, Range};
 
 use crate::compile::{ControllerKind, Evaluation, episodes_seed};
 use crate::env::{Outcome, Trace};
-use crate::falsifier::{ActionMode, Homing, Intercept, Random, TrainedWalker, WalkPolicy, evaluate_noting};
+use crate::falsifier::{ActionMode, Homing, Intercept, Random, Scripted, TrainedWalker, WalkPolicy, evaluate_noting};
 use crate::rl::ActorCritic;
 use crate::seed::Seed;
 
@@ -45,6 +45,7 @@ pub(super) fn watch_numbered<T>(
         ControllerKind::Random => Box::new(Random::default()),
         ControllerKind::Homing => Box::new(Homing),
         ControllerKind::Intercept => Box::new(Intercept),
+        ControllerKind::Scripted => Box::new(Scripted),
         ControllerKind::Trained(_) => learnt(ActionMode::Deterministic),
         ControllerKind::Sampled(_) => learnt(ActionMode::Stochastic),
     };

@@ -8,10 +8,12 @@ use crate::session::{CampaignReport, OverviewFiles};
 
 /// Prints the results of a campaign for people, narrow enough for a terminal of 80 columns where names are short.
 pub fn show(report: &CampaignReport) {
-    let CampaignReport { folder, manifest, cells, drivers, searches, .. } = report;
+    let CampaignReport { folder, manifest, cells, drivers, searches, protocol: (nominal, layers), .. } = report;
     console::say(&format!("campaign {}", manifest.campaign));
     let searched = if searches.is_empty() { String::new() } else { report::searches_for_terminal(searches) };
-    for text in [report::results_for_terminal(cells), searched, report::drivers_for_terminal(drivers, cells)] {
+    let protocol = report::protocol_for_terminal(nominal, layers);
+    for text in [report::results_for_terminal(cells), protocol, searched, report::drivers_for_terminal(drivers, cells)]
+    {
         if !text.is_empty() {
             console::say(&format!("{}\n", text.trim_end()));
         }

@@ -56,6 +56,11 @@ pub fn form() -> Form {
             "0 m/s .. 3.5 m/s",
             "The speeds it can choose.",
         ),
+        Param::optional(
+            "heading",
+            Type::Range { dimension: Dimension::ANGLE, min: -std::f64::consts::PI, max: std::f64::consts::PI },
+            "The headings it can choose, from the direction of its `action_frame`, positive to the left; all without it.",
+        ),
         Param::with_default(
             "observation_frame",
             frame(),
@@ -156,6 +161,7 @@ pub fn lower(arguments: &Arguments) -> PedestrianRole {
         },
         action: ActionSpec {
             speed: arguments.range("speed"),
+            heading: if arguments.has("heading") { arguments.range("heading") } else { ActionSpec::ANY_HEADING },
             frame: frame(arguments.choice("action_frame")),
             scaling: scaling(arguments.choice("action_scaling")),
         },

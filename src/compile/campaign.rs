@@ -2,7 +2,7 @@ use crate::signature::{Form, Param, Signature, Type};
 use crate::units::Dimension;
 
 /// The controllers that can be evaluated.
-const PEDESTRIANS: &[&str] = &["trained", "sampled", "random", "homing", "intercept"];
+const PEDESTRIANS: &[&str] = &["trained", "sampled", "random", "homing", "intercept", "scripted"];
 
 /// The form `campaign`.
 pub fn form() -> Form {

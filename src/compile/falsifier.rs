@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use crate::diagnostic::Diagnostic;
 use crate::falsifier::{
-    Archive, Exhaustive, Falsifier, Homing, Intercept, Learning, OpenLoop, Random, TreeSearch, Walking,
+    Archive, Exhaustive, Falsifier, Homing, Intercept, Learning, OpenLoop, Random, Scripted, TreeSearch, Walking,
 };
 use crate::lang::diagnostics;
 use crate::lang::hir::Declaration;
@@ -26,6 +26,7 @@ pub fn kinds() -> Vec<FalsifierKind> {
         },
         FalsifierKind { signature: Walking::<Homing>::signature, make: |_, _| Arc::new(Walking::new(Homing)) },
         FalsifierKind { signature: Walking::<Intercept>::signature, make: |_, _| Arc::new(Walking::new(Intercept)) },
+        FalsifierKind { signature: Walking::<Scripted>::signature, make: |_, _| Arc::new(Walking::new(Scripted)) },
         FalsifierKind {
             signature: OpenLoop::cross_entropy_signature,
             make: |arguments, _| Arc::new(OpenLoop::cross_entropy(arguments)),

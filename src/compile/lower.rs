@@ -195,7 +195,7 @@ impl Lowering<'_> {
 
     pub fn spawn_rule(&mut self, id: DeclarationId) -> Option<SpawnRule> {
         let declaration = self.program.get(id);
-        spawn::lower(&declaration.name, &declaration.block, &self.catalog.vocabulary, self.sources, self.said)
+        spawn::lower(declaration, &self.catalog.vocabulary, self.sources, self.said)
     }
 
     pub fn policy(&mut self, id: DeclarationId) -> Option<PolicyMaker> {

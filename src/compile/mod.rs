@@ -17,6 +17,7 @@ mod sensors;
 mod sensor_suites;
 mod adversary;
 mod spawn;
+mod target_walk;
 mod sector;
 mod reward;
 mod episode;

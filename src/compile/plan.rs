@@ -221,6 +221,8 @@ pub enum ControllerKind {
     Homing,
     /// Walks to where it would meet an ego that keeps its velocity.
     Intercept,
+    /// Walks as the test of its spawn rule states.
+    Scripted,
 }
 
 impl ControllerKind {
@@ -232,6 +234,7 @@ impl ControllerKind {
             Self::Random => "random",
             Self::Homing => "homing",
             Self::Intercept => "intercept",
+            Self::Scripted => "scripted",
         }
     }
 }

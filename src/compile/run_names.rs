@@ -68,7 +68,10 @@ impl Campaign {
                 ControllerKind::Trained(training) | ControllerKind::Sampled(training) => {
                     names.and_training(&self.trainings[training])
                 }
-                ControllerKind::Random | ControllerKind::Homing | ControllerKind::Intercept => names,
+                ControllerKind::Random
+                | ControllerKind::Homing
+                | ControllerKind::Intercept
+                | ControllerKind::Scripted => names,
             });
         }
         for search in &mut self.searches {

@@ -1,11 +1,12 @@
 use std::f64::consts::PI;
 
 use super::sector::{self, Sector};
+use super::target_walk;
 use crate::diagnostic::{Diagnostic, Sources};
 use crate::env::{Constraint, EgoSpeed, EgoStart, Ground, LanePiece, Measure, RoadShape, SpawnRule};
 use crate::geometry::Pose;
 use crate::lang::diagnostics;
-use crate::lang::hir::Block;
+use crate::lang::hir::{Block, Declaration};
 use crate::signature::{Arguments, Distribution, Form, Param, Signature, Type, Value, Vocabulary};
 use crate::units::Dimension;
 
@@ -87,18 +88,21 @@ pub fn form() -> Form {
         doc: "Where an episode begins.",
         plain: Some(Signature { children: vec![lane], ..Signature::new("spawn", "", params) }),
         multiplies: false,
-        kinds: Vec::new(),
+        kinds: target_walk::signatures(),
     }
 }
 
 /// The rule; none after reporting that its constraints contradict each other.
 pub fn lower(
-    name: &str,
-    block: &Block,
+    declaration: &Declaration,
     vocabulary: &Vocabulary,
     sources: &Sources,
     said: &mut Vec<Diagnostic>,
 ) -> Option<SpawnRule> {
+    let (name, block) = (&declaration.name, &declaration.block);
+    if declaration.kind != "spawn" {
+        return target_walk::lower(declaration, said);
+    }
     let arguments = &block.arguments;
     let with_place = |key: &str| (arguments.distribution(key), block.place(key));
     let (bearing, distance) = (with_place("bearing"), with_place("distance"));
@@ -163,6 +167,7 @@ pub fn lower(
         ego_speed: if steady { EgoSpeed::Steady } else { EgoSpeed::Drawn(ego_speed) },
         heading: arguments.has("heading").then(|| arguments.distribution("heading").clone()),
         constraints,
+        target_walk: None,
     })
 }
 

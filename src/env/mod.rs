@@ -46,6 +46,7 @@ pub use reward::{HitClass, RewardRule, Situation, vocabulary};
 pub use scenario::{EpisodeRule, Scenario};
 pub use spawn::{
     Constraint, EgoSpeed, EgoStart, Ground, LanePiece, Measure, RoadShape, Spawn, SpawnError, SpawnRule, Survey,
+    TargetBox, TargetSide, TargetWalk, TestCase, TestCriterion,
 };
 pub use state_hashes::StateHashes;
 pub use test_oracle::{Judgement, TestOracle};

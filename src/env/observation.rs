@@ -103,7 +103,7 @@ mod tests {
         for frame in [ReferenceFrame::Heading, ReferenceFrame::Initial, ReferenceFrame::World] {
             let scaling = Scaling::Natural;
             let observation = ObservationSpec { frame, scaling, speed: ObservedSpeed::Ego };
-            let action = ActionSpec { frame, scaling, speed: (0.0, 3.5) };
+            let action = ActionSpec { frame, scaling, speed: (0.0, 3.5), heading: ActionSpec::ANY_HEADING };
             let seen = Observation::new(&pose, 0.0, &ego, 5.0, ObservedSpeed::Ego);
             let state = observation.encode(&seen, &pose, 0.3, ego.position());
             let command = action.command([state[0], 1.0], |_| frame.origin(&pose, 0.3, ego.position()));

@@ -6,6 +6,7 @@ use super::motion::Motion;
 use super::reward::{Hit, is_about_motion};
 use super::run_up::{self, RunUp};
 use super::running::RunningEpisode;
+use super::spawn::Release;
 use super::{
     Controller, Driven, Ending, Judgement, Observation, ObservationSpec, Outcome, ReferenceFrame, RewardRule, Scenario,
     Situation, Spawn, SpawnRule, StateHashes, Trace,
@@ -14,7 +15,7 @@ use crate::av::{DrivingMode, DrivingPolicy, Fault, Path, Perception, PerfectSens
 use crate::geometry::{Point, Pose, wrap_angle};
 use crate::rl::{Env, Step};
 use crate::seed::Seed;
-use crate::sim::{ActorStart, Contact, Control, LightCycle, WalkCommand, World};
+use crate::sim::{ActorStart, Contact, Control, LightCycle, PedestrianState, WalkCommand, World};
 
 /// A runnable logical scenario: it draws concrete episodes, one after another.
 ///
@@ -49,6 +50,12 @@ pub struct PedestrianEnv {
     controls: Vec<Control>,
     /// The command that each pedestrian carries out.
     walks: Walks,
+    /// The walk of the target in a test.
+    release: Option<Release>,
+    /// The share of its way from which the target starts.
+    approach: f64,
+    /// The speed limit that lets the driver of the ego hold the test speed (m/s).
+    held_limit: Option<f64>,
     /// Bounds of a joint action.
     bounds: Vec<(f64, f64)>,
     faults_in_a_row: u32,
@@ -179,6 +186,9 @@ impl PedestrianEnv {
             starts,
             light_phase: 0.0,
             run_up: RunUp::new(run_up::LENGTH),
+            release: None,
+            approach: 1.0,
+            held_limit: None,
             path: Path::default(),
             stage: Stage::Encounter,
             controls: vec![Control::default(); vehicles],
@@ -280,6 +290,16 @@ impl PedestrianEnv {
     pub fn begin_decision(&mut self, commands: &[WalkCommand]) {
         assert_eq!(commands.len(), self.walks.commands.len(), "each pedestrian has a command");
         let Walks { commands: last, turns, .. } = &mut self.walks;
+        let first = self.world.ticks == 0;
+        let target = &mut self.release;
+        if first && let Some(walk) = &self.scenario.spawn.target_walk {
+            let ego = self.world.ego();
+            let (number, approach) = (self.next_episode.saturating_sub(1), self.approach);
+            let release = walk.release(number, approach, &ego.state, &ego.blueprint, commands[0], self.world.dt);
+            self.starts.1[0].pose = release.start;
+            self.world.pedestrians[0].state = PedestrianState::standing(release.start);
+            *target = Some(release);
+        }
         for (((last, turn), command), role) in
             last.iter_mut().zip(turns).zip(commands).zip(self.scenario.cast.pedestrians())
         {
@@ -292,7 +312,7 @@ impl PedestrianEnv {
         }
         self.motions.iter_mut().for_each(Motion::begin_decision);
         if let Some(trace) = &mut self.trace {
-            trace.decide(last);
+            trace.decide(&self.world, last);
         }
         self.episode.held = 0;
         self.decisions.extend_from_slice(last);
@@ -309,7 +329,14 @@ impl PedestrianEnv {
             return;
         }
         for (vehicle, policy) in self.policies.iter_mut().enumerate() {
-            policy.prepare(&perceive(&mut self.sensors, &self.world, self.stage, &self.run_up, vehicle));
+            policy.prepare(&perceive(
+                &mut self.sensors,
+                &self.world,
+                self.stage,
+                &self.run_up,
+                self.held_limit,
+                vehicle,
+            ));
         }
     }
 
@@ -324,7 +351,15 @@ impl PedestrianEnv {
             self.episode.mode = self.policies[0].mode();
         }
         self.episode.held += 1;
-        let contact = self.world.tick(&self.controls, &self.walks.commands);
+        let contact = match &self.release {
+            None => self.world.tick(&self.controls, &self.walks.commands),
+            Some(release) => {
+                let Walks { commands, scratch, .. } = &mut self.walks;
+                scratch.copy_from_slice(commands);
+                scratch[0] = release.command(self.world.ticks, self.world.dt);
+                self.world.tick(&self.controls, scratch)
+            }
+        };
         self.episode.contact = contact;
         self.motions.iter_mut().for_each(|motion| motion.tick(&self.world));
         self.record();
@@ -349,7 +384,14 @@ impl PedestrianEnv {
     #[inline]
     fn drive(&mut self) -> Option<Fault> {
         for (vehicle, (policy, control)) in self.policies.iter_mut().zip(&mut self.controls).enumerate() {
-            let chosen = policy.drive(&perceive(&mut self.sensors, &self.world, self.stage, &self.run_up, vehicle));
+            let chosen = policy.drive(&perceive(
+                &mut self.sensors,
+                &self.world,
+                self.stage,
+                &self.run_up,
+                self.held_limit,
+                vehicle,
+            ));
             if let Some(fault) = policy.fault() {
                 return Some(fault);
             }
@@ -575,6 +617,16 @@ impl PedestrianEnv {
         }
     }
 
+    /// The direction from which a pedestrian's chosen heading is measured at a speed (m/s), in the world (rad).
+    pub fn action_origin(&self, number: usize, speed: f64) -> f64 {
+        self.origin(number, self.scenario.cast.pedestrian(number).action.frame, speed)
+    }
+
+    /// The command that the test of the running episode states for its target; none where pedestrians are not targets of a test.
+    pub fn scripted(&self) -> Option<WalkCommand> {
+        self.scenario.spawn.target_walk.as_ref().map(super::TargetWalk::command)
+    }
+
     /// The pose of a pedestrian, its heading at the start (rad), and where the ego is.
     fn viewpoint(&self, pedestrian: usize) -> (&Pose, f64, Point) {
         let initial = self.starts.1[pedestrian].pose.yaw;
@@ -589,9 +641,13 @@ fn perceive<'a>(
     world: &'a World,
     stage: Stage,
     run_up: &'a RunUp,
+    held_limit: Option<f64>,
     vehicle: usize,
 ) -> Perception<'a> {
-    let perception = sensors.perceive(world, vehicle);
+    let mut perception = sensors.perceive(world, vehicle);
+    if let Some(limit) = held_limit.filter(|_| vehicle == 0) {
+        perception.speed_limit = limit;
+    }
     if stage == Stage::RunUp {
         let route = if vehicle == 0 { run_up.lanes() } else { &[] };
         return Perception { pedestrians: &[], route, ..perception };

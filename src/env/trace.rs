@@ -68,9 +68,12 @@ impl Trace {
         self.watch(world, None, |_| Driven::default());
     }
 
-    /// Records a decision: the command that each pedestrian carries out.
-    pub fn decide(&mut self, commands: &[WalkCommand]) {
-        for (track, command) in self.pedestrians.iter_mut().zip(commands) {
+    /// Records a decision: the command that each pedestrian carries out. The first decision may have moved a target to its start.
+    pub fn decide(&mut self, world: &World, commands: &[WalkCommand]) {
+        for ((track, command), pedestrian) in self.pedestrians.iter_mut().zip(commands).zip(&world.pedestrians) {
+            if let [only] = track.states.as_mut_slice() {
+                *only = pedestrian.state;
+            }
             track.decisions.push(*command);
         }
     }
@@ -97,7 +100,7 @@ impl Trace {
     /// Carries out a decision in an environment and records all of its ticks.
     pub fn watch_decision(&mut self, env: &mut PedestrianEnv, commands: &[WalkCommand]) -> Step {
         env.begin_decision(commands);
-        self.decide(env.commands());
+        self.decide(env.world(), env.commands());
         loop {
             if let Some(step) = self.watch_tick(env) {
                 return step;

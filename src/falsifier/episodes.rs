@@ -78,7 +78,7 @@ impl Place {
     fn decide(&mut self) {
         self.walker.choose(&self.env, &mut self.commands);
         self.env.begin_decision(&self.commands);
-        self.trace.decide(self.env.commands());
+        self.trace.decide(self.env.world(), self.env.commands());
     }
 }
 

@@ -11,6 +11,7 @@ mod trained;
 mod random;
 mod homing;
 mod intercept;
+mod scripted;
 mod episodes;
 
 mod method;
@@ -36,6 +37,7 @@ pub use learning::Learning;
 pub use method::Falsifier;
 pub use open_loop::OpenLoop;
 pub use random::Random;
+pub use scripted::Scripted;
 pub use simulator::{SearchOutcome, Simulator};
 pub use trained::{ActionMode, TrainedWalker};
 pub use training::{TrainError, train};

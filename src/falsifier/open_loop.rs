@@ -176,7 +176,12 @@ impl OpenLoop {
                 }
                 let env = simulator.env();
                 let all = 0..env.world().pedestrians.len();
-                let lines: Vec<f64> = all.map(|pedestrian| env.homing(pedestrian).heading).collect();
+                let limited = |pedestrian| !env.scenario().cast.pedestrian(pedestrian).action.is_any_heading();
+                let line = |pedestrian| match limited(pedestrian) {
+                    true => env.action_origin(pedestrian, 0.0),
+                    false => env.homing(pedestrian).heading,
+                };
+                let lines: Vec<f64> = all.map(line).collect();
                 let mut decision = 0;
                 let outcome = simulator.finish(|env, commands| {
                     let leg = (decision / self.decisions).min(self.legs - 1);
@@ -198,12 +203,16 @@ impl OpenLoop {
     }
 }
 
-/// The command for the components of a plan, heading and speed, from the line to the ego (rad).
+/// The command for the components of a plan, heading and speed. Headings are measured from `line` (rad): the line to the ego, or the origin of
+/// the headings if the pedestrian cannot choose all.
 fn command(spec: &ActionSpec, line: f64, [heading, speed]: [f64; ActionSpec::DIM]) -> WalkCommand {
-    let (low, high) = spec.speed;
-    // The speed is mirrored at either end: −1 and 3 are the least speed, 1 and 5 the greatest.
-    let share = 1.0 - ((speed + 1.0).rem_euclid(4.0) / 2.0 - 1.0).abs();
-    WalkCommand { heading: wrap_angle(line + heading * std::f64::consts::PI), speed: low + share * (high - low) }
+    // Values are mirrored at either end: −1 and 3 are the least, 1 and 5 the greatest.
+    let within = |(low, high): (f64, f64), value: f64| {
+        let share = 1.0 - ((value + 1.0).rem_euclid(4.0) / 2.0 - 1.0).abs();
+        low + share * (high - low)
+    };
+    let turn = if spec.is_any_heading() { heading * std::f64::consts::PI } else { within(spec.heading, heading) };
+    WalkCommand { heading: wrap_angle(line + turn), speed: within(spec.speed, speed) }
 }
 
 impl Falsifier for OpenLoop {

@@ -1,4 +1,4 @@
-use super::{Falsifier, Homing, Intercept, Random, Simulator, WalkPolicy};
+use super::{Falsifier, Homing, Intercept, Random, Scripted, Simulator, WalkPolicy};
 use crate::rl::TrainError;
 use crate::seed::Seed;
 use crate::signature::Signature;
@@ -27,6 +27,14 @@ impl Walking<Intercept> {
     /// Its keys in a scenario.
     pub fn signature() -> Signature {
         Signature::new("intercept", "Walks to where it would meet an ego that keeps its velocity.", Vec::new())
+    }
+}
+
+impl Walking<Scripted> {
+    /// Its keys in a scenario.
+    pub fn signature() -> Signature {
+        let doc = "Walks as the test of the spawn rule (`crossing_test`, `along_test`) states: the nominal case beside searches.";
+        Signature::new("scripted", doc, Vec::new())
     }
 }
 

@@ -13,9 +13,12 @@ const FOLDER: &str = "<std>";
 const FILES: &[(&str, &str)] = &[
     ("carla_towns.scn", include_str!("../../scenarios/lib/carla_towns.scn")),
     ("drivers.scn", include_str!("../../scenarios/lib/drivers.scn")),
+    ("fmvss127.scn", include_str!("../../scenarios/lib/fmvss127.scn")),
+    ("ncap.scn", include_str!("../../scenarios/lib/ncap.scn")),
     ("paper.scn", include_str!("../../scenarios/lib/paper.scn")),
     ("paper_tables.scn", include_str!("../../scenarios/lib/paper_tables.scn")),
     ("pedestrians.scn", include_str!("../../scenarios/lib/pedestrians.scn")),
+    ("r152.scn", include_str!("../../scenarios/lib/r152.scn")),
     ("rewards.scn", include_str!("../../scenarios/lib/rewards.scn")),
     ("sensors.scn", include_str!("../../scenarios/lib/sensors.scn")),
     ("towns.scn", include_str!("../../scenarios/lib/towns.scn")),

@@ -21,11 +21,11 @@ mod overview;
 mod write;
 
 pub use aggregate::{
-    Agreement, Average, Cell, DriverResult, Episodes, FailureClass, Failures, FoundBy, FoundFailure, Gathered,
-    MedianTime, Metrics, PublishedComparison, Run, SEARCH_COMPARISONS, SearchCell, SearchFailures, SearchKind, Spread,
-    Wanted, beside, driver_results, gather, learning_curve, metrics, published, search_cell_table, search_cells,
-    search_comparison_table, search_comparisons, search_failures, search_kind_table, search_kinds, searches, ticks,
-    write_ticks,
+    Agreement, Average, Cell, Colour, DriverResult, Episodes, FailureClass, Failures, FoundBy, FoundFailure, Gathered,
+    MedianTime, Metrics, ProtocolCell, PublishedComparison, Run, SEARCH_COMPARISONS, SearchCell, SearchFailures,
+    SearchKind, Spread, Wanted, beside, driver_results, gather, layer_cells, learning_curve, metrics, published,
+    search_cell_table, search_cells, search_comparison_table, search_comparisons, search_failures, search_kind_table,
+    search_kinds, searches, ticks, write_ticks,
 };
 pub use catalogue::{catalogue, column_reference};
 pub use compare::{
@@ -46,8 +46,8 @@ pub use read::{
 };
 pub use render::{
     Narrative, Starts, Suite, Tally, animation, drivers_for_terminal, failures_for_terminal, junit, narrative,
-    overview_for_terminal, overview_page, results_for_terminal, searches_for_terminal, shown, spawn_map, strip,
-    town_map,
+    overview_for_terminal, overview_page, protocol_for_terminal, results_for_terminal, searches_for_terminal, shown,
+    spawn_map, strip, town_map,
 };
 pub use render::{PlayedPair, Replay, comparison_for_terminal, comparison_page, comparison_title, worst_changes};
 pub use scenario_files::{MOST_HELD_BYTES, held_places};

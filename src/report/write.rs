@@ -1,15 +1,15 @@
 use std::collections::BTreeMap;
 
-use super::aggregate::{CELLS, RUNS, SEARCH_KINDS};
+use super::aggregate::{CELLS, PROTOCOL, RUNS, SEARCH_KINDS, protocol_table};
 use super::failure_modes::{self, CellModes};
 use super::render::{
-    Found, Section, accumulation_figure, file_names, mode_panels, modes_section, published_section, rule_bars,
-    search_section, summary, trainings_section, write_page,
+    Found, Section, accumulation_figure, file_names, mode_panels, modes_section, protocol, published_section,
+    rule_bars, search_section, summary, trainings_section, write_page,
 };
 use super::{
     DriverResult, FailureModes, Gathered, Manifest, Metrics, ReportFolder, SEARCH_COMPARISONS, WriteError, beside,
-    infer, learning_curve, published, search_cell_table, search_cells, search_comparison_table, search_comparisons,
-    search_failures, search_kind_table, search_kinds, searches, town_map,
+    infer, layer_cells, learning_curve, published, search_cell_table, search_cells, search_comparison_table,
+    search_comparisons, search_failures, search_kind_table, search_kinds, searches, town_map,
 };
 use crate::campaign::Finished;
 use crate::compile::{Campaign, TrainingKey};
@@ -78,6 +78,12 @@ pub fn write(
         let all = beside(&campaign.published, &cells, &evidence.cells);
         folder.table("published", &published(&all))?;
         sections.extend(published_section(&all));
+    }
+    let layers = layer_cells(campaign, &finished.searches);
+    if !gathered.protocol.is_empty() || !layers.is_empty() {
+        let all: Vec<_> = gathered.protocol.iter().chain(&layers).cloned().collect();
+        folder.table(PROTOCOL, &protocol_table(&all))?;
+        sections.extend(protocol(&gathered.protocol, &layers));
     }
     sections.extend(modes_sections);
     if !finished.searches.is_empty() {

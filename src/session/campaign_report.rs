@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use super::OverviewFiles;
 use crate::campaign::Shard;
-use crate::report::{Cell, Doubt, DriverResult, Gate, Judged, Manifest, SearchCell};
+use crate::report::{Cell, Doubt, DriverResult, Gate, Judged, Manifest, ProtocolCell, SearchCell};
 
 /// The result of a run of campaigns.
 #[derive(Debug)]
@@ -54,6 +54,8 @@ pub struct CampaignReport {
     pub drivers: Vec<DriverResult>,
     /// Means of the searches, in the order of the table `search_cells`.
     pub searches: Vec<SearchCell>,
+    /// The results in the tests of a protocol, nominal and within the layers.
+    pub protocol: (Vec<ProtocolCell>, Vec<ProtocolCell>),
     /// The doubts about its trainings.
     pub doubts: Vec<Doubt>,
     /// The gates, each with its judgement of each row of the table that it is about.

@@ -157,6 +157,7 @@ impl Session {
         let folder = folder.map_err(written)?;
         let evident = report::evident_cells(&metrics.cells, &gathered.evidence.cells).map_err(failed)?;
         let searches = report::search_cells(&finished.searches);
+        let protocol = (gathered.protocol, report::layer_cells(campaign, &finished.searches));
         let searched = report::search_cell_table(&searches);
         let table = |gate: &report::Gate| if gate.is_about_searches() { &searched } else { &evident };
         let gates = options.gates.iter().map(|gate| (gate.clone(), gate.judge(table(gate)))).collect();
@@ -168,6 +169,7 @@ impl Session {
             cells,
             drivers,
             searches,
+            protocol,
             doubts,
             gates,
             failed,

@@ -48,6 +48,7 @@ mod pedestrians;
 mod ped_world_reference;
 mod policies_elsewhere;
 mod program;
+mod protocols;
 mod recorded_update;
 mod reference;
 mod release;

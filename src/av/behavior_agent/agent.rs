@@ -166,6 +166,11 @@ impl BehaviorAgent {
 }
 
 impl DrivingPolicy for BehaviorAgent {
+    /// Its profile subtracts from the limit, and has a greatest speed.
+    fn speed_limit_for(&self, speed: f64) -> f64 {
+        speed + self.profile.below_limit / KMH
+    }
+
     fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
         let (start, lanes) = (perception.start_lane(), perception.route);
         self.planner.begin(&self.traits, self.config.way, perception.town, start, lanes, stream);

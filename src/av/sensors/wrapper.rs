@@ -140,6 +140,10 @@ fn track_of<'a>(tracks: &'a mut Vec<Track>, id: ActorId, seed: &Seed) -> &'a mut
 }
 
 impl DrivingPolicy for SensorWrapper {
+    fn speed_limit_for(&self, speed: f64) -> f64 {
+        self.driver.speed_limit_for(speed)
+    }
+
     fn reset(&mut self, perception: &Perception<'_>, stream: Stream) {
         self.seed = Seed::of(&stream).child("sensors");
         self.people.clear();

@@ -33,6 +33,12 @@ impl Lowering<'_> {
         let all: Vec<_> = bodies().collect();
         let Some(ground) = self.ground(campaign_block, block, &all) else { return };
         let words = block.arguments.list("pedestrians");
+        let scripted = words.iter().any(|word| matches!(word, Value::Choice("scripted")));
+        if scripted && ground.spawn.value.target_walk.is_none() {
+            let message = "a `scripted` target walks as a test states, and the spawn rule of this block is no test";
+            let help = "use a `spawn` of kind `crossing_test` or `along_test`";
+            return self.said.push(diagnostics::contradiction(block.place("pedestrians"), message.into()).help(help));
+        }
         let untrained = campaign_block.nested("train").next().is_none();
         if untrained && words.iter().any(|word| matches!(word, Value::Choice("trained" | "sampled"))) {
             return self.said.push(diagnostics::trained_without_training(block.place("pedestrians")));
@@ -83,6 +89,7 @@ fn untrained_controllers(words: &[Value]) -> Vec<(ControllerKind, Arc<TrainingKe
         Value::Choice("random") => Some(ControllerKind::Random),
         Value::Choice("homing") => Some(ControllerKind::Homing),
         Value::Choice("intercept") => Some(ControllerKind::Intercept),
+        Value::Choice("scripted") => Some(ControllerKind::Scripted),
         _ => None,
     };
     words.iter().filter_map(untrained).map(|controller| (controller, key.clone())).collect()
@@ -100,15 +107,18 @@ fn controllers(words: &[Value], trainings: &[Training]) -> Vec<(ControllerKind, 
                 "random" => ControllerKind::Random,
                 "homing" => ControllerKind::Homing,
                 "intercept" => ControllerKind::Intercept,
+                "scripted" => ControllerKind::Scripted,
                 "sampled" => ControllerKind::Sampled(index),
                 _ => ControllerKind::Trained(index),
             };
             let mut key = training.key.clone();
-            if matches!(controller, ControllerKind::Random | ControllerKind::Homing | ControllerKind::Intercept) {
+            let drawless =
+                matches!(controller, ControllerKind::Homing | ControllerKind::Intercept | ControllerKind::Scripted);
+            if drawless || controller == ControllerKind::Random {
                 key.town = String::new();
                 key.policy = String::new();
             }
-            if matches!(controller, ControllerKind::Homing | ControllerKind::Intercept) {
+            if drawless {
                 key.run = 0;
             }
             let key = Arc::new(key);

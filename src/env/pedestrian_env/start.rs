@@ -26,8 +26,19 @@ impl PedestrianEnv {
         let mut stream = seed.child("spawn").stream();
         let first = scenario.cast.pedestrian.first_heading;
         let (town, obstacles) = (&scenario.town, &scenario.obstacles);
+        let test = scenario.spawn.target_walk.as_ref();
+        let target = test.map(|walk| {
+            let approach = walk.approach.quantile(stream.random());
+            (approach, walk.spawn(number, approach, &scenario.cast.ego.blueprint), walk.case(number).test_speed)
+        });
         let near = self.near.as_ref().and_then(|near| near.sample_if_easy(town, obstacles, first, &mut stream));
-        let spawn = near.unwrap_or_else(|| scenario.spawn.sample(town, obstacles, first, &mut stream));
+        let drawn = || near.unwrap_or_else(|| scenario.spawn.sample(town, obstacles, first, &mut stream));
+        let spawn = target.map_or_else(drawn, |(_, spawn, _)| spawn);
+        self.release = None;
+        if let Some((approach, _, test_speed)) = target {
+            self.approach = approach;
+            self.held_limit = Some(self.policies[0].speed_limit_for(test_speed));
+        }
         // A whole number of cycles of groups with up to four turns.
         self.light_phase = stream.random_range(0.0..12.0 * LightCycle::default().turn());
         self.episode = Episode::new(spawn, self.width);
@@ -57,9 +68,11 @@ impl PedestrianEnv {
         if let Some(limit) = self.run_up.limit() {
             self.world.vehicles[0].speed_limit = limit;
         }
-        let perception = perceive(&mut self.sensors, &self.world, self.stage, &self.run_up, 0);
+        let perception = perceive(&mut self.sensors, &self.world, self.stage, &self.run_up, self.held_limit, 0);
         self.path.reset(&perception, stream.clone());
-        let speed = cruising_speed(&self.path, perception.speed_limit).min(self.run_up.speed());
+        let cruising = cruising_speed(&self.path, perception.speed_limit).min(self.run_up.speed());
+        let test = self.scenario.spawn.target_walk.as_ref();
+        let speed = test.map_or(cruising, |walk| walk.case(self.next_episode - 1).test_speed);
         self.world.vehicles[0].state.speed = speed;
     }
 
@@ -76,7 +89,8 @@ impl PedestrianEnv {
         for (number, policy) in self.policies.iter_mut().enumerate() {
             // The ego's random numbers do not depend on whether there is other traffic.
             let seed = if number == 0 { seed.child("policy") } else { seed.child("traffic").index(number as u64) };
-            let perception = perceive(&mut self.sensors, &self.world, self.stage, &self.run_up, number);
+            let perception =
+                perceive(&mut self.sensors, &self.world, self.stage, &self.run_up, self.held_limit, number);
             policy.reset(&perception, seed.stream());
         }
     }

@@ -15,6 +15,7 @@
 mod ego_start;
 mod constraint;
 mod rule;
+mod target_walk;
 mod survey;
 mod error;
 
@@ -23,3 +24,5 @@ pub use ego_start::{EgoSpeed, EgoStart, LanePiece, RoadShape};
 pub use error::{Rarity, SpawnError};
 pub use rule::{Measure, Spawn, SpawnRule};
 pub use survey::Survey;
+pub(super) use target_walk::Release;
+pub use target_walk::{TargetBox, TargetSide, TargetWalk, TestCase, TestCriterion};

@@ -1,7 +1,7 @@
 use rand::RngExt;
 
 use super::constraint::placed;
-use super::{Constraint, EgoSpeed, EgoStart, Rarity, RoadShape, SpawnError, Survey};
+use super::{Constraint, EgoSpeed, EgoStart, Rarity, RoadShape, SpawnError, Survey, TargetWalk};
 use crate::env::FirstHeading;
 use crate::geometry::{Obstacles, Point, Pose, Vector, wrap_angle};
 use crate::road::Town;
@@ -38,6 +38,8 @@ pub struct SpawnRule {
     pub heading: Option<Distribution>,
     /// Further conditions.
     pub constraints: Vec<Constraint>,
+    /// The test that places the ego and the pedestrian, instead of the sector.
+    pub target_walk: Option<TargetWalk>,
 }
 
 /// A concrete start of the ego and the first pedestrian.

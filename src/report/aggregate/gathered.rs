@@ -3,6 +3,7 @@ use std::collections::BTreeMap;
 use polars::prelude::{DataFrame, PolarsResult};
 
 use super::metrics::runs;
+use super::protocol::{ProtocolCell, protocol_cells};
 use super::{Episodes, Failures, Run};
 use crate::compile::Evaluation;
 use crate::record::{self, EPISODES, EpisodeTable};
@@ -40,6 +41,8 @@ pub struct Gathered {
     pub tally: Tally,
     /// The worst failures of each driver in evaluations.
     pub failures: Failures,
+    /// The results in the tests of a protocol.
+    pub protocol: Vec<ProtocolCell>,
 }
 
 /// Reads all episodes once: writes the table `episodes` and gathers the data of all other outputs.
@@ -68,6 +71,7 @@ pub fn gather(
         starts: BTreeMap::new(),
         tally: Tally::default(),
         failures: Failures::default(),
+        protocol: Vec::new(),
     };
     let mut evidence = Gathering::new(seed.child("report"));
     let mut drove: BTreeMap<(&str, &str), bool> = BTreeMap::new();
@@ -98,6 +102,7 @@ pub fn gather(
             gathered.note_starts(evaluation, &whole).map_err(failed)?;
         }
         gathered.failures.add(&whole).map_err(failed)?;
+        gathered.protocol.extend(protocol_cells(evaluation, &whole).map_err(failed)?);
         kinds.add(&whole).map_err(failed)?;
         evidence.add(&whole).map_err(failed)?;
     }

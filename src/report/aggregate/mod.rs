@@ -15,6 +15,7 @@ mod searches;
 mod search_kinds;
 mod search_comparisons;
 mod published;
+mod protocol;
 mod ticks;
 mod tick_file;
 
@@ -24,6 +25,7 @@ pub use failures::{FailureClass, Failures, FoundBy, FoundFailure};
 pub use gathered::{Gathered, gather};
 pub use learning_curve::{learning_curve, learning_curve_table};
 pub use metrics::{CELLS, Cell, Metrics, RUNS, Spread, metrics, references};
+pub use protocol::{Colour, PROTOCOL, ProtocolCell, layer_cells, protocol_columns, protocol_table};
 pub use published::{Agreement, PublishedComparison, beside, published, published_table};
 pub use search_comparisons::{
     SEARCH_COMPARISONS, search_comparison_columns, search_comparison_table, search_comparisons,

@@ -24,8 +24,8 @@ pub use modes::{accumulation_figure, file_names, mode_panels, modes_section, rul
 pub use overview::{overview_for_terminal, overview_page};
 pub use page::{Found, Replay, Tally, write_page};
 pub use sections::{
-    drivers_for_terminal, failures_for_terminal, published_section, results_for_terminal, search_section,
-    searches_for_terminal, trainings_section,
+    drivers_for_terminal, failures_for_terminal, protocol, protocol_for_terminal, published_section,
+    results_for_terminal, search_section, searches_for_terminal, trainings_section,
 };
 pub use summary::summary;
 pub use table::Section;

@@ -7,10 +7,10 @@ use crate::campaign::Finished;
 use crate::compile::Campaign;
 use crate::record::CellKey;
 use crate::report::failure_modes::{CellModes, Mode};
-use crate::report::render::sections::{comparisons, learnt, published_section, search_section, transfer};
+use crate::report::render::sections::{comparisons, learnt, protocol, published_section, search_section, transfer};
 use crate::report::{
     Cell, DriverResult, FoundFailure, Gathered, Manifest, ReportFolder, SearchKind, WriteError, beside, doubts,
-    search_cells, search_kinds,
+    layer_cells, search_cells, search_kinds,
 };
 use crate::seed::Seed;
 
@@ -53,7 +53,9 @@ pub fn write_page(
     let searched = search_cells(&finished.searches);
     let searches = (!searched.is_empty()).then(|| search_section(&searched));
     let doubts = if manifest.smoke { Vec::new() } else { doubts(&gathered.evidence.cells) };
+    let layers = layer_cells(campaign, &finished.searches);
     let sections: Vec<_> = [
+        protocol(&gathered.protocol, &layers),
         searches,
         learnt(cells, &gathered.evidence, &doubts),
         comparisons(&gathered.evidence),

@@ -11,6 +11,7 @@ mod transfer;
 mod severity;
 mod reference_drivers;
 mod published;
+mod protocol;
 mod searches;
 mod trainings;
 mod failures;
@@ -20,6 +21,7 @@ pub use drivers::drivers;
 pub use failures::failures_for_terminal;
 pub use learnt::learnt;
 pub use names::{distinct, place, who};
+pub use protocol::protocol;
 pub use published::published_section;
 pub use results::{errors, results};
 pub use searches::search_section;
@@ -27,7 +29,7 @@ pub use trainings::trainings_section;
 pub use transfer::transfer;
 
 use super::table::{Section, Table};
-use crate::report::{Cell, Doubt, DriverResult, Evidence, SearchCell};
+use crate::report::{Cell, Doubt, DriverResult, Evidence, ProtocolCell, SearchCell};
 
 /// The rates of a campaign's controllers as text for a terminal; empty without cells.
 pub fn results_for_terminal(cells: &[Cell]) -> String {
@@ -42,6 +44,12 @@ pub fn drivers_for_terminal(results: &[DriverResult], cells: &[Cell]) -> String 
         format!("{title}{}", table.to_terminal())
     };
     section.into_iter().flat_map(|section| section.tables).map(text).collect()
+}
+
+/// The results in the tests of a protocol as text for a terminal; empty without a test.
+pub fn protocol_for_terminal(cells: &[ProtocolCell], layers: &[ProtocolCell]) -> String {
+    let tables = protocol(cells, layers).map_or_else(Vec::new, |section| section.tables);
+    tables.iter().map(|table| format!("{}\n{}", table.title, table.to_terminal())).collect()
 }
 
 /// The comparison of falsifiers as text for a terminal.

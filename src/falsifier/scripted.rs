@@ -1,0 +1,27 @@
+use super::WalkPolicy;
+use crate::env::PedestrianEnv;
+use crate::seed::Stream;
+use crate::sim::WalkCommand;
+
+/// The target of a test, which walks as its protocol states. It needs a spawn rule that is a test
+/// ([`TargetWalk`](crate::env::TargetWalk)); in other scenarios the pedestrian stands.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Scripted;
+
+impl WalkPolicy for Scripted {
+    fn begin(&mut self, _: Stream) {}
+
+    fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]) {
+        let facing = |pedestrian: usize| env.world().pedestrians[pedestrian].state.pose.yaw;
+        for (pedestrian, command) in commands.iter_mut().enumerate() {
+            *command = WalkCommand { heading: facing(pedestrian), speed: 0.0 };
+        }
+        if let (Some(first), Some(script)) = (commands.first_mut(), env.scripted()) {
+            *first = script;
+        }
+    }
+
+    fn clone_for_batch(&self) -> Option<Box<dyn WalkPolicy>> {
+        Some(Box::new(*self))
+    }
+}
