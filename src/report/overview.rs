@@ -67,8 +67,7 @@ impl<'a> Overview<'a> {
             }
         }
         let row = |variant: &'a Variant<'a>, result: &'a DriverResult| {
-            let highest =
-                |rate: fn(&Cell) -> (Option<f64>, (f64, f64))| highest(variant.cells, &result.driver.name, rate);
+            let highest = |rate: RateOf| highest(variant.cells, &result.driver.name, rate);
             OverviewRow {
                 variant,
                 values: parameters.iter().map(|name| value(variant, name).map(str::to_string)).collect(),
@@ -173,8 +172,11 @@ fn value<'a>(variant: &Variant<'a>, name: &str) -> Option<&'a str> {
         .map(|found| found.1)
 }
 
+/// A rate of a cell with its interval.
+type RateOf = fn(&Cell) -> (Option<f64>, (f64, f64));
+
 /// The cell of a driver in which a rate is highest, the first of equal ones.
-fn highest(cells: &[Cell], driver: &str, rate: fn(&Cell) -> (Option<f64>, (f64, f64))) -> Option<HighestRate> {
+fn highest(cells: &[Cell], driver: &str, rate: RateOf) -> Option<HighestRate> {
     let of_driver = cells.iter().enumerate().filter(|(_, cell)| cell.key.policy == driver);
     let mut found: Option<HighestRate> = None;
     for (cell, (mean, interval)) in of_driver.map(|(place, cell)| (place, rate(cell))) {

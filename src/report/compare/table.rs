@@ -65,7 +65,8 @@ fn table() -> Table<'static, ComparedCell> {
             .column(P.of(name, of(|each| each.p)))
             .column(HOLM.of(name, of(|each| each.holm)));
     }
-    let counted: [(&str, fn(&Row) -> Changed); 3] = [
+    type Counted = (&'static str, fn(&Row) -> Changed);
+    let counted: [Counted; 3] = [
         ("collisions", |row| row.collisions),
         ("preventable", |row| row.preventable),
         ("attributable", |row| row.attributable),

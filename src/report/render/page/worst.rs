@@ -28,7 +28,7 @@ fn one_of_each_first((rank, found): (usize, &FoundFailure), (other_rank, other):
 }
 
 /// The worst failure of each driver that has a player, those under test first.
-pub fn worst<'a>(drivers: &'a [DriverResult]) -> impl Iterator<Item = &'a FoundFailure> {
+pub fn worst(drivers: &[DriverResult]) -> impl Iterator<Item = &FoundFailure> {
     drivers.iter().filter_map(|result| result.worst.as_ref()).take(DRIVERS)
 }
 
