@@ -133,13 +133,18 @@ fn the_sarif_log_has_the_structure_of_the_standard() {
 fn every_step_of_a_file_can_be_looked_at() {
     let folder = tempfile::tempdir().unwrap();
     falsify(&["new", "a.scn"], folder.path());
-    for (tree, parts) in [
-        ("ast", ["text: \"hurried\"", "value: 0.8", "unit: Some"]),
-        ("hir", ["kind: \"idm\"", "\"limit_share\"", "0.8"]),
-        ("plan", ["campaign first", "training: dangerous in harbour against hurried, run 0", "total_steps: 15000"]),
-        ("plan", ["driver hurried: idm", "time_headway: Number(0.8)", "sensors perfect"]),
+    falsify(&["new", "trained.scn", "--template", "paper"], folder.path());
+    for (tree, file, parts) in [
+        ("ast", "a.scn", ["text: \"hurried\"", "value: 0.8", "unit: Some"]),
+        ("hir", "a.scn", ["kind: \"idm\"", "\"limit_share\"", "0.8"]),
+        (
+            "plan",
+            "trained.scn",
+            ["campaign paper", "training: r1 in harbour against behavior, run 0", "total_steps: 70000"],
+        ),
+        ("plan", "a.scn", ["driver hurried: idm", "time_headway: Number(0.8)", "sensors perfect"]),
     ] {
-        let output = falsify(&["debug", tree, "a.scn"], folder.path());
+        let output = falsify(&["debug", tree, file], folder.path());
         let (text, errors) = said(&output);
         assert_eq!(output.status.code(), Some(0), "{errors}");
         for part in parts {
