@@ -290,8 +290,8 @@ fn what_cannot_be_exported_is_an_error_that_names_it() {
     let bad = falsify(&["export", "12:x", "--as", "xodr"], here);
     assert!(error(&bad).contains("`12:x` is no name of an episode"), "{}", error(&bad));
 
-    // A scenario that was changed is another scenario.
+    // A report holds its scenario, so it does not matter that the file was changed.
     std::fs::write(here.join("out.scn"), SCENARIO.replace("dark", "night")).unwrap();
     let changed = falsify(&["export", &names[0], "--as", "xodr"], here);
-    assert_eq!(changed.status.code(), Some(8), "{changed:?}");
+    assert_eq!(changed.status.code(), Some(0), "{changed:?}");
 }

@@ -176,7 +176,7 @@ spawn ahead_of_a_moving_car {
   ego_poses: [(20 m, -1.75 m, 0 deg)]  bearing: -40 deg .. 40 deg  distance: 15 m .. 40 m  ego_speed: 6 m/s .. 8 m/s
 }
 episode until_passed { hold: 10  ticks: 400  end_when: ahead < -6 m }
-reward fault {
+reward faulty {
   on hit(attributable) => 1
   on hit(preventable) => 0.3
   on hit(moving) => 0.1
@@ -190,7 +190,7 @@ fn an_archive_finds_more_kinds_of_faults_than_an_interception_and_ends_with_a_be
          {CROSSING}
          campaign faults {{ vehicle: model3 adversary: plausible spawn: ahead_of_a_moving_car episode: until_passed training: ppo_paper
          search {{ towns: [straight] policies: [blind] falsifiers: [meet, faults] budget: 150_000 runs: 1 episodes: 200 }} }}
-         falsifier faults = archive(reward: fault)"
+         falsifier faults = archive(reward: faulty)"
     ));
     let results = run(&plan);
     let distinct = |result: &SearchResult| {
