@@ -28,7 +28,7 @@ pub struct Idm {
     acceleration: f64,
     comfortable: f64,
     hardest: f64,
-    reaction: f64,
+    reaction_allowance: f64,
     margin: f64,
     path: Path,
     mode: DrivingMode,
@@ -77,13 +77,13 @@ impl Idm {
                     "hardest_braking",
                     acceleration(),
                     "8 m/s^2",
-                    "Deceleration that its emergency brake counts on.",
+                    "Its hardest braking in normal driving, and the deceleration that its emergency brake counts on: less makes it brake earlier.",
                 ),
                 Param::with_default(
-                    "reaction",
+                    "reaction_allowance",
                     Type::non_negative(Dimension::TIME),
                     "0.2 s",
-                    "Time that its emergency brake allows for.",
+                    "Reaction time that its emergency brake allows for, though it has none: a longer one makes it brake earlier. `actuation_delay` is a true delay.",
                 ),
                 Param::with_default(
                     "margin",
@@ -104,7 +104,7 @@ impl Idm {
             acceleration: arguments.number("acceleration"),
             comfortable: arguments.number("comfortable_braking"),
             hardest: arguments.number("hardest_braking"),
-            reaction: arguments.number("reaction"),
+            reaction_allowance: arguments.number("reaction_allowance"),
             margin: arguments.number("margin"),
             path: Path::default(),
             mode: DrivingMode::Cruise,
@@ -198,7 +198,7 @@ impl DrivingPolicy for Idm {
         let steer = lane_keeping::steer(&self.path, perception);
         if let Some(leader) = leader.filter(|leader| !leader.light) {
             let stopping = (speed * speed - leader.speed * leader.speed).max(0.0) / (2.0 * self.hardest);
-            if speed > 0.1 && leader.gap <= stopping + speed * self.reaction + 0.3 {
+            if speed > 0.1 && leader.gap <= stopping + speed * self.reaction_allowance + 0.3 {
                 self.mode = DrivingMode::EmergencyStop;
                 return Control { throttle: 0.0, brake: 1.0, steer };
             }

@@ -6,6 +6,7 @@
 
 mod perception;
 mod driving_policy;
+mod actuation_delay;
 mod fault;
 mod path;
 mod view;
@@ -26,6 +27,7 @@ pub mod reference_drivers;
 pub mod external;
 pub mod onnx;
 
+pub use actuation_delay::ActuationDelay;
 pub use aeb::Aeb;
 pub use cruise::Cruise;
 pub use driving_policy::{DrivingMode, DrivingPolicy};

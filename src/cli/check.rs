@@ -3,6 +3,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::exit_code::ExitCode;
+use super::fix::fix;
 use super::input::{GivenOptions, session};
 use super::{console, failure, sample};
 use crate::compile::Plan;
@@ -14,6 +15,7 @@ use crate::session::{Checked, Error};
 pub const EXAMPLES: &str = "\
 Examples:
   falsify check my.scn                       draw every error under its line
+  falsify check --fix my.scn                 repair what a message says how to repair
   falsify check --format json my.scn         one JSON object a line, for programs
   falsify check --format sarif my.scn        SARIF 2.1.0, which code hosts show beside the lines
   falsify check --sample 1000 --format json my.scn
@@ -33,6 +35,9 @@ pub struct CheckOptions {
     /// Replacements of parts of the files.
     #[command(flatten)]
     pub given: GivenOptions,
+    /// Apply each repair that a message offers without an alternative, then check again.
+    #[arg(long, conflicts_with_all = ["map", "set"])]
+    pub fix: bool,
     /// Also draw this number of starts of every spawn in every town, and show how many satisfy each constraint. This includes spawns that
     /// cannot place a pedestrian. Not with SARIF, which has no field for it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
@@ -64,9 +69,15 @@ pub fn check(options: &CheckOptions) -> ExitCode {
     }
     let input = options.given.input(&options.files);
     let wanted = crate::session::CheckOptions { input, imported_towns: false };
-    let found = match session(options.given.allow_external).check(&wanted) {
+    let session = session(options.given.allow_external);
+    let found = if options.fix {
+        fix(&session, &wanted)
+    } else {
+        session.check(&wanted).map_err(|error| failure::failed(&error))
+    };
+    let found = match found {
         Ok(found) => found,
-        Err(error) => return failure::failed(&error),
+        Err(code) => return code,
     };
     let checked = match options.format {
         Format::Human => for_people(&found),

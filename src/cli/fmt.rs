@@ -106,7 +106,7 @@ fn lay_out(path: &Path, text: &str) -> Result<String, ExitCode> {
 }
 
 /// Replaces a file in one step, so that a failure loses nothing.
-fn write(path: &Path, text: &str) -> std::io::Result<()> {
+pub(super) fn write(path: &Path, text: &str) -> std::io::Result<()> {
     // A link is followed to the file itself.
     let path = std::fs::canonicalize(path)?;
     let mut file = tempfile::NamedTempFile::new_in(path.parent().unwrap_or(Path::new(".")))?;

@@ -99,7 +99,8 @@ fn describe(town: &Town) {
             let length = section.end - section.start;
             section.lanes.iter().filter(move |lane| lane.id != 0 && lane.kind == kind).map(move |_| length)
         });
-        lanes.sum::<f64>() / 1000.0
+        // The sum of no numbers is -0.0.
+        lanes.sum::<f64>() / 1000.0 + 0.0
     };
     let inside = town.roads.iter().filter(|road| road.junction.is_some()).count();
     console::say(&format!("town {}", town.name));

@@ -29,6 +29,7 @@ mod failures;
 mod compare;
 mod check;
 mod sample;
+mod fix;
 mod fmt;
 mod explain;
 mod new;

@@ -101,6 +101,9 @@ fn show(campaign: &Campaign, samples: &[Sample]) {
         let share = |passed: u32| 100.0 * f64::from(passed) / f64::from(*tried);
         let tries = console::count(*tried as usize, "start");
         console::say(&format!("  {spawn} in {town}: {accepted} of {tries} accepted ({:.2} %)", share(*accepted)));
+        if !sample.constraints.is_empty() {
+            console::say("    share of the starts that satisfy each constraint:");
+        }
         for Share { constraint, passed } in &sample.constraints {
             console::say(&format!("    {:>6.2} %  {constraint}", share(*passed)));
         }

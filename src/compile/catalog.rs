@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use super::falsifier::FalsifierKind;
-use super::policy_kind::{PolicyKind, with_sensors};
+use super::policy_kind::{PolicyKind, with_common_keys};
 use crate::av::external::Opener;
 use crate::signature::{Form, Vocabulary};
 
@@ -47,7 +47,7 @@ impl Catalog {
         if form.kinds.iter().any(|known| known.name == name) {
             return Err(TakenKind { form: "policy", kind: name });
         }
-        form.kinds.push(with_sensors(kind.signature.clone()));
+        form.kinds.push(with_common_keys(kind.signature.clone()));
         self.policies.push(kind);
         Ok(self)
     }

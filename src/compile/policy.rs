@@ -4,13 +4,13 @@ use super::Catalog;
 use super::lowering::Lowering;
 use super::outside::{self, OutsideKind};
 use super::plan::Driver;
-use super::policy_kind::{PolicyKind, with_sensors};
+use super::policy_kind::{PolicyKind, with_common_keys};
 use super::sensors;
 use crate::av::behavior_agent::BehaviorAgent;
 use crate::av::interfuser::InterFuser;
 use crate::av::lav::Lav;
 use crate::av::sensors::SensorWrapper;
-use crate::av::{Aeb, Cruise, Idm, OracleBrake, Predictive, RssGuarded};
+use crate::av::{ActuationDelay, Aeb, Cruise, Idm, OracleBrake, Predictive, RssGuarded};
 use crate::env::PolicyMaker;
 use crate::lang::hir::Declaration;
 use crate::signature::{Form, Signature};
@@ -30,7 +30,7 @@ pub fn kinds() -> Vec<PolicyKind> {
     ]
 }
 
-/// The form `policy`. Every kind takes `sensors` in addition to the keys of its own signature.
+/// The form `policy`. Every kind takes `sensors` and `actuation_delay` in addition to the keys of its own signature.
 pub fn form(kinds: &[PolicyKind], outside: &[OutsideKind]) -> Form {
     let own = kinds.iter().map(|kind| kind.signature.clone());
     let others = outside.iter().map(|kind| (kind.signature)());
@@ -39,14 +39,19 @@ pub fn form(kinds: &[PolicyKind], outside: &[OutsideKind]) -> Form {
         doc: "A driver under test.",
         plain: None,
         multiplies: false,
-        kinds: own.chain(others).map(with_sensors).collect(),
+        kinds: own.chain(others).map(with_common_keys).collect(),
     }
 }
 
-/// A maker of new drivers with their sensors; none after reporting what is wrong.
+/// A maker of new drivers with their sensors and their delay; none after reporting what is wrong.
 pub fn lower(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
-    let make = driver(declaration, lowering)?;
+    let mut make = driver(declaration, lowering)?;
     let arguments = &declaration.block.arguments;
+    let delay = arguments.number("actuation_delay");
+    if delay > 0.0 {
+        let prompt = make;
+        make = Arc::new(move || Box::new(ActuationDelay::new(prompt(), delay)));
+    }
     if !arguments.has("sensors") {
         return Some(make);
     }

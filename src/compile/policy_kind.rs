@@ -2,6 +2,7 @@ use std::sync::Arc;
 
 use crate::av::DrivingPolicy;
 use crate::signature::{Arguments, Param, Signature, Type};
+use crate::units::Dimension;
 
 /// Makes a driving policy from checked arguments.
 pub type MakePolicy = Arc<dyn Fn(&Arguments) -> Box<dyn DrivingPolicy> + Send + Sync>;
@@ -26,13 +27,19 @@ impl PolicyKind {
     }
 }
 
-/// The signature of a kind with the key that every kind takes.
-pub(super) fn with_sensors(mut signature: Signature) -> Signature {
+/// The signature of a kind with the keys that every kind takes.
+pub(super) fn with_common_keys(mut signature: Signature) -> Signature {
     signature.params.push(Param::with_default(
         "sensors",
         Type::Reference("sensors"),
         "perfect",
-        "What stands between the world and the driver; without any it knows of everybody exactly and at once.",
+        "What the driver perceives of other actors, and how late (`latency`); without any it knows of all exactly and at once.",
+    ));
+    signature.params.push(Param::with_default(
+        "actuation_delay",
+        Type::Quantity { dimension: Dimension::TIME, min: 0.0, max: 10.0 },
+        "0 s",
+        "Time from a command of the driver until pedals and wheel follow it, in whole ticks.",
     ));
     signature
 }

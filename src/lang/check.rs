@@ -16,7 +16,7 @@ use super::value::{Context, plain_number, value};
 use super::{Loaded, diagnostics};
 use crate::diagnostic::{Diagnostic, SourceId, Sources, Span};
 use crate::signature::{Arguments, DeclarationId, Form, Param, Signature, Type, Value, Vocabulary};
-use crate::units::Dimension;
+use crate::units::{Dimension, parse_unit};
 
 /// The results of checking, reused for further variants of the same files, which differ only in their settings.
 #[derive(Debug)]
@@ -273,6 +273,12 @@ impl<'f> Checker<'_, '_, 'f> {
                             told = end;
                             continue;
                         }
+                        if let Some(said) = counted_in_ticks(&property.value, param, signature, &written.entries) {
+                            self.whole = false;
+                            given.push((&property.key, param.name, property.value.span, None));
+                            self.diagnostics.push(said);
+                            continue;
+                        }
                         let before = self.diagnostics.len();
                         let checked = value(&property.value, &param.ty, self.context, self.diagnostics);
                         for said in &mut self.diagnostics[before..] {
@@ -454,4 +460,32 @@ fn decimal_comma(before: &str, text: &str) -> Option<(usize, usize)> {
         }
     }
     Some((whole + 1, part))
+}
+
+/// A time where a number of ticks is expected, with that number; none where the value is something else.
+fn counted_in_ticks(
+    value: &ast::Expression,
+    param: &Param,
+    signature: &Signature,
+    entries: &[Entry],
+) -> Option<Diagnostic> {
+    let default = signature.params.iter().find(|param| param.name == "tick")?.default?;
+    let counts = matches!(param.ty, Type::Integer { .. }) && param.doc.contains("icks");
+    let time = seconds(value).filter(|_| counts)?;
+    let written = entries.iter().find_map(|entry| match entry {
+        Entry::Property(property) if property.key.text == "tick" => Some(&property.value),
+        _ => None,
+    });
+    let tick = match written {
+        Some(tick) => seconds(tick)?,
+        None => default.strip_suffix(" s")?.parse().ok()?,
+    };
+    Some(diagnostics::time_for_ticks(value.span, param.name, time, tick))
+}
+
+/// A number with a unit of time, in s.
+fn seconds(value: &ast::Expression) -> Option<f64> {
+    let ExpressionKind::Number { value, unit: Some(unit) } = &value.kind else { return None };
+    let unit = parse_unit(&unit.text).ok().filter(|unit| unit.dimension == Dimension::TIME)?;
+    Some(value * unit.factor)
 }

@@ -37,6 +37,8 @@ pub(super) fn own_word(word: &str) -> Option<&'static str> {
         "road" => "street",
         "house" => "building",
         "headway" => "time_headway",
+        "reaction" | "reaction_time" => "reaction_allowance",
+        "delay" => "actuation_delay",
         "Range" | "Uniform" => "uniform",
         "Normal" | "Gaussian" | "gaussian" => "normal",
         "Options" | "Choice" | "uniform_choice" => "choice",

@@ -186,6 +186,20 @@ pub(super) fn value(
                 None
             }
         },
+        (Type::Reference(form), ExpressionKind::Call { function, .. }) if has_kind(form, &function.text, context) => {
+            diagnostics.push(diagnostics::kind_in_place(span, form, context.sources.text(span)));
+            None
+        }
+        (Type::Reference(form), ExpressionKind::List(members)) => {
+            let written: Vec<&str> = members.iter().map(|member| context.sources.text(member.span)).collect();
+            diagnostics.push(diagnostics::several_for_one(span, form, &written));
+            None
+        }
+        (Type::Pose, ExpressionKind::Group(parts)) if parts.len() == 2 => {
+            let written: Vec<&str> = parts.iter().map(|part| context.sources.text(part.span)).collect();
+            diagnostics.push(diagnostics::missing_heading(span, &written));
+            None
+        }
         (Type::Reference(form), ExpressionKind::Known(Known::Declaration(known, id))) if form == known => {
             Some(Value::Reference(*id))
         }
@@ -215,6 +229,12 @@ pub(super) fn value(
         }
         _ => wrong(diagnostics),
     }
+}
+
+/// Whether a form has a kind of this name.
+fn has_kind(form: &str, word: &str, context: &Context<'_>) -> bool {
+    let mut kinds = context.forms.iter().filter(|each| each.name == form).flat_map(|each| &each.kinds);
+    kinds.any(|kind| kind.name == word)
 }
 
 /// The scope of formulas about an event.

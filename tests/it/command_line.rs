@@ -334,3 +334,21 @@ fn the_program_of_a_file_with_a_matrix_is_shown() {
     let output = falsify(&["debug", "hir", "tiny.scn"], folder.path());
     assert!(output.status.success(), "{output:?}");
 }
+
+#[test]
+fn check_fix_applies_repairs_without_an_alternative() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("typo.scn");
+    let text = "edition 1\npolicy p = idm(time_hedway: 2 s)\nepisode e { ticks: 30 s  hold: 1 s }\nspawn s { distance: 7 .. 30 m }\n";
+    std::fs::write(&file, text).unwrap();
+    let output = falsify(&["check", "--fix", "typo.scn"], folder.path());
+    let repaired = std::fs::read_to_string(&file).unwrap();
+    assert!(repaired.contains("idm(time_headway: 2 s)"), "{repaired}");
+    // 30 s and 1 s in ticks of 0.05 s.
+    assert!(repaired.contains("ticks: 600") && repaired.contains("hold: 20"), "{repaired}");
+    assert!(error(&output).contains("repaired in typo.scn"), "{output:?}");
+    // What is right stays as it is.
+    let before = std::fs::read(&file).unwrap();
+    falsify(&["check", "--fix", "typo.scn"], folder.path());
+    assert_eq!(std::fs::read(&file).unwrap(), before);
+}

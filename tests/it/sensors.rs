@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::{Arc, LazyLock, Mutex};
 
 use falsify::internal::av::sensors::{Field, Seam, Sector, SensorModel, SensorWrapper};
-use falsify::internal::av::{Actor, DrivingMode, DrivingPolicy, Perception};
+use falsify::internal::av::{Actor, ActuationDelay, DrivingMode, DrivingPolicy, Perception};
 use falsify::internal::compile::{Catalog, Plan, compile};
 use falsify::internal::env::{PedestrianEnv, Scenario};
 use falsify::internal::geometry::{Obstacles, OrientedBox, Pose, Vector};
@@ -347,4 +347,59 @@ fn what_a_user_calls_perfect_is_nobodys_default() {
         plan.campaigns[0].trainings[0].fingerprint
     };
     assert_eq!(tried("perfect"), tried("nice"));
+}
+
+/// Commands a throttle that grows by 0.01 a tick.
+struct Growing(u32);
+
+impl DrivingPolicy for Growing {
+    fn reset(&mut self, _: &Perception<'_>, _: Stream) {
+        self.0 = 0;
+    }
+
+    fn drive(&mut self, _: &Perception<'_>) -> Control {
+        self.0 += 1;
+        Control { throttle: f64::from(self.0) / 100.0, ..Control::default() }
+    }
+
+    fn mode(&self) -> DrivingMode {
+        DrivingMode::Cruise
+    }
+
+    fn snapshot(&self) -> Option<Box<dyn DrivingPolicy>> {
+        Some(Box::new(Self(self.0)))
+    }
+}
+
+#[test]
+fn commands_take_effect_after_the_actuation_delay() {
+    let scenario = campaign("", "blind").campaigns[0].evaluations[0].scenario.clone();
+    let obstacles = Obstacles::new(&[]);
+    let perception = Perception {
+        town: &scenario.town,
+        blueprint: &scenario.cast.ego.blueprint,
+        tick: 0,
+        dt: 0.05,
+        ego: car(0.0, 0.0, 0.0),
+        speed_limit: 8.0,
+        route: &[],
+        pedestrians: &[],
+        vehicles: &[],
+        obstacles: &obstacles,
+        lights: &[],
+        affecting_light: None,
+    };
+    let throttles = |driver: &mut dyn DrivingPolicy| -> Vec<u32> {
+        (0..5).map(|_| (driver.drive(&perception).throttle * 100.0).round() as u32).collect()
+    };
+    for (delay, wanted) in [(0.0, [1, 2, 3, 4, 5]), (0.1, [0, 0, 1, 2, 3]), (0.14, [0, 0, 0, 1, 2])] {
+        let mut driver = ActuationDelay::new(Box::new(Growing(0)), delay);
+        driver.reset(&perception, Seed::root(1).stream());
+        assert_eq!(throttles(&mut driver), wanted, "{delay} s");
+        // A copy goes on from the same state, and a new episode forgets what waits.
+        let mut copy = driver.snapshot().unwrap();
+        assert_eq!(throttles(copy.as_mut()), throttles(&mut driver), "{delay} s");
+        driver.reset(&perception, Seed::root(1).stream());
+        assert_eq!(throttles(&mut driver), wanted, "{delay} s");
+    }
 }

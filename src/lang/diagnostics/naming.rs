@@ -277,6 +277,32 @@ pub fn kind_for_name(span: Span, form: &str, word: &str) -> Diagnostic {
         .help(format!("declare one, and name it here: `{form} mine = {word}()`"))
 }
 
+/// A kind with its keys stands where the name of a declaration is expected.
+pub fn kind_in_place(span: Span, form: &str, written: &str) -> Diagnostic {
+    Diagnostic::error("unknown-name", span, format!("expected the name of a {form}, found a declaration of one"))
+        .here("this is written in a declaration of its own")
+        .help(format!("declare it: `{form} mine = {}`, and write `mine` here", cut(written)))
+}
+
+/// A list of names stands where one name is expected.
+pub fn several_for_one(span: Span, form: &str, written: &[&str]) -> Diagnostic {
+    let diagnostic = Diagnostic::error("wrong-type", span, format!("expected the name of one {form}, found a list"));
+    match (form, written) {
+        (_, [only]) => diagnostic.fix(*only),
+        ("adversary", _) => diagnostic
+            .here("the pedestrians are trained with one adversary")
+            .help(format!("`evaluate {{ adversaries: [{}] }}` evaluates them with several", written.join(", "))),
+        _ => diagnostic.help(format!("for several, write a `matrix` over a parameter of the type `{form}`")),
+    }
+}
+
+/// A pose has no heading.
+pub fn missing_heading(span: Span, written: &[&str]) -> Diagnostic {
+    Diagnostic::error("wrong-type", span, "expected a pose, found a point")
+        .here("a pose has a heading, too")
+        .fix(format!("({}, 0 deg)", written.join(", ")))
+}
+
 /// A declaration is never used.
 pub fn unused(span: Span, form: &str, name: &str) -> Diagnostic {
     Diagnostic::warning("unused", span, format!("{form} `{name}` is never used"))

@@ -6,7 +6,7 @@ use super::super::foreign_names::own_unit;
 use super::super::suggest::nearest;
 use super::{cut, one, quoted, unknown};
 use crate::diagnostic::{Diagnostic, Fix, Label, Span};
-use crate::signature::{Param, Type};
+use crate::signature::{Param, Type, short};
 use crate::units::{Dimension, parse_unit};
 
 /// A value has another type than its key.
@@ -81,6 +81,14 @@ pub fn wrong_unit(span: Span, expected: Dimension, found: Dimension) -> Diagnost
         [] => diagnostic,
         units => diagnostic.help(format!("units of {expected}: {}", quoted(units.iter().copied()))),
     }
+}
+
+/// A time (s) stands for a number of ticks of this length (s).
+pub fn time_for_ticks(span: Span, key: &str, time: f64, tick: f64) -> Diagnostic {
+    let count = (time / tick).round().max(1.0);
+    Diagnostic::error("wrong-unit", span, format!("`{key}` is a number of ticks, not a time"))
+        .here(format!("{} s are {count} ticks of {} s", short(time), short(tick)))
+        .fix(count.to_string())
 }
 
 /// A quantity is counted in units of something else.

@@ -9,6 +9,8 @@ use super::{Reader, inner_text, read_number};
 use crate::diagnostic::Span;
 use crate::lang::ast::{Entry, Expression, ExpressionKind, Operator};
 use crate::lang::diagnostics;
+use crate::lang::formula::is_function;
+use crate::lang::value::distributions;
 use crate::signature::short;
 
 /// Greatest number of terms and operators of one expression; later phases walk it recursively.
@@ -156,7 +158,9 @@ impl Reader {
                 if keys.is_empty() {
                     self.ask_about_commas(text, &arguments);
                 }
-                if !keys.is_empty() {
+                // A kind with keys is reported where a name is expected.
+                let is_function = is_function(&function.text) || distributions().any(|name| name == function.text);
+                if !keys.is_empty() && is_function {
                     let written = |value: &Expression| &text[value.span.start..value.span.end];
                     let values: Vec<&str> = arguments.iter().map(written).collect();
                     let call = format!("{}({})", function.text, values.join(", "));
