@@ -22,7 +22,7 @@ use crate::sim::{ActorStart, Contact, Control, LightCycle, PedestrianState, Walk
 /// Episode *k* depends only on the seed and on *k*. So two controllers that are evaluated with one seed have the same starts and the same
 /// drivers.
 ///
-/// Where the ego starts in its steady state ([`EgoSpeed::Steady`]), the driver first drives alone along a *run-up* that ends at the drawn
+/// Where the ego starts in its steady state ([`EgoSpeed::Steady`](super::EgoSpeed::Steady)), the driver first drives alone along a *run-up* that ends at the drawn
 /// pose. Tick 0 of the episode is the tick in which it gets there: with its own speed, pose within the lane, and memory. Until then there are
 /// no pedestrians; vehicles and traffic lights run. A driver that does not get there within 60 s (120 s where traffic lights work; at most 20,000 ticks) or touches
 /// another vehicle starts at the drawn pose, at rest and without memory.

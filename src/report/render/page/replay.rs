@@ -21,7 +21,7 @@ pub struct Replay {
     pub car: [i64; 2],
     /// Radius of the pedestrian (cm).
     pub radius: i64,
-    /// Polygons of the scenery, from the ground up: number of the [`Surface`], then x and y of each corner, in decimetres.
+    /// Polygons of the scenery, from the ground up: number of the surface, then x and y of each corner, in decimetres.
     pub scenery: Vec<Vec<i64>>,
     /// The car at each tick: x, y, yaw, speed.
     pub ego: Vec<[i64; 4]>,
