@@ -57,7 +57,7 @@ fn failures_are_listed_and_their_names_are_taken_by_other_commands() {
     let speed = |object: &serde_json::Value| object["impact_speed_mps"].as_f64().unwrap();
     let fast = objects.iter().filter(|object| object["policy"] == "slow" && speed(object) >= 1.0).count();
     assert_eq!(names(&["--driver", "slow", "--min-speed", "1"]).lines().count(), fast);
-    assert!(names(&["--controller", "nobody"]).is_empty());
+    assert!(names(&["--controller", "none_such"]).is_empty());
     let wrong = falsify(&["failures", "reports", "--verdict", "bad"], here);
     assert_eq!(wrong.status.code(), Some(2));
 
@@ -115,7 +115,7 @@ fn a_changed_driver_differs_and_an_equal_one_does_not() {
     assert_eq!(gate("common_starts >= 15"), Some(7));
     assert_eq!(gate("common_starts > 15"), Some(0));
     assert_eq!(gate("common_start > 15"), Some(2), "no such column");
-    assert_eq!(gate("common_starts > 15 and policy == nobody"), Some(2), "it speaks of nothing");
+    assert_eq!(gate("common_starts > 15 and policy == none_such"), Some(2), "it speaks of nothing");
     let baseline = ["run", "two.scn", "--out", "new", "--set", "share=0.9", "--baseline", "old", "--fail-if"];
     let blocked = falsify(&[&baseline[..], &["common_starts >= 15"]].concat(), here);
     assert_eq!(blocked.status.code(), Some(7), "{blocked:?}");
