@@ -242,7 +242,7 @@ impl ActorCritic {
         let entry = |(key, value): (&String, &String)| Entry { key: key.clone(), value: value.clone() };
         let model = Model {
             ir_version: IR_VERSION,
-            producer_name: env!("CARGO_PKG_NAME").to_owned(),
+            producer_name: "falsify".to_owned(),
             graph: Some(graph),
             operators: vec![Operators { version: OPERATORS }],
             metadata: metadata.iter().map(entry).collect(),
