@@ -20,6 +20,8 @@ const SIGN_HALF_SIZE: f64 = 1.4;
 const FAR: f64 = 500.0;
 /// The greatest number of trees of a grove.
 const MOST_TREES: f64 = 20_000.0;
+/// The greatest number of cars of a row.
+const MOST_CARS: f64 = 1000.0;
 /// Step of the search for lanes under an obstacle (m).
 const UNDER_STEP: f64 = 1.0;
 /// The greatest number of steps along one side of an obstacle.
@@ -161,6 +163,31 @@ fn obstacles() -> Vec<Signature> {
             ],
         ),
         Signature::new(
+            "parked_row",
+            "Cars that stand one behind another along a straight line, looking along it. The first touches `from` with its rear; the row has as many cars as there is room for up to `to`.",
+            vec![
+                Param::required("from", Type::Point, "One end of the row, on the middle of the cars."),
+                Param::required("to", Type::Point, "The other end."),
+                Param::with_default(
+                    "gap",
+                    Type::Quantity { dimension: Dimension::LENGTH, min: 0.0, max: 1000.0 },
+                    "1 m",
+                    "Distance between two cars.",
+                ),
+                Param::with_default("length", length(), "4.5 m", "Length of a car."),
+                Param::with_default("width", length(), "1.9 m", "Width of a car."),
+            ],
+        ),
+        Signature::new(
+            "bus",
+            "A bus that stands for good, such as at its stop. The default is the greatest size of a bus with two axles before 2002 (Directive 96/53/EC). Like all obstacles it may not stand on a driving lane, since drivers look for road users there.",
+            vec![
+                Param::required("at", Type::Pose, "Its middle and its heading."),
+                Param::with_default("length", length(), "12 m", "Its length."),
+                Param::with_default("width", length(), "2.55 m", "Its width."),
+            ],
+        ),
+        Signature::new(
             "speed_sign",
             "A limit that a car takes over when it passes.",
             vec![
@@ -233,8 +260,11 @@ pub fn lower(
     // The first look-up of a lane is expensive, and in a described town most objects stand far from every street.
     let reach = UNDER_SLACK + if drawn { profile(block).half_width() } else { f64::INFINITY };
     let near = |own: &OrientedBox| town.roads.iter().any(|road| comes_near(road, own, reach));
+    // One message for a row or a grove.
+    let mut reported = None;
     for (place, own) in standing.iter().filter(|(_, own)| near(own)) {
-        if let Some(road) = road_under(&town, own) {
+        if let Some(road) = road_under(&town, own).filter(|_| reported != Some(*place)) {
+            reported = Some(*place);
             let whose = match road.name.as_str() {
                 "" => format!("road {}", road.id),
                 name => format!("`{name}`"),
@@ -389,7 +419,28 @@ fn standing(block: &Block, said: &mut Vec<Diagnostic>) -> Vec<(Span, OrientedBox
                     all.push((child.head, tree(Point::new(low.x + column * spacing, low.y + row * spacing))));
                 }
             }
-            "parked_car" => {
+            "parked_row" => {
+                let (from, along) = (point("from"), point("to") - point("from"));
+                let (length, width) = (arguments.number("length"), arguments.number("width"));
+                let pitch = length + arguments.number("gap");
+                let count = ((along.norm() - length) / pitch + 1.0 + 1e-9).floor();
+                if !(1.0..=MOST_CARS).contains(&count) {
+                    let reason = match count < 1.0 {
+                        true => format!("this row of {:.1} m has no room for a car of {length} m", along.norm()),
+                        false => format!("this row has {count} cars; at most {MOST_CARS} stand in one"),
+                    };
+                    said.push(diagnostics::unbuildable_town(child.head, &reason));
+                    continue;
+                }
+                let direction = along / along.norm();
+                let heading = libm::atan2(along.y, along.x);
+                for index in 0..count as u32 {
+                    let middle = from + direction * (length / 2.0 + f64::from(index) * pitch);
+                    let place = Pose::new(middle.x, middle.y, heading);
+                    all.push((child.head, OrientedBox::new(place, length / 2.0, width / 2.0)));
+                }
+            }
+            "parked_car" | "bus" => {
                 let half = (arguments.number("length") / 2.0, arguments.number("width") / 2.0);
                 all.push((child.head, OrientedBox::new(pose(arguments.value("at")), half.0, half.1)));
             }

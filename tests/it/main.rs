@@ -69,6 +69,7 @@ mod spawns;
 mod steady_starts;
 mod stepping;
 mod stopping;
+mod streets;
 mod suite;
 mod tables_elsewhere;
 mod tidy;
