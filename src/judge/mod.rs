@@ -51,4 +51,4 @@ pub use reference::Reference;
 pub use severity::{HARD, fatality_risk, severe_injury_risk};
 pub use sight::Sight;
 pub use trial::Trial;
-pub use verdict::{Label, Verdict, judge};
+pub use verdict::{CLEAR, Label, Verdict, judge};

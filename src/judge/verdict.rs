@@ -1,6 +1,10 @@
 use super::{ContactSide, Inquiry, Reference, Sight, Trial, reaction, severity};
 use crate::env::Pair;
 
+/// A careful human who passes the pedestrian with less than this to spare (m) avoids the collision only narrowly. Our choice: a disc for the
+/// pedestrian, a box for the car and a path sampled 20 times a second are not more exact.
+pub const CLEAR: f64 = 0.1;
+
 /// The label of a failure, from the results of the reference drivers. The first that applies, in this order:
 ///
 /// | label | when |
@@ -51,7 +55,7 @@ impl Label {
     }
 
     /// The drivers that decide whether a collision is preventable, the one that brakes earlier first.
-    pub(super) const fn humans() -> [Reference; 2] {
+    pub const fn humans() -> [Reference; 2] {
         [Reference::AttentiveHuman, Reference::CarefulHuman]
     }
 
@@ -109,6 +113,11 @@ impl Verdict {
     /// Whether a careful human would have avoided it and the pedestrian moved as people do: the failure counts against the driver.
     pub fn is_attributable(&self) -> bool {
         self.is_preventable() && self.foreseeable
+    }
+
+    /// Whether it is preventable, but one of the two careful humans has less than [`CLEAR`] to spare.
+    pub fn is_narrow(&self) -> bool {
+        self.is_preventable() && Label::humans().into_iter().any(|human| self.margin(human) < CLEAR)
     }
 
     /// Whether the car was at most 0.1 m/s fast when it was touched.

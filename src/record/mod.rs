@@ -24,7 +24,7 @@ pub use episodes::{
 };
 pub use key::{CellKey, RunKey};
 pub use metric::Metric;
-pub use read::EpisodeTable;
+pub use read::{EpisodeTable, HumanMargins};
 pub use row::EpisodeRow;
 pub use stored::{Chunk, Chunks, decode, encode, tally};
 pub use tally::Tally;

@@ -4,16 +4,16 @@ use polars::prelude::{BooleanChunked, DataFrame, Float64Chunked, PolarsResult, S
 
 use super::columns::{
     ADVERSARY, ATTRIBUTABLE, AVOIDS, BLOCK, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW,
-    EPISODE, EPISODE_LENGTH, EPISODE_REWARD, ERROR, FRONT, IMPACT_BEARING, IMPACT_SPEED, IN_SIGHT, LEAST_GAP, MIN_TTC,
-    MOVING, OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, REWARD, RUN, RUN_ID, RUN_UP, START,
-    STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT, WEIGHT,
+    EPISODE, EPISODE_LENGTH, EPISODE_REWARD, ERROR, FRONT, IMPACT_BEARING, IMPACT_SPEED, IN_SIGHT, LEAST_GAP, MARGIN,
+    MIN_TTC, MOVING, OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, REWARD, RUN, RUN_ID, RUN_UP,
+    START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT, WEIGHT,
 };
 use super::episodes::named;
 use super::{CellKey, RunKey};
 use crate::av::DrivingMode;
 use crate::env::{Ending, Outcome, Spawn};
 use crate::geometry::Pose;
-use crate::judge::{Label, Reference};
+use crate::judge::{CLEAR, Label, Reference};
 use crate::statistics::Weighted;
 
 impl CellKey {
@@ -66,6 +66,26 @@ impl<'a> Weights<'a> {
     }
 }
 
+/// The room with which the two careful humans avoid collisions, in a table with verdicts.
+#[derive(Debug, Clone, Copy)]
+pub struct HumanMargins<'a>([&'a Float64Chunked; 2]);
+
+impl<'a> HumanMargins<'a> {
+    /// Reads it.
+    ///
+    /// # Errors
+    /// A column is missing or holds something else.
+    pub fn read(table: &'a DataFrame) -> PolarsResult<Self> {
+        let [a, b] = Label::humans().map(|human| MARGIN.read(human.name(), table));
+        Ok(Self([a?, b?]))
+    }
+
+    /// Whether one of them has less than [`CLEAR`] to spare.
+    pub fn is_narrow(&self, row: usize) -> bool {
+        self.0.iter().any(|margin| margin.get(row).is_some_and(|margin| margin < CLEAR))
+    }
+}
+
 /// A table of episodes, read row by row.
 ///
 /// Missing numbers are `None` if the type allows it, else 0.
@@ -100,6 +120,7 @@ pub struct EpisodeTable<'a> {
     digest: &'a StringChunked,
     trail: &'a StringChunked,
     verdict: &'a StringChunked,
+    human_margins: HumanMargins<'a>,
     in_sight: &'a Float64Chunked,
 }
 
@@ -139,6 +160,7 @@ impl<'a> EpisodeTable<'a> {
             digest: DIGEST.read(table)?,
             trail: STATE_HASHES.read(table)?,
             verdict: VERDICT.read(table)?,
+            human_margins: HumanMargins::read(table)?,
             in_sight: IN_SIGHT.read(table)?,
         })
     }
@@ -189,6 +211,11 @@ impl<'a> EpisodeTable<'a> {
     /// Whether it counts against the driver: preventable, with a foreseeable pedestrian.
     pub fn is_attributable(&self, row: usize) -> bool {
         self.attributable.get(row).unwrap_or_default()
+    }
+
+    /// Whether one of the two careful humans avoids it with less than [`CLEAR`] to spare.
+    pub fn is_narrow(&self, row: usize) -> bool {
+        self.human_margins.is_narrow(row)
     }
 
     /// Speed of the car at the touch (m/s).

@@ -2,7 +2,7 @@ use super::*;
 use crate::av::{DrivingMode, Fault};
 use crate::env::{Ending, Outcome, Spawn};
 use crate::geometry::Pose;
-use crate::judge::{ContactSide, FalseAlarms, Label, NearMiss, Reference, Sight, Trial, Verdict};
+use crate::judge::{CLEAR, ContactSide, FalseAlarms, Label, NearMiss, Reference, Sight, Trial, Verdict};
 use crate::statistics::Weighted;
 
 fn key() -> RunKey {
@@ -62,6 +62,23 @@ fn row(episode: u32, ending: Ending) -> EpisodeRow {
 fn rows() -> Vec<EpisodeRow> {
     let hit = Ending::Collision { front: true, moving: true, impact_speed: 4.0, bearing: 0.0 };
     vec![row(0, hit), row(1, Ending::Timeout), row(2, Ending::Lost), row(3, Ending::Error(Fault::Ended))]
+}
+
+#[test]
+fn a_collision_is_narrow_when_a_careful_human_barely_passes() {
+    let with = |label, margin: f64| {
+        let mut row = row(0, Ending::Collision { front: true, moving: true, impact_speed: 4.0, bearing: 0.0 });
+        let verdict = row.verdict.as_mut().unwrap();
+        verdict.label = label;
+        verdict.trials[Reference::AttentiveHuman as usize].least_gap = margin;
+        row
+    };
+    let rows = [with(Label::Preventable, CLEAR - 1e-6), with(Label::Preventable, CLEAR), row(1, Ending::Timeout)];
+    let table = episodes(&rows);
+    let table = EpisodeTable::new(&table).unwrap();
+    let read: Vec<bool> = table.rows().map(|row| table.is_narrow(row)).collect();
+    let judged: Vec<bool> = rows.iter().map(|row| row.verdict.is_some_and(|verdict| verdict.is_narrow())).collect();
+    assert_eq!((&read, &judged), (&vec![true, false, false], &vec![true, false, false]));
 }
 
 #[test]

@@ -15,6 +15,8 @@ const MOST_OF_A_DRIVER: usize = 100;
 pub enum FailureClass {
     /// A careful human would have avoided it, and the pedestrian moved as people do.
     Attributable,
+    /// The same, but the careful human would have passed the pedestrian with less than [`CLEAR`](crate::judge::CLEAR) to spare.
+    NarrowlyAttributable,
     /// A careful human would have avoided it.
     Preventable,
     /// Reference drivers disagree.
@@ -31,8 +33,9 @@ pub enum FailureClass {
 
 impl FailureClass {
     /// The class of a failure with this verdict.
-    pub fn new(label: Option<Label>, is_attributable: bool) -> Self {
+    pub fn new(label: Option<Label>, is_attributable: bool, is_narrow: bool) -> Self {
         match label {
+            _ if is_attributable && is_narrow => Self::NarrowlyAttributable,
             _ if is_attributable => Self::Attributable,
             Some(Label::Preventable) => Self::Preventable,
             Some(Label::Contested) => Self::Contested,
@@ -47,6 +50,7 @@ impl FailureClass {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Attributable => "attributable",
+            Self::NarrowlyAttributable => "attributable, narrowly",
             Self::Preventable => "preventable",
             Self::Contested => "contested",
             Self::MachinePreventable => "by machine only",
@@ -162,7 +166,7 @@ impl Failures {
             let found = FoundFailure {
                 run: key.id,
                 number: episodes.episode(row),
-                class: FailureClass::new(episodes.label(row), episodes.is_attributable(row)),
+                class: FailureClass::new(episodes.label(row), episodes.is_attributable(row), episodes.is_narrow(row)),
                 impact_speed: episodes.impact_speed(row).unwrap_or_default(),
                 length: episodes.length(row).unwrap_or_default(),
                 by: FoundBy::Controller(Box::default()),
@@ -184,6 +188,7 @@ impl Failures {
                     class: FailureClass::new(
                         verdict.as_ref().map(|verdict| verdict.label),
                         verdict.as_ref().is_some_and(Verdict::is_attributable),
+                        verdict.as_ref().is_some_and(Verdict::is_narrow),
                     ),
                     impact_speed: failure.outcome.impact_speed().unwrap_or_default(),
                     length: failure.outcome.duration,
@@ -242,9 +247,10 @@ mod tests {
             failure("a", 2, FailureClass::Attributable, 7.0),
             failure("a", 1, FailureClass::Standing, 0.0),
             failure("a", 0, FailureClass::Preventable, 9.0),
+            failure("a", 5, FailureClass::NarrowlyAttributable, 11.0),
         ];
         all.sort_by(FoundFailure::worse_first);
-        assert_eq!(all.map(|found| found.number), [2, 3, 0, 4, 1]);
+        assert_eq!(all.map(|found| found.number), [2, 3, 5, 0, 4, 1]);
     }
 
     #[test]
@@ -263,9 +269,11 @@ mod tests {
     #[test]
     fn every_label_has_a_class() {
         let classes: Vec<FailureClass> =
-            Label::ALL.into_iter().map(|label| FailureClass::new(Some(label), false)).collect();
+            Label::ALL.into_iter().map(|label| FailureClass::new(Some(label), false, false)).collect();
         assert!(classes.is_sorted(), "{classes:?}");
-        assert_eq!(FailureClass::new(Some(Label::Preventable), true), FailureClass::Attributable);
+        assert_eq!(FailureClass::new(Some(Label::Preventable), true, false), FailureClass::Attributable);
+        assert_eq!(FailureClass::new(Some(Label::Preventable), true, true), FailureClass::NarrowlyAttributable);
+        assert!(FailureClass::NarrowlyAttributable.is_preventable());
         assert!(FailureClass::Preventable.is_preventable() && !FailureClass::Contested.is_preventable());
     }
 }

@@ -14,8 +14,8 @@ use crate::record::columns::{
     ATTRIBUTABLE, CONTROLLER, DRIVING_MODE, EPISODE_LENGTH, FORESEEABLE, IMPACT, IMPACT_SPEED, IN_SIGHT, MOTION,
     POLICY, REWARD, RUN_ID, TOWN, TRAIN_POLICY, TRAIN_TOWN, VERDICT,
 };
-use crate::record::{Column, EPISODES, EpisodeTable, RunKey, Table};
-use crate::report::aggregate::{FAILURE, FAILURES, FALSIFIER};
+use crate::record::{Column, EPISODES, EpisodeTable, HumanMargins, RunKey, Table};
+use crate::report::aggregate::{FAILURE, FAILURES, FALSIFIER, FailureClass};
 
 /// The number of rows of a table that are read at once.
 const ROWS: usize = 1 << 17;
@@ -47,6 +47,8 @@ pub struct ListedFailure {
     pub foreseeable: bool,
     /// Whether it counts against the driver: preventable and foreseeable.
     pub attributable: bool,
+    /// Whether a careful human avoids it with less than [`CLEAR`](crate::judge::CLEAR) to spare.
+    pub narrow: bool,
     /// The side of the car that was hit.
     pub impact: String,
     /// Whether the car moved.
@@ -83,10 +85,15 @@ impl ListedFailure {
         }
     }
 
-    /// The place in a list that begins with what counts most against the driver: attributable, then the verdicts in their order.
-    fn rank(&self) -> (bool, usize) {
-        let place = Label::ALL.iter().position(|label| Some(*label) == self.verdict);
-        (!self.attributable, place.unwrap_or(Label::COUNT))
+    /// The verdict for people, as `attributable, narrowly`.
+    pub fn verdict_text(&self) -> String {
+        let narrowly = if self.class() == FailureClass::NarrowlyAttributable { ", narrowly" } else { "" };
+        self.verdict_name().replace('_', " ") + narrowly
+    }
+
+    /// How much it counts against the driver.
+    pub fn class(&self) -> FailureClass {
+        FailureClass::new(self.verdict, self.attributable, self.narrow)
     }
 }
 
@@ -132,7 +139,8 @@ impl FailureFilter {
 /// The order of a list of failures. Equal ones stay in the order of the report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FailureOrder {
-    /// Attributable ones first, then the verdicts from `preventable` to `standing`; in each the highest speed at the touch first.
+    /// By [`FailureClass`]: attributable ones first, then the verdicts from `preventable` to `standing`; in each the highest speed at the
+    /// touch first.
     #[default]
     Severity,
     /// The highest speed at the touch first.
@@ -148,7 +156,7 @@ impl FailureOrder {
     pub fn compare(self, a: &ListedFailure, b: &ListedFailure) -> Ordering {
         let faster = || b.impact_speed.total_cmp(&a.impact_speed);
         match self {
-            Self::Severity => a.rank().cmp(&b.rank()).then_with(faster),
+            Self::Severity => a.class().cmp(&b.class()).then_with(faster),
             Self::Speed => faster(),
             Self::Time => a.length.total_cmp(&b.length),
             Self::Report => Ordering::Equal,
@@ -193,6 +201,7 @@ pub fn listed(rows: &DataFrame) -> PolarsResult<BTreeMap<usize, ListedFailure>> 
             verdict: table.label(row),
             foreseeable: foreseeable.get(row) == Some(true),
             attributable: table.is_attributable(row),
+            narrow: table.is_narrow(row),
             impact: Impact::new(table.is_front(row), table.impact_bearing(row).unwrap_or_default()).name().into(),
             moving: table.is_moving(row),
             occluded: is_occluded(table.in_sight(row)),
@@ -225,6 +234,7 @@ fn searched(rows: &DataFrame, filter: &FailureFilter, found: &mut Vec<ListedFail
             verdict: Label::named(&text(&VERDICT, row)?),
             foreseeable: FORESEEABLE.read(rows)?.get(row) == Some(true),
             attributable: ATTRIBUTABLE.read(rows)?.get(row) == Some(true),
+            narrow: HumanMargins::read(rows)?.is_narrow(row),
             impact: text(&IMPACT, row)?,
             moving: text(&MOTION, row)? == "moving",
             occluded: is_occluded(number(&IN_SIGHT, row)?),
@@ -299,6 +309,7 @@ mod tests {
             verdict,
             foreseeable: attributable,
             attributable,
+            narrow: false,
             impact: "front".into(),
             moving: speed > 0.1,
             occluded: false,

@@ -86,7 +86,7 @@ fn card(number: usize, pair: &PlayedPair, comparison: &ReportComparison) -> Mark
         article.card {
             header {
                 h3 { (change.word()) ": " (failure.kind()) }
-                span class={ "verdict " (failure.verdict_name()) } { (failure.verdict_name().replace('_', " ")) }
+                span class={ "verdict " (failure.verdict_name()) } { (failure.verdict_text()) }
             }
             p.where { (title(&comparison.cells[change.cell])) }
             div.pair {

@@ -141,7 +141,7 @@ pub fn list(changes: &[&FailureChange]) -> Table {
         vec![
             Value::Code(after.name.clone()),
             Value::Code(before.name.clone()),
-            failure.verdict_name().replace('_', " ").into(),
+            failure.verdict_text().into(),
             Value::Number(Some(failure.impact_speed), 1),
             failure.policy.clone().into(),
             failure.kind().into(),

@@ -65,7 +65,7 @@ fn card(found: &FoundFailure) -> PlayerCard {
 /// The class of a verdict's colours.
 fn class(class: FailureClass) -> &'static str {
     match class {
-        FailureClass::Attributable | FailureClass::Preventable => "preventable",
+        FailureClass::Attributable | FailureClass::NarrowlyAttributable | FailureClass::Preventable => "preventable",
         FailureClass::Contested => "contested",
         _ => "other",
     }
@@ -107,7 +107,8 @@ fn list(listed: &[&FoundFailure], players: &Players) -> Markup {
             }
         }
         p.lead {
-            "One failure of each driver, then the others: attributable ones first, then preventable ones, in each class the fastest car first. "
+            "One failure of each driver, then the others: attributable ones first, then those that a careful human avoids narrowly, with less "
+            "than 0.1 m to spare, then preventable ones; in each class the fastest car first. "
             code { "falsify replay NAME" } " describes a failure, " code { "falsify render NAME" } " draws it. The tables "
             code { "episodes" } " and " code { "search_failures" } " have all failures."
         }
