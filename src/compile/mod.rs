@@ -18,6 +18,7 @@ mod sensor_suites;
 mod adversary;
 mod spawn;
 mod target_walk;
+mod given_path;
 mod sector;
 mod reward;
 mod episode;

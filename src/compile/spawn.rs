@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 
 use super::sector::{self, Sector};
-use super::target_walk;
+use super::{given_path, target_walk};
 use crate::diagnostic::{Diagnostic, Sources};
 use crate::env::{Constraint, EgoSpeed, EgoStart, Ground, LanePiece, Measure, RoadShape, SpawnRule};
 use crate::geometry::Pose;
@@ -88,7 +88,7 @@ pub fn form() -> Form {
         doc: "Where an episode begins.",
         plain: Some(Signature { children: vec![lane], ..Signature::new("spawn", "", params) }),
         multiplies: false,
-        kinds: target_walk::signatures(),
+        kinds: target_walk::signatures().into_iter().chain([given_path::signature()]).collect(),
     }
 }
 
@@ -100,8 +100,10 @@ pub fn lower(
     said: &mut Vec<Diagnostic>,
 ) -> Option<SpawnRule> {
     let (name, block) = (&declaration.name, &declaration.block);
-    if declaration.kind != "spawn" {
-        return target_walk::lower(declaration, said);
+    match declaration.kind {
+        "spawn" => {}
+        given_path::GIVEN_PATH => return given_path::lower(declaration, said),
+        _ => return target_walk::lower(declaration, said),
     }
     let arguments = &block.arguments;
     let with_place = |key: &str| (arguments.distribution(key), block.place(key));
@@ -168,6 +170,7 @@ pub fn lower(
         heading: arguments.has("heading").then(|| arguments.distribution("heading").clone()),
         constraints,
         target_walk: None,
+        given_path: None,
     })
 }
 

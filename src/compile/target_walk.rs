@@ -171,10 +171,12 @@ pub fn lower(declaration: &Declaration, said: &mut Vec<Diagnostic>) -> Option<Sp
         heading: None,
         constraints: Vec::new(),
         target_walk: Some(walk),
+        given_path: None,
     })
 }
 
-fn numbers(arguments: &Arguments, key: &str) -> Vec<f64> {
+/// The quantities of a list.
+pub(super) fn numbers(arguments: &Arguments, key: &str) -> Vec<f64> {
     let number = |value: &Value| match value {
         Value::Number(number) => *number,
         other => panic!("checked: a quantity, not {other:?}"),

@@ -45,8 +45,8 @@ pub use reference_frame::{ReferenceFrame, Scaling};
 pub use reward::{HitClass, RewardRule, Situation, vocabulary};
 pub use scenario::{EpisodeRule, Scenario};
 pub use spawn::{
-    Constraint, EgoSpeed, EgoStart, Ground, LanePiece, Measure, RoadShape, Spawn, SpawnError, SpawnRule, Survey,
-    TargetBox, TargetSide, TargetWalk, TestCase, TestCriterion,
+    Constraint, EgoSpeed, EgoStart, GivenPath, Ground, LanePiece, Measure, PathPoint, RoadShape, Spawn, SpawnError,
+    SpawnRule, Survey, TargetBox, TargetSide, TargetWalk, TestCase, TestCriterion,
 };
 pub use state_hashes::StateHashes;
 pub use test_oracle::{Judgement, TestOracle};

@@ -7,7 +7,7 @@ use super::motion::Motion;
 use super::reward::is_about_motion;
 use super::run_up::{self, RunUp};
 use super::running::RunningEpisode;
-use super::spawn::Release;
+use super::spawn::{Pacing, Release};
 use super::{
     Controller, Driven, Ending, Observation, ObservationSpec, Outcome, ReferenceFrame, RewardRule, Scenario, Spawn,
     SpawnRule, StateHashes, Trace,
@@ -55,6 +55,10 @@ pub struct PedestrianEnv {
     release: Option<Release>,
     /// The share of its way from which the target starts.
     approach: f64,
+    /// What the first command made of the path that is given.
+    pacing: Option<Pacing>,
+    /// The time for which the pedestrian stands at the start of that path (s).
+    delay: f64,
     /// The speed limit that lets the driver of the ego hold the test speed (m/s).
     held_limit: Option<f64>,
     /// Bounds of a joint action.
@@ -189,6 +193,8 @@ impl PedestrianEnv {
             run_up: RunUp::new(run_up::LENGTH),
             release: None,
             approach: 1.0,
+            pacing: None,
+            delay: 0.0,
             held_limit: None,
             path: Path::default(),
             stage: Stage::Encounter,
@@ -301,6 +307,9 @@ impl PedestrianEnv {
             self.world.pedestrians[0].state = PedestrianState::standing(release.start);
             *target = Some(release);
         }
+        if first && let Some(path) = &self.scenario.spawn.given_path {
+            self.pacing = Some(path.pacing(commands[0], self.delay));
+        }
         for (((last, turn), command), role) in
             last.iter_mut().zip(turns).zip(commands).zip(self.scenario.cast.pedestrians())
         {
@@ -352,12 +361,12 @@ impl PedestrianEnv {
             self.episode.mode = self.policies[0].mode();
         }
         self.episode.held += 1;
-        let contact = match &self.release {
+        let contact = match self.stated_command() {
             None => self.world.tick(&self.controls, &self.walks.commands),
-            Some(release) => {
+            Some(stated) => {
                 let Walks { commands, scratch, .. } = &mut self.walks;
                 scratch.copy_from_slice(commands);
-                scratch[0] = release.command(self.world.ticks, self.world.dt);
+                scratch[0] = stated;
                 self.world.tick(&self.controls, scratch)
             }
         };
@@ -370,6 +379,17 @@ impl PedestrianEnv {
         }
         let over = contact.is_some() || self.world.ticks >= limit || self.episode.held >= hold;
         over.then(|| self.settle(contact))
+    }
+
+    /// The command that the test or the path of the spawn rule states for this tick.
+    #[inline]
+    fn stated_command(&self) -> Option<WalkCommand> {
+        let (world, spawn) = (&self.world, &self.scenario.spawn);
+        if let Some(release) = &self.release {
+            return Some(release.command(world.ticks, world.dt));
+        }
+        let (path, pacing) = spawn.given_path.as_ref().zip(self.pacing.as_ref())?;
+        Some(path.tick_command(pacing, &world.pedestrians[0].state.pose, world.ticks, world.dt))
     }
 
     /// The fault of a driver in the run-up.
@@ -522,9 +542,9 @@ impl PedestrianEnv {
         self.origin(number, self.scenario.cast.pedestrian(number).action.frame, speed)
     }
 
-    /// The command that the test of the running episode states for its target; none where pedestrians are not targets of a test.
+    /// The command that leads the pedestrian as the test or the path of the spawn rule states; none where the rule has neither.
     pub fn scripted(&self) -> Option<WalkCommand> {
-        self.scenario.spawn.target_walk.as_ref().map(super::TargetWalk::command)
+        self.scenario.spawn.scripted()
     }
 
     /// The pose of a pedestrian, its heading at the start (rad), and where the ego is.

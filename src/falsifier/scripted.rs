@@ -3,8 +3,8 @@ use crate::env::PedestrianEnv;
 use crate::seed::Stream;
 use crate::sim::WalkCommand;
 
-/// The target of a test, which walks as its protocol states. It needs a spawn rule that is a test
-/// ([`TargetWalk`](crate::env::TargetWalk)); in other scenarios the pedestrian stands.
+/// The pedestrian that walks as the spawn rule states: the target of a test ([`TargetWalk`](crate::env::TargetWalk)), or along a path
+/// ([`GivenPath`](crate::env::GivenPath)). In other scenarios it stands.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Scripted;
 

@@ -33,7 +33,7 @@ impl Walking<Intercept> {
 impl Walking<Scripted> {
     /// Its keys in a scenario.
     pub fn signature() -> Signature {
-        let doc = "Walks as the test of the spawn rule (`crossing_test`, `along_test`) states: the nominal case beside searches.";
+        let doc = "Walks as the test of the spawn rule (`crossing_test`, `along_test`) or its path (`given_path`) states: the nominal case beside searches.";
         Signature::new("scripted", doc, Vec::new())
     }
 }

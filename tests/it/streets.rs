@@ -1,9 +1,15 @@
 //! What stands and lies in designed towns, and what drivers and pedestrians make of it.
 
+use std::ops::ControlFlow;
 use std::path::Path;
+use std::sync::Arc;
 
 use falsify::internal::compile::{Campaign, Catalog, compile};
-use falsify::internal::geometry::OrientedBox;
+use falsify::internal::env::{Outcome, PedestrianEnv, Scenario, Trace};
+use falsify::internal::falsifier::{Scripted, evaluate_noting};
+use falsify::internal::geometry::{OrientedBox, Point};
+use falsify::internal::seed::Seed;
+use falsify::internal::sim::WalkCommand;
 
 /// The campaign of a scenario whose imports are read from the folder of scenarios.
 fn campaign(text: &str) -> Campaign {
@@ -52,4 +58,74 @@ fn a_bus_is_an_obstacle_of_its_size() {
     let town = &in_street("bus { at: (30 m, -5 m, 0 deg) }", STANDING).evaluations[0].scenario.town;
     let [bus] = town.obstacles.as_slice() else { panic!("{:?}", town.obstacles) };
     assert_eq!((bus.pose.x, bus.pose.y, bus.half.x, bus.half.y), (30.0, -5.0, 6.0, 1.275));
+}
+
+/// A campaign with the scripted pedestrian of a spawn rule in the same street.
+fn walking(spawn: &str, policy: &str) -> Arc<Scenario> {
+    let text = format!(
+        "edition 1\nimport \"std/ncap.scn\"\nimport \"std/drivers.scn\"\nspawn path = given_path({spawn})\n\
+         campaign c {{ vehicle: model3  adversary: adult_target  episode: protocol_test  spawn: path\n\
+         evaluate {{ towns: [test_track]  policies: [{policy}]  pedestrians: [scripted]  episodes: 4 }} }}"
+    );
+    campaign(&text).evaluations[0].scenario.clone()
+}
+
+/// Outcomes and traces of the first episodes with the scripted pedestrian.
+fn scripted(scenario: &Arc<Scenario>, episodes: u32) -> Vec<(Outcome, Trace)> {
+    let seed = Seed::root(1);
+    let mut note = |_, outcome: &Outcome, trace: &Trace| (*outcome, trace.clone());
+    evaluate_noting(&mut Scripted, scenario, 0..episodes, &seed, &seed, &mut note, &mut |_| ControlFlow::Continue(()))
+}
+
+const PATH: &str = "through: [(60 m, -8 m), (60 m, -5 m), (60 m, -5 m), (66 m, 8 m)],  times: [0 s, 3 s, 5 s, 12 s]";
+
+#[test]
+fn a_scripted_pedestrian_is_on_its_path_at_every_tick() {
+    let far = walking(&format!("ego_poses: [(-300 m, -1.75 m, 0 deg)],  ego_speed: 0 m/s,  {PATH}"), "blind");
+    for (_, trace) in scripted(&far, 2) {
+        let places: Vec<Point> = trace.pedestrian(0).iter().map(|state| state.pose.position()).collect();
+        assert_eq!(places.len(), 301);
+        for (tick, place) in places.iter().enumerate() {
+            let time = tick as f64 * 0.05;
+            let share = ((time - 5.0) / 7.0).clamp(0.0, 1.0);
+            let wanted = Point::new(60.0 + 6.0 * share, -8.0 + (time.min(3.0)) + 13.0 * share);
+            assert!((place - wanted).norm() < 1e-6, "{time} s: {place} instead of {wanted}");
+        }
+    }
+}
+
+#[test]
+fn a_path_departs_after_its_delay_and_the_driver_holds_the_test_speed() {
+    let spawn = format!("ego_poses: [(-100 m, -1.75 m, 0 deg)],  test_speed: 36 km/h,  {PATH},  delay: 1 s .. 4 s");
+    for policy in ["blind", "careful", "rss"] {
+        let mut departures = Vec::new();
+        for (_, trace) in scripted(&walking(&spawn, policy), 4) {
+            assert!((trace.vehicle(0)[0].state.speed - 10.0).abs() < 0.3, "{policy}: {:?}", trace.vehicle(0)[0]);
+            let walking = trace.pedestrian(0).iter().position(|state| state.speed() > 0.1).expect("it departs");
+            departures.push(walking);
+        }
+        assert!(departures.iter().all(|tick| (20..=81).contains(tick)), "{departures:?}");
+        assert!(departures.windows(2).any(|pair| pair[0] != pair[1]), "the delay is drawn");
+    }
+}
+
+#[test]
+fn the_first_command_paces_and_turns_a_path_and_later_ones_do_not() {
+    let scenario = walking(&format!("ego_poses: [(-300 m, -1.75 m, 0 deg)],  ego_speed: 0 m/s,  {PATH}"), "blind");
+    let mut env = PedestrianEnv::new(scenario, Seed::root(3));
+    env.begin(0);
+    let stated = env.scripted().expect("the rule has a path");
+    assert!((stated.heading - std::f64::consts::FRAC_PI_2).abs() < 1e-12 && (stated.speed - 1.0).abs() < 1e-12);
+    env.begin_decision(&[WalkCommand { heading: 0.0, speed: 2.0 }]);
+    for tick in 0..60 {
+        env.tick();
+        if tick == 10 {
+            env.begin_decision(&[WalkCommand { heading: 2.0, speed: 0.0 }]);
+        }
+    }
+    // Twice the pace: after 3 s the path as it is given has been walked for 6 s, and it is turned to the right by 90 degrees.
+    let given = Point::new(60.0 + 6.0 / 7.0, -5.0 + 13.0 / 7.0);
+    let wanted = Point::new(60.0 + (given.y + 8.0), -8.0 - (given.x - 60.0));
+    let place = env.world().pedestrians[0].state.pose.position();
+    assert!((place - wanted).norm() < 1e-6, "{place} instead of {wanted}");
 }

@@ -34,9 +34,9 @@ impl Lowering<'_> {
         let Some(ground) = self.ground(campaign_block, block, &all) else { return };
         let words = block.arguments.list("pedestrians");
         let scripted = words.iter().any(|word| matches!(word, Value::Choice("scripted")));
-        if scripted && ground.spawn.value.target_walk.is_none() {
-            let message = "a `scripted` target walks as a test states, and the spawn rule of this block is no test";
-            let help = "use a `spawn` of kind `crossing_test` or `along_test`";
+        if scripted && ground.spawn.value.scripted().is_none() {
+            let message = "a `scripted` pedestrian walks as a test or a path states, and the spawn rule of this block is no test and has no path";
+            let help = "use a `spawn` of kind `crossing_test`, `along_test` or `given_path`";
             return self.said.push(diagnostics::contradiction(block.place("pedestrians"), message.into()).help(help));
         }
         let untrained = campaign_block.nested("train").next().is_none();

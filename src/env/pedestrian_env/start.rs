@@ -29,14 +29,16 @@ impl PedestrianEnv {
         let test = scenario.spawn.target_walk.as_ref();
         let target = test.map(|walk| {
             let approach = walk.approach.quantile(stream.random());
-            (approach, walk.spawn(number, approach, &scenario.cast.ego.blueprint), walk.case(number).test_speed)
+            (approach, walk.spawn(number, approach, &scenario.cast.ego.blueprint))
         });
+        let delay = scenario.spawn.given_path.as_ref().map(|path| path.delay.quantile(stream.random()));
         let near = self.near.as_ref().and_then(|near| near.sample_if_easy(town, obstacles, first, &mut stream));
         let drawn = || near.unwrap_or_else(|| scenario.spawn.sample(town, obstacles, first, &mut stream));
-        let spawn = target.map_or_else(drawn, |(_, spawn, _)| spawn);
-        self.release = None;
-        if let Some((approach, _, test_speed)) = target {
-            self.approach = approach;
+        let spawn = target.map_or_else(drawn, |(_, spawn)| spawn);
+        (self.release, self.pacing) = (None, None);
+        self.approach = target.map_or(1.0, |(approach, _)| approach);
+        self.delay = delay.unwrap_or(0.0);
+        if let Some(test_speed) = scenario.spawn.test_speed(number) {
             self.held_limit = Some(self.policies[0].speed_limit_for(test_speed));
         }
         // A whole number of cycles of groups with up to four turns.
@@ -71,9 +73,8 @@ impl PedestrianEnv {
         let perception = perceive(&mut self.sensors, &self.world, self.stage, &self.run_up, self.held_limit, 0);
         self.path.reset(&perception, stream.clone());
         let cruising = cruising_speed(&self.path, perception.speed_limit).min(self.run_up.speed());
-        let test = self.scenario.spawn.target_walk.as_ref();
-        let speed = test.map_or(cruising, |walk| walk.case(self.next_episode - 1).test_speed);
-        self.world.vehicles[0].state.speed = speed;
+        let test_speed = self.scenario.spawn.test_speed(self.next_episode - 1);
+        self.world.vehicles[0].state.speed = test_speed.unwrap_or(cruising);
     }
 
     /// Places all actors, with this start of the ego.

@@ -16,12 +16,15 @@ mod ego_start;
 mod constraint;
 mod rule;
 mod target_walk;
+mod given_path;
 mod survey;
 mod error;
 
 pub use constraint::{Constraint, Ground};
 pub use ego_start::{EgoSpeed, EgoStart, LanePiece, RoadShape};
 pub use error::{Rarity, SpawnError};
+pub(super) use given_path::Pacing;
+pub use given_path::{GivenPath, PathPoint};
 pub use rule::{Measure, Spawn, SpawnRule};
 pub use survey::Survey;
 pub(super) use target_walk::Release;

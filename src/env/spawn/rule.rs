@@ -1,12 +1,13 @@
 use rand::RngExt;
 
 use super::constraint::placed;
-use super::{Constraint, EgoSpeed, EgoStart, Rarity, RoadShape, SpawnError, Survey, TargetWalk};
+use super::{Constraint, EgoSpeed, EgoStart, GivenPath, Rarity, RoadShape, SpawnError, Survey, TargetWalk};
 use crate::env::FirstHeading;
 use crate::geometry::{Obstacles, Point, Pose, Vector, wrap_angle};
 use crate::road::Town;
 use crate::seed::Stream;
 use crate::signature::Distribution;
+use crate::sim::WalkCommand;
 
 /// The measure that is uniform when a place in the sector is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,6 +41,8 @@ pub struct SpawnRule {
     pub constraints: Vec<Constraint>,
     /// The test that places the ego and the pedestrian, instead of the sector.
     pub target_walk: Option<TargetWalk>,
+    /// The path of the pedestrian, which starts at its first point instead of in the sector.
+    pub given_path: Option<GivenPath>,
 }
 
 /// A concrete start of the ego and the first pedestrian.
@@ -142,6 +145,18 @@ impl SpawnRule {
         (tried > DRAWN * FEW_TRIES).then(|| Rarity { accepted, tried, barren: true, ..Rarity::of(survey) })
     }
 
+    /// The first command that leads the pedestrian as the rule's test or path states; none where the rule has neither.
+    pub fn scripted(&self) -> Option<WalkCommand> {
+        let target = self.target_walk.as_ref().map(TargetWalk::command);
+        target.or_else(|| self.given_path.as_ref().map(GivenPath::command))
+    }
+
+    /// The speed that the driver is to hold before an episode (m/s); none where it comes at its own speed.
+    pub fn test_speed(&self, episode: u64) -> Option<f64> {
+        let case = self.target_walk.as_ref().map(|walk| walk.case(episode).test_speed);
+        case.or_else(|| self.given_path.as_ref()?.test_speed)
+    }
+
     /// Whether the ego can start in a town; otherwise nothing can be drawn there.
     pub fn begins_in(&self, town: &Town) -> bool {
         self.ego_start.check(town).is_ok()
@@ -231,6 +246,9 @@ impl SpawnRule {
 
     /// Draws a place in the sector about the ego.
     pub(super) fn place(&self, ego: &Pose, stream: &mut Stream) -> Point {
+        if let Some(path) = &self.given_path {
+            return path.start().position();
+        }
         let bearing = self.bearing.quantile(stream.random());
         let drawn: f64 = stream.random();
         let distance = match (self.measure, &self.distance) {
@@ -248,6 +266,7 @@ impl SpawnRule {
         let turn = stream.random_range(-std::f64::consts::PI..std::f64::consts::PI);
         let towards = libm::atan2(ego.y - place.y, ego.x - place.x);
         let yaw = match (&self.heading, first) {
+            _ if self.given_path.is_some() => self.given_path.as_ref().map_or(0.0, |path| path.start().yaw),
             (Some(heading), _) => {
                 let share = (turn / std::f64::consts::PI + 1.0) / 2.0;
                 wrap_angle(ego.yaw + heading.quantile(share))
