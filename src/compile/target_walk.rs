@@ -60,7 +60,7 @@ pub fn signatures() -> Vec<Signature> {
                 "criterion",
                 Type::Choice(&["no_contact", "euro_ncap", "un_r152"]),
                 "no_contact",
-                "How reports judge an impact speed: passed without contact, the colours of Euro NCAP, or the limits of UN R152 for M1.",
+                "How reports judge an impact speed: passed without contact, the colours of Euro NCAP, or the limits of UN R152 for M1 and N1.",
             ),
         ]
     };

@@ -19,7 +19,7 @@ pub enum Ending {
     },
     /// Two actors touched, but not the ego and a pedestrian: other traffic was involved.
     OtherContact,
-    /// The `end_when` condition was true.
+    /// The `end_when` condition was true, or the test of a protocol was over.
     Lost,
     /// The episode reached its time limit.
     Timeout,

@@ -377,7 +377,7 @@ impl PedestrianEnv {
             trace.watch(&self.world, contact.as_ref(), |vehicle| self.driven(vehicle));
             self.trace = Some(trace);
         }
-        let over = contact.is_some() || self.world.ticks >= limit || self.episode.held >= hold;
+        let over = contact.is_some() || self.world.ticks >= limit || self.episode.held >= hold || self.is_test_over();
         over.then(|| self.settle(contact))
     }
 

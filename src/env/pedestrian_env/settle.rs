@@ -30,7 +30,9 @@ impl PedestrianEnv {
                 (earned, Some(ending))
             }
             (None, Some(_)) => (worth(reward.step.as_ref()), Some(Ending::OtherContact)),
-            (None, None) if lost() => (worth(reward.step.as_ref()) + worth(reward.lost.as_ref()), Some(Ending::Lost)),
+            (None, None) if lost() || self.is_test_over() => {
+                (worth(reward.step.as_ref()) + worth(reward.lost.as_ref()), Some(Ending::Lost))
+            }
             (None, None) if self.world.ticks >= rule.ticks => {
                 (worth(reward.step.as_ref()) + worth(reward.timeout.as_ref()), Some(Ending::Timeout))
             }
@@ -43,6 +45,12 @@ impl PedestrianEnv {
         }
         let truncated = ending == Some(Ending::Timeout);
         Step { reward: earned, terminated: ending.is_some() && !truncated, truncated }
+    }
+
+    /// Whether the scenario is the test of a protocol and that test is over.
+    pub(super) fn is_test_over(&self) -> bool {
+        let test = self.scenario.spawn.target_walk.as_ref();
+        test.is_some_and(|walk| walk.is_over(self.world.ego(), &self.world.pedestrians[0]))
     }
 
     /// The judgement of the hit that has just happened, if the reward depends on it.

@@ -1,7 +1,14 @@
 use super::Spawn;
 use crate::geometry::{Point, Pose, Vector, wrap_angle};
 use crate::signature::Distribution;
-use crate::sim::{VehicleBlueprint, VehicleState, WalkCommand};
+use crate::sim::{Pedestrian, Vehicle, VehicleBlueprint, VehicleState, WalkCommand};
+
+/// A car below this speed has stopped (m/s).
+const STOPPED: f64 = 0.1;
+/// A target along the path walks this far to the left of its stated line (m). A test track holds the line within 0.05 m, and no target is
+/// exactly dead ahead of a car. In a simulation it would be, and CARLA's agent does not see what is
+/// ([`Quirks::blind_dead_ahead`](crate::av::behavior_agent::Quirks)).
+const OFF_LINE: f64 = 0.01;
 
 /// The walk of a pedestrian target in a test with a car: a straight line, on which it would meet the car's front at a stated share of the
 /// car's width if the car kept its speed.
@@ -10,7 +17,8 @@ use crate::sim::{VehicleBlueprint, VehicleState, WalkCommand};
 /// the car has at the start. Afterwards the target neither waits nor speeds up for the car. Its first command states its speed, and by its
 /// heading the direction of the line: a turned line still leads through the meeting. Later commands of the episode have no effect.
 ///
-/// Episodes take the cases in turn: episode *k* is case *k* mod n.
+/// Episodes take the cases in turn: episode *k* is case *k* mod n. A test is over when the car has stopped, when the target has left its path,
+/// or, along the path, when the car is slower than the target ([`TargetWalk::is_over`]).
 ///
 /// # Source
 /// Euro NCAP, *Crash Avoidance Frontal Collisions* 1.1 (2025), 5.2, and *AEB/LSS VRU Test Protocol* 4.5.1 (2024); 49 CFR 571.127, S8. The
@@ -46,9 +54,28 @@ pub enum TestCriterion {
     NoContact,
     /// The colours of Euro NCAP.
     EuroNcap,
-    /// The greatest impact speeds of UN R152 for M1 in running order.
+    /// The greatest impact speeds of UN R152 for M1 and N1 in running order.
     UnR152,
 }
+
+impl TestCriterion {
+    /// The greatest impact speed that passes at a test speed (m/s). Euro NCAP gives points instead: it passes a result that has points, up
+    /// to half of the test speed.
+    ///
+    /// # Source
+    /// UN R152, 02 series, 5.2.2.4: the limits of M1 and of N1 in running order are the same.
+    pub fn limit(self, test_speed: f64) -> f64 {
+        let kmh = test_speed * 3.6;
+        match self {
+            Self::NoContact => 0.0,
+            Self::EuroNcap => 0.5 * test_speed,
+            Self::UnR152 => R152.iter().find(|(up_to, _)| kmh <= up_to + 0.01).map_or(0.0, |(_, limit)| limit / 3.6),
+        }
+    }
+}
+
+/// Greatest impact speeds of UN R152 in running order: up to this test speed, this speed (km/h).
+const R152: [(f64, f64); 5] = [(42.0, 0.0), (45.0, 15.0), (50.0, 25.0), (55.0, 30.0), (60.0, 35.0)];
 
 /// The side from which a target comes to the path of the car.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -146,9 +173,37 @@ impl TargetWalk {
         let (place, way) = match self.from {
             TargetSide::Right => (Vector::new(target.half_width, aside + past), self.distance + aside + past),
             TargetSide::Left => (Vector::new(target.half_width, -aside - past), self.distance + aside + past),
-            TargetSide::Along => (Vector::new(target.half_length, aside), f64::INFINITY),
+            TargetSide::Along => (Vector::new(target.half_length, aside + OFF_LINE), f64::INFINITY),
         };
         (self.meeting.to_world(place), way)
+    }
+
+    /// Whether a test without contact is over: the car has stopped, it has passed the target, the target has crossed its path, or, along the
+    /// path, the car is slower than the target.
+    ///
+    /// # Source
+    /// 49 CFR 571.127, S8.3.6, S8.4.4 and S8.5.4. Euro NCAP ends its tests in the same way.
+    pub(crate) fn is_over(&self, car: &Vehicle, target: &Pedestrian) -> bool {
+        let place = car.state.pose.to_local(target.state.pose.position());
+        let aside = car.blueprint.half_width + target.body.radius;
+        let passed = place.x < -car.blueprint.half_length - target.body.radius;
+        passed
+            || match self.from {
+                TargetSide::Right => car.state.speed < STOPPED || place.y > aside,
+                TargetSide::Left => car.state.speed < STOPPED || place.y < -aside,
+                TargetSide::Along => car.state.speed < target.state.speed().max(STOPPED),
+            }
+    }
+
+    /// The impact speed that a protocol judges, for a car that hits the target at `speed` (m/s); 0 for one that has stopped.
+    ///
+    /// Across the path the target's own speed counts as 0, along the path it is subtracted.
+    pub fn judged_speed(&self, speed: f64) -> f64 {
+        match self.from {
+            TargetSide::Along if self.speed > 0.0 => (speed - self.speed).max(0.0),
+            _ if speed > STOPPED => speed,
+            _ => 0.0,
+        }
     }
 
     /// Fixes the walk of an episode for a car in this state and a first command, with ticks of this length (s).
@@ -261,7 +316,7 @@ mod tests {
             let middle = met(&walk, 0, walk.command(), 0.05);
             assert!((middle.x - TargetBox::ADULT.half_length).abs() < 0.003, "{middle}");
             let right = VehicleBlueprint::model3().half_width;
-            assert!((middle.y + 0.5 * right).abs() < 1e-9, "a quarter of the width from the right");
+            assert!((middle.y + 0.5 * right - OFF_LINE).abs() < 1e-9, "a quarter of the width from the right");
         }
     }
 }

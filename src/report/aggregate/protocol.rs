@@ -27,7 +27,7 @@ pub struct ProtocolCell {
     pub driven_speed: Option<f64>,
     /// Number of episodes, or of searches.
     pub episodes: u32,
-    /// The greatest impact speed (m/s); 0 without contact, or with contact only after the car had stopped. None when no episode ended.
+    /// The greatest impact speed (m/s), along the path without the target's own speed; 0 without contact. None when no episode ended.
     pub impact_speed: Option<f64>,
     /// How the protocol judges.
     pub criterion: TestCriterion,
@@ -50,12 +50,8 @@ pub enum Colour {
     Red,
 }
 
-/// A car below this speed has stopped (m/s); a contact with it is none.
-const STOPPED: f64 = 0.1;
 /// The tolerance of the test speed (m/s): 1 km/h.
 const HELD: f64 = 1.0 / 3.6;
-/// Greatest impact speeds of UN R152 for M1 in running order: up to this test speed, this speed (km/h).
-const R152_M1: [(f64, f64); 5] = [(42.0, 0.0), (45.0, 15.0), (50.0, 25.0), (55.0, 30.0), (60.0, 35.0)];
 
 impl Colour {
     /// Its name in tables.
@@ -82,14 +78,14 @@ impl Colour {
 }
 
 impl ProtocolCell {
-    /// The colour of Euro NCAP.
+    /// The colour of Euro NCAP; none for other protocols.
     ///
     /// # Source
     /// Crash Avoidance Frontal Collisions 1.1, 5.2: at 60 km/h green is 0, yellow up to 10, orange up to 20, brown up to 30 km/h. The same
     /// shares are taken at other test speeds, which is an assumption.
     pub fn colour(&self) -> Option<Colour> {
-        let share = self.impact_speed? / self.test_speed;
-        Some(match share {
+        let impact = self.impact_speed.filter(|_| self.criterion == TestCriterion::EuroNcap)?;
+        Some(match impact / self.test_speed {
             share if share <= 0.0 => Colour::Green,
             share if share <= 1.0 / 6.0 => Colour::Yellow,
             share if share <= 1.0 / 3.0 => Colour::Orange,
@@ -103,18 +99,14 @@ impl ProtocolCell {
         self.driven_speed.map(|driven| (driven - self.test_speed).abs() <= HELD)
     }
 
-    /// Whether the protocol passes the result. Euro NCAP gives points instead: a result without points fails.
+    /// The greatest impact speed that passes (m/s).
+    pub fn limit(&self) -> f64 {
+        self.criterion.limit(self.test_speed)
+    }
+
+    /// Whether the protocol passes the result.
     pub fn passes(&self) -> Option<bool> {
-        let impact = self.impact_speed?;
-        Some(match self.criterion {
-            TestCriterion::NoContact => impact <= 0.0,
-            TestCriterion::EuroNcap => self.colour()? != Colour::Red,
-            TestCriterion::UnR152 => {
-                let test = self.test_speed * 3.6;
-                let limit = R152_M1.iter().find(|(up_to, _)| test <= up_to + 0.01).map_or(0.0, |(_, limit)| *limit);
-                impact * 3.6 <= limit
-            }
-        })
+        self.impact_speed.map(|impact| impact <= self.limit())
     }
 
     /// Whether two results belong to the same cell of the same test.
@@ -152,7 +144,6 @@ impl ProtocolCell {
 
     fn note(&mut self, impact: f64, driven: Option<f64>) {
         self.episodes += 1;
-        let impact = if impact > STOPPED { impact } else { 0.0 };
         if self.impact_speed.is_none_or(|worst| impact > worst) {
             (self.impact_speed, self.driven_speed) = (Some(impact), driven);
         }
@@ -171,7 +162,10 @@ pub(super) fn protocol_cells(evaluation: &Evaluation, episodes: &DataFrame) -> P
     let table = EpisodeTable::new(episodes)?;
     for row in table.rows().filter(|row| table.error(*row).is_none()) {
         let case = table.episode(row) as usize % cells.len();
-        cells[case].note(table.impact_speed(row).unwrap_or(0.0), Some(table.spawn(row).ego_speed));
+        cells[case].note(
+            table.impact_speed(row).map_or(0.0, |speed| walk.judged_speed(speed)),
+            Some(table.spawn(row).ego_speed),
+        );
     }
     Ok(cells)
 }
@@ -190,7 +184,7 @@ pub fn layer_cells(campaign: &Campaign, searches: &[SearchResult]) -> Vec<Protoc
             let here = |start: u64| (start % walk.cases.len() as u64) as usize == case;
             let failures = result.spent.failures.iter().filter(|failure| here(failure.start));
             let speeds = failures.filter_map(|failure| failure.outcome.impact_speed());
-            let worst = speeds.fold(0.0, f64::max);
+            let worst = speeds.map(|speed| walk.judged_speed(speed)).fold(0.0, f64::max);
             // Searches take their starts in turn, so they have met the first of them.
             if result.spent.starts <= case as u64 {
                 continue;
@@ -244,12 +238,12 @@ pub fn protocol_columns() -> Table<'static, ProtocolCell> {
             Column::<f64>::new(
                 "worst_impact_speed",
                 "m/s",
-                "greatest impact speed; 0 without contact with a moving car",
+                "greatest impact speed, along the path without the target's own speed; 0 without contact",
             )
             .of(|row: &Row| row.impact_speed),
         )
         .column(
-            Column::<String>::new("colour", "", "Euro NCAP's colour of that speed")
+            Column::<String>::new("colour", "", "Euro NCAP's colour of that speed; empty for other protocols")
                 .of(|row: &Row| row.colour().map_or("", Colour::name).to_string()),
         )
         .column(
@@ -279,7 +273,7 @@ mod tests {
             criterion,
         };
         let mut cell = ProtocolCell::new(("", "", "", ""), &walk, 0);
-        cell.note(impact / 3.6, Some((test + 0.5) / 3.6));
+        cell.note(walk.judged_speed(impact / 3.6), Some((test + 0.5) / 3.6));
         cell
     }
 
@@ -303,6 +297,7 @@ mod tests {
         assert!(passes(45.0, 14.9) && !passes(45.0, 15.1));
         assert!(passes(60.0, 34.9) && !passes(60.0, 35.1));
         assert!(!cell(50.0, 1.0, TestCriterion::NoContact).passes().unwrap());
+        assert_eq!(cell(50.0, 1.0, TestCriterion::NoContact).colour(), None, "colours are those of Euro NCAP");
     }
 
     #[test]

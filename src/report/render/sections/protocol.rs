@@ -1,13 +1,15 @@
 use std::collections::BTreeMap;
 
+use crate::env::TestCriterion;
 use crate::report::render::table::{Column, Section, Table, Value};
 use crate::report::{Colour, ProtocolCell};
 
 /// How to read the tables.
-const READING: &str = "A cell is the impact speed (km/h) at the test speed of its column, with its colour; 0 is no contact, or contact only \
-     after the car had stopped. `!` marks a test speed that the driver did not hold within 1 km/h. *Score* is the mean of the colours' shares \
-     of the points (green 1, yellow 0.75, orange 0.5, brown 0.25, red 0). *Passed* follows the criterion of the test: no contact, points, or the \
-     limits of UN R152 for M1 in running order.";
+const READING: &str = "A cell is the impact speed (km/h) at the test speed of its column; 0 is no contact. Along the path it is the speed \
+     of the car less that of the target. `!` marks a test speed that the driver did not hold within 1 km/h. A test is over when the car has \
+     stopped, the target has left its path, or, along the path, the car is slower than the target. Euro NCAP's tests show colours; their \
+     *score* is the mean of the colours' shares of the points (green 1, yellow 0.75, orange 0.5, brown 0.25, red 0), and a cell without \
+     points is not passed. Others pass without contact, or below the limit in the head of the column (UN R152, M1 and N1 in running order).";
 /// What a test does not say.
 const LIMITS: &str = "**This is no rating.** The tests repeat the speeds, places and release of a protocol. Not modelled: light and weather, \
      the car's sensors unless the scenario gives them, warnings to a driver, tyres and brakes beyond the car's blueprint, repeated runs and \
@@ -48,9 +50,16 @@ fn of_test(test: &str, cells: &[&ProtocolCell]) -> Table {
     let mut speeds: Vec<f64> = cells.iter().map(|cell| cell.test_speed).collect();
     speeds.sort_by(f64::total_cmp);
     speeds.dedup();
+    let coloured = cells.iter().any(|cell| cell.criterion == TestCriterion::EuroNcap);
+    let title = |speed: &f64| {
+        let limit = cells.iter().find(|cell| cell.test_speed == *speed).map_or(0.0, |cell| cell.limit() * 3.6);
+        let limit = if coloured || limit <= 0.0 { String::new() } else { format!(" (≤ {limit:.0})") };
+        Column::number(format!("{:.0} km/h{limit}", speed * 3.6))
+    };
     let mut head = vec![Column::text("driver"), Column::number("overlap")];
-    head.extend(speeds.iter().map(|speed| Column::number(format!("{:.0} km/h", speed * 3.6))));
-    head.extend(["score", "passed"].map(Column::number));
+    head.extend(speeds.iter().map(title));
+    head.extend(coloured.then(|| Column::number("score")));
+    head.push(Column::number("passed"));
     let mut keys: Vec<(&str, f64)> = Vec::new();
     for cell in cells {
         if !keys.contains(&(&cell.policy, cell.overlap)) {
@@ -63,10 +72,11 @@ fn of_test(test: &str, cells: &[&ProtocolCell]) -> Table {
         let mut row = vec![Value::Code((*policy).into()), Value::Percent(*overlap)];
         row.extend(speeds.iter().map(|speed| {
             let cell = of.iter().find(|cell| cell.test_speed == *speed);
-            Value::Text(cell.map_or_else(|| "–".into(), |cell| shown(cell)))
+            cell.map_or_else(|| "–".into(), |cell| shown(cell))
         }));
         let passed = of.iter().filter(|cell| cell.passes() == Some(true)).count() as u64;
-        row.extend([Value::Number(score(of.iter().map(|cell| **cell)), 2), Value::Of(passed, of.len() as u64)]);
+        row.extend(coloured.then(|| Value::Number(score(of.iter().map(|cell| **cell)), 2)));
+        row.push(Value::Of(passed, of.len() as u64));
         row
     };
     Table { title: test.to_string(), head, rows: keys.iter().map(row).collect(), ..Table::default() }
@@ -107,7 +117,7 @@ fn of_layers(cells: &[ProtocolCell], layers: &[ProtocolCell]) -> Table {
             (Some(_), Some(_)) => "better".into(),
             _ => "–".into(),
         };
-        let text = |cell: Option<&ProtocolCell>| Value::Text(cell.map_or_else(|| "–".into(), shown));
+        let text = |cell: Option<&ProtocolCell>| cell.map_or_else(|| "–".into(), shown);
         let mut row = vec![
             Value::Code(key.policy.clone()),
             Value::Text(key.test.clone()),
@@ -131,12 +141,14 @@ fn of_layers(cells: &[ProtocolCell], layers: &[ProtocolCell]) -> Table {
     }
 }
 
-/// `0 green`, `23.4 red !`.
-fn shown(cell: &ProtocolCell) -> String {
-    let (Some(impact), Some(colour)) = (cell.impact_speed, cell.colour()) else { return "error".into() };
+/// `0 green`, `23.4 red !`, `5.0 fails`.
+fn shown(cell: &ProtocolCell) -> Value {
+    let (Some(impact), Some(passes)) = (cell.impact_speed, cell.passes()) else { return "error".into() };
     let speed = if impact > 0.0 { format!("{:.1}", impact * 3.6) } else { "0".into() };
     let mark = if cell.is_held() == Some(false) { " !" } else { "" };
-    format!("{speed} {}{mark}", colour.name())
+    let word = cell.colour().map_or(if passes { "passes" } else { "fails" }, Colour::name);
+    let tone = cell.colour().unwrap_or(if passes { Colour::Green } else { Colour::Red });
+    Value::Toned(format!("{speed} {word}{mark}"), tone.name())
 }
 
 /// The mean of the scores of cells.

@@ -81,6 +81,7 @@ fn value(value: &Value) -> Markup {
             Value::Code(text) => code { (text) },
             Value::Link(text, file) => a href=(file) { (text) },
             Value::Warning(text) => span.warn { (text) },
+            Value::Toned(text, tone) => span.tone.(tone) { (text) },
             Value::Count(number) => (count(*number)),
             Value::Times(runs, each) => { (runs) " × " (count(*each)) },
             Value::Percent(share) => (percent(*share)),

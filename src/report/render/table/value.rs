@@ -31,6 +31,8 @@ pub enum Value {
     Percent(f64),
     /// A warning.
     Warning(String),
+    /// Words on a colour of the page's style sheet: `green`, `yellow`, `orange`, `brown` or `red`.
+    Toned(String, &'static str),
     /// Several values below each other.
     Lines(Vec<Value>),
 }
@@ -46,7 +48,9 @@ fn short(number: f64) -> String {
 impl fmt::Display for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Text(text) | Self::Code(text) | Self::Link(text, _) | Self::Warning(text) => f.write_str(text),
+            Self::Text(text) | Self::Code(text) | Self::Link(text, _) | Self::Warning(text) | Self::Toned(text, _) => {
+                f.write_str(text)
+            }
             Self::Count(count) => write!(f, "{count}"),
             Self::Of(part, whole) => write!(f, "{part} of {whole}"),
             Self::Times(runs, each) => write!(f, "{runs} × {each}"),
