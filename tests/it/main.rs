@@ -36,6 +36,7 @@ mod exports;
 mod first_steps;
 mod format;
 mod hostile_input;
+mod kills;
 mod kinds;
 mod language_server;
 mod layers;
