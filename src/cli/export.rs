@@ -1,15 +1,14 @@
-use std::io::BufRead;
 use std::path::PathBuf;
 
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 
-use super::episode::RepeatOptions;
+use super::episode::{Named, RepeatOptions, resolved};
 use super::exit_code::ExitCode;
 use super::input::session;
 use super::{console, failure};
 use crate::export::{self, EXPORTERS, EgoDriver, Exporter, Variant, Walking};
-use crate::session::{self, NamedEpisode};
+use crate::session;
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
@@ -19,8 +18,8 @@ Examples:
                                              drive against the pedestrian with your own controller
   falsify export 1a2b3c4d:17 5e6f7a8b:0 --as xodr --out maps
                                              several episodes, into a folder
-  cut -d, -f1 names.txt | falsify export - --as xosc-1.2
-                                             names from the standard input, one a line
+  falsify failures reports/first_look --names --top 5 | falsify export - --as osi
+                                             the five worst failures of a report
   falsify export --formats                   list the formats and what each approximates
 
 Exit codes: 0 done   2 no such episode, or the format cannot represent it   3 errors in a scenario
@@ -29,10 +28,9 @@ Exit codes: 0 done   2 no such episode, or the format cannot represent it   3 er
 /// Options of `falsify export`.
 #[derive(Debug, Args)]
 pub struct ExportOptions {
-    /// The episodes, or failures of searches, each perhaps with its report: REPORT/RUN:EPISODE. `-` reads the standard input: the first
-    /// word of each line.
-    #[arg(value_name = "RUN:EPISODE", required_unless_present = "formats")]
-    pub names: Vec<String>,
+    /// Episodes, or failures of searches; a path before the name is that of the report. `-` reads names from the input, one a line.
+    #[arg(value_name = "[PATH/]RUN:EPISODE", required_unless_present = "formats", value_parser = str::parse::<Named>)]
+    pub names: Vec<Named>,
     /// The format.
     #[arg(long = "as", value_name = "FORMAT", required_unless_present = "formats", value_parser = format)]
     pub format: Option<Format>,
@@ -113,12 +111,9 @@ pub fn export(options: &ExportOptions) -> ExitCode {
         }
         return ExitCode::Done;
     };
-    let episodes = match episodes(&options.names) {
+    let episodes = match resolved(&options.names) {
         Ok(episodes) => episodes,
-        Err(message) => {
-            console::fail(&message);
-            return ExitCode::Usage;
-        }
+        Err(code) => return code,
     };
     let call = session::ExportOptions {
         episodes,
@@ -142,28 +137,4 @@ pub fn export(options: &ExportOptions) -> ExitCode {
         }
     });
     code
-}
-
-/// The episodes that names mean; `-` is the standard input.
-fn episodes(names: &[String]) -> Result<Vec<NamedEpisode>, String> {
-    let mut episodes = Vec::new();
-    let parse = |text: &str, place: &str| {
-        text.parse::<NamedEpisode>().map_err(|error| format!("`{text}`{place} is no name of an episode: {error}"))
-    };
-    for name in names {
-        if name != "-" {
-            episodes.push(parse(name, "")?);
-            continue;
-        }
-        for (number, line) in std::io::stdin().lock().lines().enumerate() {
-            let line = line.map_err(|error| format!("the standard input cannot be read: {error}"))?;
-            if let Some(word) = line.split_whitespace().next() {
-                episodes.push(parse(word, &format!(" in line {} of the standard input", number + 1))?);
-            }
-        }
-    }
-    if episodes.is_empty() {
-        return Err("there is no name of an episode on the standard input".to_owned());
-    }
-    Ok(episodes)
 }

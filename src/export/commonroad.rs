@@ -8,6 +8,7 @@
 use std::collections::BTreeMap;
 
 use super::episode::{Actor, Motion, Shape};
+use super::lane_bounds::lane_bounds;
 use super::xml::{Short, Xml};
 use super::{AUTHOR, DATE, Episode, ExportError, ExportFile, Exporter, Variant};
 use crate::geometry::{OrientedBox, Point};
@@ -121,14 +122,7 @@ fn write_lanelet(xml: &mut Xml, town: &Town, lanes: &BTreeMap<Key, usize>, (road
     let own = &town.roads[road as usize];
     let range = &own.sections[section as usize];
     let at = |s: f64| Waypoint { road: RoadIndex(road), section, lane, s };
-    let count = ((range.end - range.start) / STEP).ceil().max(1.0);
-    let mut bounds: [Vec<Point>; 2] = [Vec::new(), Vec::new()];
-    for index in 0..=count as u32 {
-        let s = range.start + (range.end - range.start) * f64::from(index) / count;
-        for (bound, edge) in bounds.iter_mut().zip(town.lane_edges(at(s)).into_iter().flatten()) {
-            bound.push(edge);
-        }
-    }
+    let mut bounds = lane_bounds(town, at(range.start), STEP);
     // Bounds are left and right in driving direction, and run along it.
     if !own.is_forward(lane) {
         bounds.iter_mut().for_each(|bound| bound.reverse());

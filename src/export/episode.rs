@@ -10,6 +10,9 @@ use crate::sim::{ActorId, PedestrianBody, VehicleBlueprint};
 /// Dumps of a running CARLA 0.9.1x: the box of `vehicle.tesla.model3`.
 pub(super) const CAR_HEIGHT: f64 = 1.488;
 
+/// The height of obstacles (m), which have none in the simulator: they hide a pedestrian, and a driver's eyes are lower.
+pub(super) const OBSTACLE_HEIGHT: f64 = 3.0;
+
 /// An episode that was repeated: the input of every exporter.
 #[derive(Debug, Clone, Copy)]
 pub struct Episode<'a> {
@@ -89,6 +92,11 @@ impl<'a> Episode<'a> {
     /// Length of a tick (s).
     pub(super) fn dt(&self) -> f64 {
         self.scenario.episode.tick
+    }
+
+    /// The time of a tick (ns).
+    pub(super) fn nanos(&self, tick: usize) -> u64 {
+        (tick as f64 * self.dt() * 1e9).round() as u64
     }
 
     /// The number of ticks.

@@ -10,19 +10,23 @@
 mod error;
 mod episode;
 mod xml;
+mod lane_bounds;
 mod opendrive;
 mod openscenario;
 mod commonroad;
 mod osi;
+mod recording;
+mod foxglove;
 
 pub use episode::Episode;
 pub use error::ExportError;
 pub use opendrive::town;
 
 use crate::export::commonroad::CommonRoad;
+use crate::export::foxglove::Foxglove;
 use crate::export::opendrive::OpenDrive;
 use crate::export::openscenario::{OpenScenario, Version};
-use crate::export::osi::Osi;
+use crate::export::osi::{Osi, OsiRecording};
 
 /// The date in the files (ISO 8601). It is that of the first writer, so that the same episode gives the same bytes at any time.
 const DATE: &str = "2026-11-22T00:00:00";
@@ -98,6 +102,8 @@ pub const EXPORTERS: &[&dyn Exporter] = &[
     &OpenScenario(Version::V1_0),
     &OpenDrive,
     &Osi,
+    &OsiRecording,
+    &Foxglove,
     &CommonRoad,
 ];
 

@@ -9,6 +9,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Display;
 
+use super::episode::OBSTACLE_HEIGHT;
 use super::xml::{Short, Xml};
 use super::{AUTHOR, DATE, Episode, ExportError, ExportFile, Exporter, Variant};
 use crate::geometry::{OrientedBox, Point, Pose, wrap_angle};
@@ -23,8 +24,6 @@ use crate::road::{
 pub(super) struct OpenDrive;
 
 const NAME: &str = "xodr";
-/// The height of obstacles (m), which have none in the simulator: they hide a pedestrian, and a driver's eyes are lower.
-const OBSTACLE_HEIGHT: f64 = 3.0;
 /// The height of signs and lights above the road (m).
 const SIGN_HEIGHT: f64 = 2.0;
 /// The width of a road mark (m).

@@ -1,35 +1,15 @@
 use std::path::{Path, PathBuf};
 
 use super::stored::Source;
-use super::{EpisodeName, Error, NoEpisodeName, RepeatOptions, Repeated, Session};
+use super::{EpisodeName, EpisodePath, Error, RepeatOptions, Repeated, Session};
 use crate::export::{self, Episode, Exporter, Variant};
 use crate::report;
-
-/// An episode, with the report that has it when that is known: `[REPORT/]RUN:EPISODE`.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct NamedEpisode {
-    /// The folder of its report; none when it must be found.
-    pub report: Option<PathBuf>,
-    /// Its name.
-    pub name: EpisodeName,
-}
-
-impl std::str::FromStr for NamedEpisode {
-    type Err = NoEpisodeName;
-
-    fn from_str(text: &str) -> Result<Self, NoEpisodeName> {
-        match text.rsplit_once(['/', std::path::MAIN_SEPARATOR]) {
-            Some((report, name)) => Ok(Self { report: Some(PathBuf::from(report)), name: name.parse()? }),
-            None => Ok(Self { report: None, name: text.parse()? }),
-        }
-    }
-}
 
 /// Options of [`Session::export_files`].
 #[derive(Clone)]
 pub struct ExportOptions {
     /// The episodes.
-    pub episodes: Vec<NamedEpisode>,
+    pub episodes: Vec<EpisodePath>,
     /// A report, or a folder of reports, for episodes that do not name one.
     pub report: PathBuf,
     /// Options of the repetition. With `anyway` an episode that differs from its report is exported, too.
@@ -68,7 +48,7 @@ impl Session {
     fn export_one(
         &self,
         options: &ExportOptions,
-        NamedEpisode { report, name }: &NamedEpisode,
+        EpisodePath { report, name }: &EpisodePath,
         open: &mut Option<Source>,
     ) -> Result<Exported, Error> {
         let same = |source: &Source| {

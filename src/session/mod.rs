@@ -41,7 +41,7 @@ pub use disk::Disk;
 pub use episode_name::{EpisodeName, EpisodePath, NoEpisodeName};
 pub use error::{Change, Error, KeepError};
 pub use export::{Animation, Export, Strip, TickTable};
-pub use export_files::{ExportOptions, Exported, NamedEpisode};
+pub use export_files::{ExportOptions, Exported};
 pub use failures::{FailuresOptions, FoundFailure};
 pub use incomplete::{Incomplete, Missing};
 pub use input::Input;

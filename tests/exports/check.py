@@ -2,12 +2,16 @@
 
     python tests/exports/check.py FOLDER
 
-Packages: asam-qc-openscenarioxml, asam-qc-opendrive (with the schemas inside them), osi-python; for CommonRoad in a second environment
-commonroad-io and commonroad-drivability-checker. What is not installed is named in a line that starts with SKIPPED.
+Packages: asam-qc-openscenarioxml, asam-qc-opendrive (with the schemas inside them), osi-python, mcap, jsonschema; for CommonRoad in a second
+environment commonroad-io and commonroad-drivability-checker. FOXGLOVE_SCHEMAS is the folder of the npm package @foxglove/schemas, and needs node.
+What is not installed is named in a line that starts with SKIPPED.
 """
 
 import importlib.util
+import json
+import os
 import re
+import shutil
 import struct
 import subprocess
 import sys
@@ -62,25 +66,129 @@ def opendrive(path):
     return [schema("qc_opendrive", minor, place, path), qc("opendrive", path)]
 
 
-def osi(path):
-    """Reads all messages; the number of frames is in the name, and each has all actors."""
+def ground_truth(path, data, number):
+    """Reads a message, and checks the actors."""
     from osi3.osi_groundtruth_pb2 import GroundTruth
 
+    message = GroundTruth.FromString(data)
+    time = message.timestamp.seconds + 1e-9 * message.timestamp.nanos
+    assert abs(time - 0.05 * number) < 1e-9, (path, time)
+    assert {each.type for each in message.moving_object} == {2, 3}, path
+    car = next(each for each in message.moving_object if each.id == message.host_vehicle_id)
+    assert car.base.dimension.length > 4 and car.base.position.z > 0.5, path
+    assert car.vehicle_attributes.bbcenter_to_rear.x < -1, path
+    assert message.version.version_major == 3 and not message.FindInitializationErrors(), path
+    return message
+
+
+def frames_of(path):
+    return int(path.name.split("_")[4])
+
+
+def osi(path):
+    """Reads all messages; the number of frames is in the name, and each has all actors."""
     data, frames, place = path.read_bytes(), 0, 0
     while place < len(data):
         (length,) = struct.unpack_from("<I", data, place)
-        message = GroundTruth.FromString(data[place + 4 : place + 4 + length])
+        ground_truth(path, data[place + 4 : place + 4 + length], frames)
         place += 4 + length
-        time = message.timestamp.seconds + 1e-9 * message.timestamp.nanos
-        assert abs(time - 0.05 * frames) < 1e-9, (path, time)
-        assert {each.type for each in message.moving_object} == {2, 3}, path
-        car = next(each for each in message.moving_object if each.id == message.host_vehicle_id)
-        assert car.base.dimension.length > 4 and car.base.position.z > 0.5, path
-        assert car.vehicle_attributes.bbcenter_to_rear.x < -1, path
-        assert message.version.version_major == 3 and not message.FindInitializationErrors(), path
         frames += 1
-    assert frames == int(path.name.split("_")[4]), path
+    assert frames == frames_of(path), path
     return [f"{frames} messages"]
+
+
+def recording(path):
+    """All messages of an MCAP file by topic, with its summary; checksums and indexes are checked."""
+    from mcap.reader import make_reader
+
+    with path.open("rb") as file:
+        reader = make_reader(file, validate_crcs=True)
+        summary = reader.get_summary()
+        records = [(record.name, record.metadata) for record in reader.iter_metadata()]
+        topics = {}
+        for schema, channel, message in reader.iter_messages():
+            assert message.log_time == message.publish_time and message.sequence == len(topics.get(channel.topic, [])), path
+            topics.setdefault(channel.topic, []).append((message.log_time, message.data))
+    assert summary.statistics.message_count == sum(map(len, topics.values())), path
+    assert summary.chunk_indexes and len(summary.metadata_indexes) == len(records), path
+    return summary, records, topics
+
+
+def osi_recording(path):
+    """The trace in MCAP: the metadata of the standard, a descriptor that agrees with osi3, messages that both read alike."""
+    import osi3.osi_groundtruth_pb2 as original
+    from google.protobuf import descriptor_pb2, descriptor_pool, json_format, message_factory
+
+    summary, records, topics = recording(path)
+    ((name, metadata),) = records
+    keys = {f"{end}_{of}_version" for end in ("min", "max") for of in ("osi", "protobuf")} | {"version"}
+    assert name == "net.asam.osi.trace" and keys <= set(metadata), (path, records)
+    assert all(re.fullmatch(r"\d+\.\d+\.\d+", metadata[key]) for key in keys), (path, metadata)
+    (channel,), (schema,) = summary.channels.values(), summary.schemas.values()
+    assert {f"net.asam.osi.trace.channel.{of}_version" for of in ("osi", "protobuf")} == set(channel.metadata), path
+    assert (schema.name, schema.encoding, channel.message_encoding) == ("osi3.GroundTruth", "protobuf", "protobuf"), path
+
+    pool = descriptor_pool.DescriptorPool()
+    for file in descriptor_pb2.FileDescriptorSet.FromString(schema.data).file:
+        pool.Add(file)
+    own, fields = pool.FindMessageTypeByName(schema.name), 0
+    open_types = [(own, original.GroundTruth.DESCRIPTOR)]
+    while open_types:
+        ours, theirs = open_types.pop()
+        for field in ours.fields:
+            same, fields = theirs.fields_by_name[field.name], fields + 1
+            assert (field.number, field.type, field.is_repeated) == (same.number, same.type, same.is_repeated), field.full_name
+            if field.message_type:
+                assert field.message_type.full_name == same.message_type.full_name, field.full_name
+                open_types.append((field.message_type, same.message_type))
+            for value in field.enum_type.values if field.enum_type else []:
+                assert field.enum_type.full_name == same.enum_type.full_name, field.full_name
+                assert same.enum_type.values_by_name[value.name].number == value.number, value.name
+    read = message_factory.GetMessageClass(own).FromString
+    messages = topics[channel.topic]
+    for number, (time, data) in enumerate(messages):
+        message = ground_truth(path, data, number)
+        assert time == message.timestamp.seconds * 10**9 + message.timestamp.nanos, path
+        # Numbers of enumerations, since some have two names.
+        plain = lambda each: json_format.MessageToDict(each, use_integers_for_enums=True)
+        assert plain(read(data)) == plain(message), path
+    assert len(messages) == frames_of(path), path
+    return [f"{len(messages)} messages, descriptor with {fields} fields"]
+
+
+def foxglove(path):
+    """Every message is valid by the schema in the file and by Foxglove's own, and the actors move."""
+    import jsonschema
+
+    summary, _, topics = recording(path)
+    said = []
+    for channel in summary.channels.values():
+        schema = summary.schemas[channel.schema_id]
+        assert (schema.encoding, channel.message_encoding) == ("jsonschema", "json"), path
+        schemas = [json.loads(schema.data)]
+        if schema.name.startswith("foxglove."):
+            official = foxglove_schema(schema.name.removeprefix("foxglove."))
+            schemas += [official] if official else []
+        for of in schemas:
+            jsonschema.Draft7Validator.check_schema(of)
+            validator = jsonschema.Draft7Validator(of)
+            for _, data in topics[channel.topic]:
+                validator.validate(json.loads(data))
+        said.append(f"{len(topics[channel.topic])} messages {channel.topic} by {len(schemas)} schemas")
+    actors = [json.loads(data)["entities"] for _, data in topics["/actors"]]
+    assert [each["id"] for each in actors[0]][0] == "ego" and actors[0] != actors[-1], path
+    gaps = [json.loads(data)["gap_m"] for _, data in topics["/measures"]]
+    assert min(gaps[:-1]) > 0 and gaps[-1] < 0.6, (path, gaps[-3:])
+    return said
+
+
+def foxglove_schema(name):
+    """The schema of the npm package @foxglove/schemas; none without the package."""
+    folder = os.environ.get("FOXGLOVE_SCHEMAS")
+    if not folder or not shutil.which("node"):
+        return None
+    script = f"console.log(JSON.stringify(require({json.dumps(folder + '/jsonschema.js')}).{name}))"
+    return json.loads(subprocess.run(["node", "-e", script], check=True, capture_output=True).stdout)
 
 
 def commonroad(path):
@@ -109,6 +217,8 @@ CHECKS = [
     ("*.xosc", "qc_openscenario", openscenario),
     ("*.xodr", "qc_opendrive", opendrive),
     ("*.osi", "osi3", osi),
+    ("*_gt_*.mcap", "osi3", osi_recording),
+    ("*.foxglove.mcap", "jsonschema", foxglove),
     ("*.commonroad.xml", "commonroad_dc", commonroad),
 ]
 
@@ -122,6 +232,10 @@ def main(folder):
         said = [check(path) for path in files]
         assert said, f"no files {pattern}"
         print(f"{pattern}: {len(files)} files, the last one {', '.join(said[-1])}")
+
+
+    if not foxglove_schema("SceneUpdate"):
+        print("SKIPPED: Foxglove's own schema, since FOXGLOVE_SCHEMAS does not name the package or node is missing")
 
 
 if __name__ == "__main__":
