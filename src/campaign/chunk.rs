@@ -49,7 +49,7 @@ pub(super) fn try_chunk(
     if before.enough || first >= wanted.end {
         return observer.reused(task);
     }
-    observer.continued(task, before.episodes);
+    observer.continued(task, before.episodes.into());
     let rows = std::cell::RefCell::new(Rows { settled: Vec::new(), others: BTreeMap::new(), next: first, ticks: 0 });
     let key = Arc::new(RunKey::of(evaluation));
     let mut limit = None;

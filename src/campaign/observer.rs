@@ -1,3 +1,5 @@
+use std::path::Path;
+
 use super::{Task, TaskError};
 use crate::compile::{Evaluation, Training};
 use crate::rl::UpdateLog;
@@ -9,9 +11,26 @@ pub trait Observer: Sync {
         let _ = training;
     }
 
-    /// A training has finished an update. The number is its place in the campaign.
-    fn trained(&self, training: usize, plan: &Training, log: &UpdateLog) {
-        let _ = (training, plan, log);
+    /// The learning curves of the campaign grow in files of this folder. Called before the first training that has updates to make.
+    fn curves_grow(&self, folder: &Path) {
+        let _ = folder;
+    }
+
+    /// A training continues from this learning curve, or an earlier run has finished it with this one. The curve is empty for a new
+    /// training. The number is its place in the campaign.
+    fn curve_before(&self, training: usize, plan: &Training, curve: &[UpdateLog]) {
+        let _ = (training, plan, curve);
+    }
+
+    /// A training has taken this number of decisions in this run; called more often than [`Observer::trained`].
+    fn deciding(&self, training: usize, decisions: u64) {
+        let _ = (training, decisions);
+    }
+
+    /// A training has finished an update. The number is its place in the campaign; the curve holds the reports of all updates up to now,
+    /// also of earlier runs.
+    fn trained(&self, training: usize, plan: &Training, curve: &[UpdateLog]) {
+        let _ = (training, plan, curve);
     }
 
     /// A training has ended, with or without an error.
@@ -34,9 +53,9 @@ pub trait Observer: Sync {
         let _ = task;
     }
 
-    /// A chunk starts. An earlier run has stored this number of its episodes.
-    fn continued(&self, task: Task, episodes: u32) {
-        let _ = (task, episodes);
+    /// A task starts. An earlier run has stored this number of its episodes, or of the decisions of a training.
+    fn continued(&self, task: Task, units: u64) {
+        let _ = (task, units);
     }
 
     /// A search starts. The number is its place in the campaign.

@@ -1,5 +1,6 @@
 use std::collections::VecDeque;
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::Yield;
 
@@ -11,6 +12,9 @@ use crate::compile::{Campaign, Training, TrainingKey};
 use crate::falsifier::TrainingRun;
 use crate::rl::{self, Trained};
 use crate::seed::Seed;
+
+/// Number of decisions of a training between two reports to the observer.
+const GLANCE: u64 = 16;
 
 /// The result of a training.
 #[derive(Debug, Clone)]
@@ -187,6 +191,7 @@ impl Work<'_> {
         let training = &self.campaign.trainings[index];
         let key = training.key.clone();
         if let Some(trained) = self.results.training(index) {
+            self.observer.curve_before(index, training, &trained.learning_curve);
             self.observer.reused(Task::Training(index));
             return TrainingResult { key, result: Ok(trained) };
         }
@@ -212,9 +217,19 @@ impl Work<'_> {
             Some(run) => run,
             None => begin()?,
         };
+        let before = run.learning_curve().last().map_or(0, |log| log.steps);
+        self.observer.continued(Task::Training(index), before);
+        self.observer.curve_before(index, training, run.learning_curve());
+        let decisions = AtomicU64::new(0);
         while !run.is_done() {
             // A slow driver may need minutes for an update. Then the work of the update is lost.
-            let overdue = || self.results.is_overdue(Task::Training(index), self.stop());
+            let overdue = || {
+                let taken = decisions.fetch_add(1, Ordering::Relaxed);
+                if taken.is_multiple_of(GLANCE) {
+                    self.observer.deciding(index, taken);
+                }
+                self.results.is_overdue(Task::Training(index), self.stop())
+            };
             match run.update_unless(&overdue) {
                 Err(error) if error.is_stopped() => {
                     let limit = self.results.limit(Task::Training(index), 0).filter(|_| !self.stop());
@@ -224,7 +239,7 @@ impl Work<'_> {
                 Ok(_) => {}
             }
             let log = run.learning_curve().last().expect("an update has just ended");
-            self.observer.trained(index, training, log);
+            self.observer.trained(index, training, run.learning_curve());
             let (update, ticks) = (log.update, log.steps * u64::from(scenario.episode.hold));
             if let Some(limit) = self.results.limit(Task::Training(index), ticks).filter(|_| !run.is_done()) {
                 self.results.checkpoint(index, &run, true);

@@ -94,6 +94,7 @@ pub fn notice(notice: &Notice) {
             console::warn("scenarios might start programs in that run; give --allow-external if they may again");
         }
         Notice::Store { .. }
+        | Notice::LearningCurve { .. }
         | Notice::DoubtfulTraining { .. }
         | Notice::UnreadableReport(_)
         | Notice::OtherVersion { .. }

@@ -617,6 +617,11 @@ impl Env for PedestrianEnv {
         step
     }
 
+    /// Whether the pedestrian was hit.
+    fn is_success(&self) -> bool {
+        self.outcome().is_some_and(Outcome::is_collision)
+    }
+
     fn potential(&self) -> f64 {
         match &self.scenario.reward.potential {
             Some(formula) => RewardRule::worth(Some(formula), &self.situation(self.contact())),

@@ -63,6 +63,10 @@ impl Env for Ground<'_> {
         step.unwrap_or(Step { reward: 0.0, terminated: true, truncated: false })
     }
 
+    fn is_success(&self) -> bool {
+        self.share.env().is_success()
+    }
+
     fn potential(&self) -> f64 {
         self.share.env().potential()
     }

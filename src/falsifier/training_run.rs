@@ -166,6 +166,10 @@ impl Env for Stoppable<'_> {
         self.env.step(action, obs)
     }
 
+    fn is_success(&self) -> bool {
+        self.env.is_success()
+    }
+
     fn potential(&self) -> f64 {
         self.env.potential()
     }

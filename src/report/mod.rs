@@ -23,9 +23,9 @@ mod write;
 pub use aggregate::{
     Agreement, Average, Cell, Colour, DriverResult, Episodes, FailureClass, Failures, FoundBy, FoundFailure, Gathered,
     MedianTime, Metrics, ProtocolCell, PublishedComparison, Run, SEARCH_COMPARISONS, SearchCell, SearchFailures,
-    SearchKind, Spread, Wanted, beside, driver_results, gather, layer_cells, learning_curve, metrics, published,
-    search_cell_table, search_cells, search_comparison_table, search_comparisons, search_failures, search_kind_table,
-    search_kinds, searches, ticks, write_ticks,
+    SearchKind, Spread, Wanted, beside, driver_results, gather, layer_cells, learning_curve, learning_curve_lines,
+    metrics, published, search_cell_table, search_cells, search_comparison_table, search_comparisons, search_failures,
+    search_kind_table, search_kinds, searches, ticks, write_ticks,
 };
 pub use catalogue::{catalogue, column_reference};
 pub use compare::{

@@ -29,10 +29,12 @@ pub(super) fn write_curve(writer: &mut Writer, curve: &[UpdateLog]) {
     };
     maybe("mean_reward", |log| log.mean_reward);
     maybe("mean_length", |log| log.mean_length);
+    maybe("success_rate", |log| log.success_rate);
     maybe("explained_variance", |log| log.explained_variance);
     let finished: Vec<FinishedEpisode> = curve.iter().flat_map(|log| &log.finished).copied().collect();
     writer.add("curve.finished.reward", &[finished.len()], finished.iter().map(|episode| episode.reward));
     writer.add("curve.finished.length", &[finished.len()], finished.iter().map(|episode| episode.length));
+    writer.add("curve.finished.success", &[finished.len()], finished.iter().map(|episode| u8::from(episode.success)));
 }
 
 fn add<N: Number>(writer: &mut Writer, name: &str, curve: &[UpdateLog], value: impl Fn(&UpdateLog) -> N) {
@@ -59,10 +61,12 @@ pub(super) fn read_curve(tensors: &SafeTensors<'_>) -> Result<Vec<UpdateLog>, Ch
     let (policy_loss, value_loss, grad_norm) = (number("policy_loss")?, number("value_loss")?, number("grad_norm")?);
     let (learning_rate, clip_coef, std) = (number("learning_rate")?, number("clip_coef")?, number("std")?);
     let (mean_reward, mean_length) = (maybe("mean_reward")?, maybe("mean_length")?);
-    let explained_variance = maybe("explained_variance")?;
+    let (success_rate, explained_variance) = (maybe("success_rate")?, maybe("explained_variance")?);
     let rewards = read::<f64>(tensors, "curve.finished.reward")?.values;
     let lengths: Vec<u64> = read_vector(tensors, "curve.finished.length", rewards.len())?;
-    let mut ended = rewards.into_iter().zip(lengths).map(|(reward, length)| FinishedEpisode { reward, length });
+    let successes: Vec<u8> = read_vector(tensors, "curve.finished.success", rewards.len())?;
+    let ended = rewards.into_iter().zip(lengths).zip(successes);
+    let mut ended = ended.map(|((reward, length), success)| FinishedEpisode { reward, length, success: success != 0 });
 
     let curve: Vec<UpdateLog> = (0..updates)
         .map(|i| {
@@ -75,6 +79,7 @@ pub(super) fn read_curve(tensors: &SafeTensors<'_>) -> Result<Vec<UpdateLog>, Ch
                 finished,
                 mean_reward: mean_reward[i],
                 mean_length: mean_length[i],
+                success_rate: success_rate[i],
                 approx_kl: approx_kl[i],
                 clip_fraction: clip_fraction[i],
                 explained_variance: explained_variance[i],

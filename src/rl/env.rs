@@ -20,6 +20,14 @@ pub trait Env {
     /// observation, from which the learner bootstraps when the episode was merely cut off.
     fn step(&mut self, action: &[f64], obs: &mut [f64]) -> Step;
 
+    /// Returns whether the episode that the last step ended reached its goal, for the reports of training; the learner does not use it.
+    ///
+    /// # Source
+    /// `is_success` of stable-baselines3's environments.
+    fn is_success(&self) -> bool {
+        false
+    }
+
     /// Returns the potential of the present state, by which the learner's rewards are shaped; 0 for none.
     ///
     /// The learner gets γ Φ(s′) − Φ(s) in addition to the reward, with its own γ. Φ may depend on everything that the state of the

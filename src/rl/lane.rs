@@ -56,7 +56,7 @@ impl Lane {
             end: stack.clone(),
             stack,
             start: true,
-            running: FinishedEpisode { reward: 0.0, length: 0 },
+            running: FinishedEpisode::default(),
             discounted: 0.0,
             outcome: Step { reward: 0.0, terminated: false, truncated: false },
             earned: 0.0,
@@ -77,7 +77,7 @@ impl Lane {
         env.reset(&mut self.frame);
         self.stack.begin(&self.frame);
         self.start = true;
-        self.running = FinishedEpisode { reward: 0.0, length: 0 };
+        self.running = FinishedEpisode::default();
         self.discounted = 0.0;
         self.potential = env.potential();
         representable(&self.frame)
@@ -125,8 +125,9 @@ impl Lane {
         if self.outcome.done() {
             self.end.restore(self.stack.as_slice());
             self.end.push(&self.frame);
+            self.running.success = env.is_success();
             self.finished.push((t, self.running));
-            self.running = FinishedEpisode { reward: 0.0, length: 0 };
+            self.running = FinishedEpisode::default();
             env.reset(&mut self.frame);
             self.stack.begin(&self.frame);
             self.potential = env.potential();

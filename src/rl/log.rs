@@ -3,19 +3,21 @@
 use serde::Serialize;
 
 /// An episode that ended during training.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct FinishedEpisode {
     /// The undiscounted sum of the environment's own rewards.
     pub reward: f64,
     /// The number of decisions.
     pub length: u64,
+    /// Whether it reached the goal of the environment.
+    pub success: bool,
 }
 
 /// The report of one update: a rollout and the gradient steps on it.
 ///
 /// # Source
 /// The quantities that stable-baselines3's `PPO` logs under `rollout/` and `train/`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct UpdateLog {
     /// The number of this update, from 1.
     pub update: u64,
@@ -29,6 +31,8 @@ pub struct UpdateLog {
     pub mean_reward: Option<f64>,
     /// The mean length of the same episodes, in decisions.
     pub mean_length: Option<f64>,
+    /// The share of the same episodes that reached the goal of the environment, 0 to 1.
+    pub success_rate: Option<f64>,
     /// The estimate of the divergence between old and new policy in nats, over the minibatches of the last epoch.
     pub approx_kl: f64,
     /// The share of samples whose probability ratio lay outside the clip interval, over all minibatches.

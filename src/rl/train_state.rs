@@ -36,6 +36,7 @@ impl Trainer {
         let recent = &self.collector.recent;
         writer.add("recent.reward", &[recent.len()], recent.iter().map(|episode| episode.reward));
         writer.add("recent.length", &[recent.len()], recent.iter().map(|episode| episode.length));
+        writer.add("recent.success", &[recent.len()], recent.iter().map(|episode| u8::from(episode.success)));
         if let Some(moments) = &self.collector.return_moments {
             write_moments(&mut writer, "ret_rms", moments);
         }
@@ -106,7 +107,10 @@ impl Trainer {
         this.minibatches = read_stream(tensors, "minibatches")?;
         let rewards = read::<f64>(tensors, "recent.reward")?.values;
         let lengths: Vec<u64> = read_vector(tensors, "recent.length", rewards.len())?;
-        let episodes = rewards.into_iter().zip(lengths).map(|(reward, length)| FinishedEpisode { reward, length });
+        let successes: Vec<u8> = read_vector(tensors, "recent.success", rewards.len())?;
+        let episodes = rewards.into_iter().zip(lengths).zip(successes);
+        let episodes =
+            episodes.map(|((reward, length), success)| FinishedEpisode { reward, length, success: success != 0 });
         this.collector.recent.extend(episodes);
         if config.normalize_reward {
             let moments = read_moments(tensors, "ret_rms", 1)?;
@@ -135,7 +139,7 @@ impl Trainer {
             lane.stack.restore(&read_vector(tensors, &format!("env.{i}.obs"), obs_dim)?);
             let episode: Vec<f64> = read_vector(tensors, &format!("env.{i}.episode"), 2)?;
             let length: Vec<u64> = read_vector(tensors, &format!("env.{i}.length"), 2)?;
-            lane.running = FinishedEpisode { reward: episode[0], length: length[0] };
+            lane.running = FinishedEpisode { reward: episode[0], length: length[0], success: false };
             lane.discounted = episode[1];
             lane.start = length[1] != 0;
         }

@@ -15,6 +15,7 @@ mod options;
 mod campaign_report;
 mod manifest;
 mod other_report;
+mod growing_curves;
 mod run;
 mod overview;
 mod shard;

@@ -1,3 +1,4 @@
+use std::io;
 use std::path::PathBuf;
 
 use super::{CampaignOutcome, Change, Incomplete, ShardReport};
@@ -53,6 +54,14 @@ pub enum Notice {
     Store {
         /// The error of the store.
         text: String,
+    },
+    /// A learning curve cannot be written while it grows. The report will have it.
+    #[error("the learning curve `{}` cannot be written while it grows: {source}", path.display())]
+    LearningCurve {
+        /// Its file.
+        path: PathBuf,
+        /// The reason.
+        source: io::Error,
     },
     /// Rewards of a campaign are not numbers.
     #[error("a reward was no number in {episodes} episodes; the first: {first}")]

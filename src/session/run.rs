@@ -1,6 +1,8 @@
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::growing_curves::GrowingCurves;
 use super::manifest::{Times, hold};
 use super::other_report::check_place;
 use super::overview::write_overview;
@@ -104,7 +106,7 @@ impl Session {
         let finished = match work {
             Work::All => {
                 let tasks: Vec<Task> = campaign::tasks(campaign).collect();
-                campaign::run(campaign, &seed, &results, &self.listener(campaign, &tasks))
+                campaign::run(campaign, &seed, &results, &self.listener(campaign, &tasks, store.learning(&name)))
             }
             Work::None => campaign::collect(campaign, &results),
         };
@@ -177,8 +179,9 @@ impl Session {
     }
 
     /// The observer of a campaign's tasks, which the stop flag stops.
-    pub(super) fn listener<'a>(&self, campaign: &'a Campaign, tasks: &[Task]) -> Listener<'a> {
-        Listener { inner: self.observer.campaign(campaign, tasks), stop: self.stop.clone() }
+    pub(super) fn listener<'a>(&self, campaign: &'a Campaign, tasks: &[Task], curves: PathBuf) -> Listener<'a> {
+        let curves = GrowingCurves::new(curves, self.observer.clone());
+        Listener { inner: self.observer.campaign(campaign, tasks), curves, stop: self.stop.clone() }
     }
 
     /// Reports errors of episodes to the observer.
@@ -217,9 +220,10 @@ fn has_failed(finished: &Finished) -> bool {
         || finished.searches.iter().any(|search| search.error.is_some())
 }
 
-/// Passes all events to the observer of a campaign, and stops when the flag is raised.
+/// Passes all events to the observer of a campaign and to the growing learning curves, and stops when the flag is raised.
 pub(super) struct Listener<'a> {
     inner: Box<dyn campaign::Observer + 'a>,
+    curves: GrowingCurves,
     stop: Arc<Stop>,
 }
 
@@ -228,8 +232,21 @@ impl campaign::Observer for Listener<'_> {
         self.inner.training_begun(training);
     }
 
-    fn trained(&self, training: usize, plan: &Training, log: &UpdateLog) {
-        self.inner.trained(training, plan, log);
+    fn curve_before(&self, training: usize, plan: &Training, curve: &[UpdateLog]) {
+        if let Some(folder) = self.curves.first_of(plan, curve) {
+            self.inner.curves_grow(folder);
+        }
+        self.curves.restart(plan, curve);
+        self.inner.curve_before(training, plan, curve);
+    }
+
+    fn deciding(&self, training: usize, decisions: u64) {
+        self.inner.deciding(training, decisions);
+    }
+
+    fn trained(&self, training: usize, plan: &Training, curve: &[UpdateLog]) {
+        self.curves.grow(plan, curve);
+        self.inner.trained(training, plan, curve);
     }
 
     fn training_ended(&self, training: usize, result: &TrainingResult) {
@@ -248,8 +265,8 @@ impl campaign::Observer for Listener<'_> {
         self.inner.reused(task);
     }
 
-    fn continued(&self, task: Task, episodes: u32) {
-        self.inner.continued(task, episodes);
+    fn continued(&self, task: Task, units: u64) {
+        self.inner.continued(task, units);
     }
 
     fn search_begun(&self, search: usize) {

@@ -49,7 +49,7 @@ impl Session {
         index.command.clone_from(&options.command);
         index.write(store, &name, campaign, options.seed).map_err(|error| options.keep(error))?;
         let results = CampaignStore::new(store, campaign, options.seed, options.limits);
-        let listener = self.listener(campaign, &tasks);
+        let listener = self.listener(campaign, &tasks, store.learning(&name));
         campaign::run_tasks(campaign, &tasks, &Seed::root(options.seed), &results, &listener);
         drop(listener);
         if let Some(error) = results.take_failure() {

@@ -89,6 +89,11 @@ impl Store {
         &self.place
     }
 
+    /// The folder for the growing learning curves of a campaign: `OUT/.falsify/learning/NAME`, whichever folder holds the tasks.
+    pub fn learning(&self, campaign: &str) -> PathBuf {
+        self.place.learning(campaign)
+    }
+
     /// Whether there is a folder for tasks.
     pub fn is_there(&self) -> bool {
         self.root().join("tasks").is_dir()

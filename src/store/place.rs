@@ -9,16 +9,18 @@ use super::work_folder::{LOCK, PREFIX, WorkFolder};
 const NAME: &str = ".falsify";
 /// Tasks, claims, and the tasks that campaigns wanted.
 const FOLDERS: [&str; 3] = ["tasks", "claims", "campaigns"];
+/// The learning curves of trainings, which grow while they run.
+const LEARNING: &str = "learning";
 /// An explanation for people who find the folder.
 const README: &str = "README.txt";
 const ABOUT: &str = "\
 Finished and unfinished work of falsify, from which reports are made.
 If it is removed, only the time to repeat it is lost.
-`head -2` of a file in `tasks` shows what it is.
+`head -2` of a file in `tasks` shows what it is. `learning` holds the learning curves of trainings, which grow while they run.
 ";
 const ABOUT_DRAFTS: &str = "\
 Reports that falsify is writing. Finished and unfinished work is in another folder, which was named by --cache,
-FALSIFY_CACHE or `cache` in falsify.toml.
+FALSIFY_CACHE or `cache` in falsify.toml. `learning` holds the learning curves of trainings, which grow while they run.
 ";
 
 /// Where the tasks of a folder for reports are stored, and where its reports are written.
@@ -84,6 +86,11 @@ impl Place {
     /// The folder with the tasks that its campaigns wanted.
     pub fn campaigns(&self) -> &Path {
         &self.campaigns
+    }
+
+    /// The folder for the learning curves of a campaign, beside its report.
+    pub fn learning(&self, campaign: &str) -> PathBuf {
+        self.beside.join(LEARNING).join(campaign)
     }
 
     /// Whether the tasks are beside the reports.
@@ -161,7 +168,7 @@ fn make(root: &Path, folders: &[&str], about: &str) -> io::Result<()> {
 }
 
 fn is_ours(name: &str) -> bool {
-    FOLDERS.contains(&name) || [README, LOCK].contains(&name) || name.starts_with(PREFIX)
+    FOLDERS.contains(&name) || [README, LOCK, LEARNING].contains(&name) || name.starts_with(PREFIX)
 }
 
 /// A path as the file system has it. Parts that do not exist yet stay as they are written.

@@ -77,3 +77,4 @@ mod tidy;
 mod sarif;
 mod tools;
 mod unbreakable;
+mod watching;

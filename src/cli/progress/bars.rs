@@ -86,8 +86,9 @@ fn told(job: &Job) -> String {
     let kind = job.kind;
     let rate = job.rate().map_or(String::new(), |rate| format!(" {}/s", HumanCount(rate.round() as u64)));
     let left = job.left().map_or(String::new(), |left| format!(" {} left", clock(left)));
+    let learnt = job.learnt().and_then(|learnt| learnt.told()).map_or(String::new(), |told| format!(": {told}"));
     let share = (job.done() * 100).checked_div(job.total).unwrap_or(0);
-    format!("{share:3} %{left}{rate}  {} {}", kind.doing(), job.name)
+    format!("{share:3} %{left}{rate}  {} {}{learnt}", kind.doing(), job.name)
 }
 
 /// A time for people, to the second.

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::board::Board;
 use super::job::{Job, Kind};
+use super::learnt::Learnt;
 use crate::cli::console;
 
 /// An event.
@@ -23,6 +24,13 @@ pub enum Event<'a> {
         /// The number of searches.
         searches: usize,
     },
+    /// Learning curves grow in files while trainings run.
+    LearningCurves {
+        /// The campaign.
+        campaign: &'a str,
+        /// The folder of the files.
+        folder: &'a Path,
+    },
     /// A job of work begins.
     TaskBegun(About<'a>),
     /// A job of work has come further; told about once a second.
@@ -36,6 +44,9 @@ pub enum Event<'a> {
         left_s: Option<f64>,
         /// Time until the campaign ends (s).
         campaign_left_s: Option<f64>,
+        /// What a training has learnt up to now.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        learning: Option<Learnt>,
     },
     /// A job of work has ended.
     TaskFinished {
@@ -52,6 +63,9 @@ pub enum Event<'a> {
         note: &'a str,
         /// Its error.
         error: Option<&'a str>,
+        /// What a training has learnt.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        learning: Option<Learnt>,
     },
     /// A problem that does not end the run.
     Warning {
@@ -123,6 +137,11 @@ impl<'a> Event<'a> {
         }
     }
 
+    /// Learning curves grow in files of this folder.
+    pub fn curves_grow(board: &'a Board<'_>, folder: &'a Path) -> Self {
+        Self::LearningCurves { campaign: &board.campaign.name, folder }
+    }
+
     /// A job of work begins.
     pub fn begun(board: &'a Board<'_>, job: &'a Job) -> Self {
         Self::TaskBegun(About::new(board, job))
@@ -135,6 +154,7 @@ impl<'a> Event<'a> {
             rate_per_s: job.rate(),
             left_s: job.left().map(|left| left.as_secs_f64()),
             campaign_left_s: board.left().map(|left| left.as_secs_f64()),
+            learning: job.learnt(),
         }
     }
 
@@ -147,6 +167,7 @@ impl<'a> Event<'a> {
             rate_per_s: job.rate(),
             note,
             error,
+            learning: job.learnt(),
         }
     }
 

@@ -2,8 +2,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use super::learnt::Learnt;
 use crate::campaign::Task;
 use crate::compile::{Campaign, ControllerKind, Evaluation};
+use crate::rl::UpdateLog;
 
 /// What a job of work is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
@@ -60,6 +62,8 @@ pub struct Job {
     done: AtomicU64,
     before: AtomicU64,
     state: Mutex<State>,
+    /// What a training has learnt up to now.
+    learnt: Mutex<Learnt>,
 }
 
 #[derive(Debug, Default)]
@@ -103,7 +107,7 @@ impl Job {
             Kind::Search => campaign.searches[place].key.to_string(),
         };
         let (done, before, state) = (AtomicU64::new(0), AtomicU64::new(0), Mutex::default());
-        Self { kind, place, name, total: 0, done, before, state }
+        Self { kind, place, name, total: 0, done, before, state, learnt: Mutex::default() }
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -137,6 +141,17 @@ impl Job {
     /// Raises the number of units that are done. Several parts of a search report their ticks in any order.
     pub fn rise(&self, units: u64) {
         self.done.fetch_max(units, Ordering::Relaxed);
+    }
+
+    /// Notes the learning curve of a training up to now.
+    pub fn learn(&self, curve: &[UpdateLog]) {
+        self.learnt.lock().unwrap_or_else(PoisonError::into_inner).follow(curve);
+    }
+
+    /// What a training has learnt up to now; none for other jobs and before the first update.
+    pub fn learnt(&self) -> Option<Learnt> {
+        let learnt = *self.learnt.lock().unwrap_or_else(PoisonError::into_inner);
+        (learnt.updates > 0).then_some(learnt)
     }
 
     /// Ends one of its tasks; returns whether that was the last.

@@ -1,6 +1,7 @@
 //! Progress for people and programs: bars on a terminal, a line for each finished job in a log, events as JSON.
 
 mod showing;
+mod learnt;
 mod job;
 mod board;
 mod bars;

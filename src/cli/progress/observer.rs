@@ -1,4 +1,5 @@
 use std::io::IsTerminal;
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
@@ -6,6 +7,7 @@ use super::bars::Bars;
 use super::board::Board;
 use super::events::Event;
 use super::job::{Job, Kind, amount};
+use super::learnt::Learnt;
 use super::lines::line;
 use super::showing::Showing;
 use crate::campaign::{Observer, SearchResult, Task, TaskError, TrainingResult};
@@ -127,16 +129,40 @@ impl Observer for Progress<'_> {
         self.job(Task::Training(training));
     }
 
-    fn trained(&self, training: usize, _: &Training, log: &UpdateLog) {
-        self.board.job(Task::Training(training)).reach(log.steps);
+    fn curves_grow(&self, folder: &Path) {
+        let told = format!("the learning curves grow in {}", folder.display());
+        match &self.bars {
+            Some(bars) => bars.say(&told),
+            None if self.lines => console::note(&told),
+            None => {}
+        }
+        if self.events {
+            Event::curves_grow(&self.board, folder).tell();
+        }
+    }
+
+    fn curve_before(&self, training: usize, _: &Training, curve: &[UpdateLog]) {
+        self.board.job(Task::Training(training)).learn(curve);
+    }
+
+    fn deciding(&self, training: usize, decisions: u64) {
+        let job = self.board.job(Task::Training(training));
+        job.rise(job.before() + decisions);
+        self.glance();
+    }
+
+    fn trained(&self, training: usize, _: &Training, curve: &[UpdateLog]) {
+        let job = self.board.job(Task::Training(training));
+        job.learn(curve);
+        job.rise(curve.last().map_or(0, |log| log.steps));
         self.glance();
     }
 
     fn training_ended(&self, training: usize, result: &TrainingResult) {
         let told = match &result.result {
             Ok(trained) => {
-                let reward = trained.learning_curve.last().and_then(|log| log.mean_reward);
-                Ok(reward.map_or("no episode ended".into(), |reward| format!("mean reward {reward:.3}")))
+                let learnt = Learnt::of(&trained.learning_curve);
+                Ok(learnt.told().unwrap_or_else(|| "no episode ended".into()))
             }
             Err(error) => Err(error.to_string()),
         };
@@ -158,8 +184,8 @@ impl Observer for Progress<'_> {
         self.end(task, Ok(String::new()));
     }
 
-    fn continued(&self, task: Task, episodes: u32) {
-        self.job(task).found(episodes.into());
+    fn continued(&self, task: Task, units: u64) {
+        self.job(task).found(units);
     }
 
     fn search_begun(&self, search: usize) {

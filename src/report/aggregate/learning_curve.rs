@@ -1,4 +1,5 @@
 use polars::prelude::DataFrame;
+use polars_io::prelude::{CsvWriter, SerWriter};
 
 use crate::campaign::TrainingResult;
 use crate::compile::TrainingKey;
@@ -15,6 +16,15 @@ pub fn learning_curve(trainings: &[TrainingResult]) -> DataFrame {
     let updates: Vec<Update<'_>> =
         trained.flat_map(|(key, trained)| trained.learning_curve.iter().map(move |log| (key, log))).collect();
     learning_curve_table().frame(&updates)
+}
+
+/// Updates of one training as lines of CSV, the same as in the table of the report; with a line of names if `head`.
+pub fn learning_curve_lines(key: &TrainingKey, updates: &[UpdateLog], head: bool) -> Vec<u8> {
+    let rows: Vec<Update<'_>> = updates.iter().map(|log| (key, log)).collect();
+    let mut lines = Vec::new();
+    let written = CsvWriter::new(&mut lines).include_header(head).finish(&mut learning_curve_table().frame(&rows));
+    written.expect("memory takes what is written, and texts and numbers have a form in CSV");
+    lines
 }
 
 /// The columns of [`learning_curve`].
@@ -50,6 +60,10 @@ pub fn learning_curve_table<'a>() -> Table<'a, Update<'a>> {
     .column(
         number("mean_length_decisions", "decisions", "mean length of the same episodes (`ep_len_mean`)")
             .of(|row: &Row<'_>| row.1.mean_length),
+    )
+    .column(
+        number("collision_rate", "", "share of the same episodes that ended in a collision (`rollout/success_rate`)")
+            .of(|row: &Row<'_>| row.1.success_rate),
     )
     .column(
         number(

@@ -23,7 +23,7 @@ pub use drivers::{DriverResult, SearchFailures, driver_results};
 pub use episodes::{Episodes, Run};
 pub use failures::{FailureClass, Failures, FoundBy, FoundFailure};
 pub use gathered::{Gathered, gather};
-pub use learning_curve::{learning_curve, learning_curve_table};
+pub use learning_curve::{learning_curve, learning_curve_lines, learning_curve_table};
 pub use metrics::{CELLS, Cell, Metrics, RUNS, Spread, metrics, references};
 pub use protocol::{Colour, PROTOCOL, ProtocolCell, layer_cells, protocol_columns, protocol_table};
 pub use published::{Agreement, PublishedComparison, beside, published, published_table};

@@ -1,0 +1,108 @@
+use std::collections::BTreeSet;
+use std::fs::{self, File};
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use super::{Notice, Observer};
+use crate::compile::{Training, TrainingKey};
+use crate::report::learning_curve_lines;
+use crate::rl::UpdateLog;
+
+/// The learning curves of a campaign in files that grow while it trains, one CSV file a training with a row for each update.
+///
+/// The rows are those that the report will have. They depend on nothing but the scenario and the seed, so a file has the same bytes at any
+/// number of threads, and after an interruption the same as without.
+pub(super) struct GrowingCurves {
+    folder: PathBuf,
+    /// The trainings whose files were begun and can be written to.
+    growing: Mutex<BTreeSet<TrainingKey>>,
+    /// Whether the folder was named.
+    named: AtomicBool,
+    observer: Arc<dyn Observer>,
+}
+
+impl GrowingCurves {
+    /// The curves of a folder, which is made with the first of them.
+    pub fn new(folder: PathBuf, observer: Arc<dyn Observer>) -> Self {
+        Self { folder, growing: Mutex::default(), named: AtomicBool::new(false), observer }
+    }
+
+    /// The folder, if this training is the first that has updates to make.
+    pub fn first_of(&self, training: &Training, curve: &[UpdateLog]) -> Option<&Path> {
+        let done = curve.last().map_or(0, |log| log.steps);
+        let first = done < training.config.total_steps && !self.named.swap(true, Ordering::Relaxed);
+        first.then_some(&self.folder)
+    }
+
+    /// Starts the file of a training with the rows of the updates up to now. Equal rows that are there stay, others are removed.
+    pub fn restart(&self, training: &Training, curve: &[UpdateLog]) {
+        let key = &training.key;
+        let begun = begin(&self.path(key), &learning_curve_lines(key, curve, true));
+        self.growing().insert(key.clone());
+        self.note(key, begun);
+    }
+
+    /// Appends the row of the newest update.
+    pub fn grow(&self, training: &Training, curve: &[UpdateLog]) {
+        let key = &training.key;
+        if !self.growing().contains(key) {
+            return;
+        }
+        let row = learning_curve_lines(key, &curve[curve.len().saturating_sub(1)..], false);
+        // The file is opened for each row, so that thousands of trainings have no file open. A row is one write, so a reader sees whole rows.
+        let file = File::options().append(true).open(self.path(key));
+        self.note(key, file.and_then(|mut file| file.write_all(&row)));
+    }
+
+    fn path(&self, key: &TrainingKey) -> PathBuf {
+        self.folder.join(file_name(key))
+    }
+
+    /// Reports an error once for each training.
+    fn note(&self, key: &TrainingKey, written: io::Result<()>) {
+        if let Err(source) = written {
+            self.growing().remove(key);
+            self.observer.notice(&Notice::LearningCurve { path: self.path(key), source });
+        }
+    }
+
+    fn growing(&self) -> MutexGuard<'_, BTreeSet<TrainingKey>> {
+        self.growing.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// `r1-harbour-careful-0.csv`: reward, town, driver and run.
+fn file_name(key: &TrainingKey) -> String {
+    format!("{}-{}-{}-{}.csv", key.reward, key.town, key.policy, key.run)
+}
+
+/// Gives a file this content. What is equal at its start is not written again.
+fn begin(path: &Path, content: &[u8]) -> io::Result<()> {
+    fs::create_dir_all(path.parent().expect("a curve is in a folder"))?;
+    let mut file = File::options().read(true).write(true).create(true).truncate(false).open(path)?;
+    let mut there = Vec::new();
+    file.read_to_end(&mut there)?;
+    let equal = there.iter().zip(content).take_while(|(one, other)| one == other).count();
+    file.set_len(equal as u64)?;
+    file.seek(SeekFrom::Start(equal as u64))?;
+    file.write_all(&content[equal..])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_keeps_what_is_equal_and_loses_the_rest() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a").join("curve.csv");
+        let content = || fs::read_to_string(&path).unwrap();
+        begin(&path, b"head\n1\n2\n3\n").unwrap();
+        begin(&path, b"head\n1\n").unwrap();
+        assert_eq!(content(), "head\n1\n");
+        begin(&path, b"head\n9\n").unwrap();
+        assert_eq!(content(), "head\n9\n");
+    }
+}
