@@ -54,7 +54,7 @@ fn a_growing_curve_has_the_rows_of_the_report_after_any_interruption_and_on_any_
 
     // A process that is killed leaves whole rows, which the next one continues.
     let mut child = command();
-    let child = child.args(["run", "curves.scn", "--out", "cut", "-j", "1", "--checkpoint", "0"]).current_dir(here);
+    child.args(["run", "curves.scn", "--out", "cut", "-j", "1", "--checkpoint", "0.001"]).current_dir(here);
     let mut child = child.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
     let growing = here.join("cut/.falsify/learning/curves/r1-harbour-blind-0.csv");
     let since = Instant::now();
@@ -98,7 +98,8 @@ fn events_of_a_training_end_with_its_last_row_and_a_curve_that_cannot_be_written
     let table = std::fs::read_to_string(here.join("reports/curves/learning_curve.csv")).unwrap();
     let head: Vec<&str> = table.lines().next().unwrap().split(',').collect();
     let column = |name: &str| head.iter().position(|column| *column == name).unwrap();
-    for (run, event) in ended.iter().enumerate() {
+    for event in ended {
+        let run = &event["place"];
         let rows: Vec<Vec<&str>> = table.lines().skip(1).map(|line| line.split(',').collect()).collect();
         let rows: Vec<&Vec<&str>> = rows.iter().filter(|row| row[column("run")] == run.to_string()).collect();
         let (learning, last) = (&event["learning"], rows.last().unwrap());
