@@ -126,7 +126,7 @@ impl PerfectSensors {
             id: ActorId::Pedestrian(number),
             pose: pedestrian.state.pose,
             velocity: pedestrian.state.velocity,
-            half: Vector::new(pedestrian.body.radius, pedestrian.body.radius),
+            half: pedestrian.body.half(),
             height: pedestrian.body.half_height,
         }));
         let driven = |number: usize| Actor::of_vehicle(number as u8, &world.vehicles[number]);

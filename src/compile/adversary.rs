@@ -1,6 +1,7 @@
 use crate::diagnostic::Diagnostic;
 use crate::env::{
     ActionSpec, Controller, FirstHeading, ObservationSpec, ObservedSpeed, PedestrianRole, ReferenceFrame, Scaling,
+    TargetBox,
 };
 use crate::lang::diagnostics;
 use crate::lang::hir::Block;
@@ -12,6 +13,13 @@ const FRAMES: &[&str] = &["heading", "initial", "line_of_sight", "world"];
 const ACTION_FRAMES: &[&str] = &["heading", "initial", "line_of_sight", "world", "meeting"];
 const SCALINGS: &[&str] = &["natural", "unit"];
 
+/// Heights of the adult and the child target of Euro NCAP (m).
+///
+/// # Source
+/// ACEA, *Articulated Pedestrian Target Specification* 1.0 (2016).
+const ADULT_HEIGHT: f64 = 1.8;
+const CHILD_HEIGHT: f64 = 1.154;
+
 /// The form `adversary`.
 pub fn form() -> Form {
     let frame = || Type::Choice(FRAMES);
@@ -19,9 +27,9 @@ pub fn form() -> Form {
     let params = vec![
         Param::with_default(
             "body",
-            Type::Choice(&["adult", "child"]),
+            Type::Choice(&["adult", "child", "adult_box", "child_box"]),
             "adult",
-            "Its size: CARLA's adult (radius 0.188 m) or child (0.25 m) (B).",
+            "Its size: CARLA's adult (a disc of radius 0.188 m) or child (0.25 m) (B); or the `target` of a test as a box, 0.6 m by 0.5 m (`adult_box`) or 0.711 m by 0.298 m (`child_box`).",
         ),
         Param::with_default(
             "ramp",
@@ -133,6 +141,8 @@ pub fn check(block: &Block, said: &mut Vec<Diagnostic>) {
 pub fn lower(arguments: &Arguments) -> PedestrianRole {
     let size = match arguments.choice("body") {
         "child" => PedestrianBody::child(),
+        "adult_box" => target(&TargetBox::ADULT, ADULT_HEIGHT),
+        "child_box" => target(&TargetBox::CHILD, CHILD_HEIGHT),
         _ => PedestrianBody::adult(),
     };
     let given = |key: &str| arguments.has(key).then(|| arguments.number(key));
@@ -171,6 +181,11 @@ pub fn lower(arguments: &Arguments) -> PedestrianRole {
             _ => FirstHeading::Random,
         },
     }
+}
+
+/// The body of a target of a test.
+fn target(target: &TargetBox, height: f64) -> PedestrianBody {
+    PedestrianBody::boxed(target.half_length, target.half_width, height / 2.0)
 }
 
 fn frame(word: &str) -> ReferenceFrame {

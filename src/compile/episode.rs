@@ -37,6 +37,11 @@ pub fn form() -> Form {
             "0.1 m/s",
             "The ego counts as moving above this speed.",
         ),
+        Param::optional(
+            "friction",
+            Type::Quantity { dimension: Dimension::RATIO, min: 0.02, max: 2.0 },
+            "Friction of the road: no car brakes, accelerates or turns with more than this times 9.81 m/s^2. Without it the figures of the `vehicle` alone hold, which are those of a dry road.",
+        ),
         Param::with_default("traffic_lights", Type::Boolean, "true", "Whether the town's traffic lights work."),
     ];
     Form {
@@ -57,6 +62,7 @@ pub fn lower(arguments: &Arguments) -> EpisodeRule {
         end_when: arguments.condition("end_when").cloned(),
         front_half_angle: arguments.number("front"),
         moving_above: arguments.number("moving_above"),
+        friction: arguments.has("friction").then(|| arguments.number("friction")),
         traffic_lights: arguments.boolean("traffic_lights"),
     }
 }

@@ -124,10 +124,9 @@ impl<'a> Pair<'a> {
         [Vector::zeros(), edge, -edge].iter().any(|offset| !obstacles.blocks_sight(eye, position + offset))
     }
 
-    /// Distance from the pedestrian's disc to the car's box (m); 0 when they touch.
+    /// Distance from the pedestrian to the car's box (m); 0 when they touch.
     pub fn gap(&self, frame: &Frame) -> f64 {
-        let place = frame.pedestrian.pose.position();
-        (self.outline(frame).distance_to(place) - self.body.radius).max(0.0)
+        frame.pedestrian.gap_to(&self.outline(frame), self.body)
     }
 
     /// The box of the car.

@@ -488,7 +488,7 @@ impl PedestrianEnv {
                 digest = mix(digest, value.to_bits());
             }
             // The distance of the centres bounds the gap from below; most ticks need no more.
-            let reach = self.episode.least_gap + size + pedestrian.body.radius;
+            let reach = self.episode.least_gap + size + pedestrian.body.reach();
             if (middle - place).norm_squared() < reach * reach {
                 self.episode.least_gap = self.episode.least_gap.min(self.world.gap(0, number));
             }

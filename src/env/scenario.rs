@@ -20,6 +20,8 @@ pub struct EpisodeRule {
     pub front_half_angle: f64,
     /// The ego counts as moving above this speed (m/s).
     pub moving_above: f64,
+    /// The friction of the road, which bounds what the tyres of all cars transmit; none for CARLA's dry road.
+    pub friction: Option<f64>,
     /// Whether the town's traffic lights work.
     pub traffic_lights: bool,
 }

@@ -189,6 +189,11 @@ fn write_dynamic(xml: &mut Xml, number: usize, actor: &Actor) {
                 xml.text("type", &"car");
                 write_rectangle(xml, length, width);
             }
+            Shape::Pedestrian(body) if body.target_box.is_some() => {
+                let [length, width, _] = actor.size();
+                xml.text("type", &"pedestrian");
+                write_rectangle(xml, length, width);
+            }
             Shape::Pedestrian(body) => {
                 xml.text("type", &"pedestrian");
                 xml.element("shape", &[], |xml| {

@@ -136,7 +136,7 @@ impl Actor<'_> {
     pub(super) fn size(&self) -> [f64; 3] {
         match self.shape {
             Shape::Vehicle(blueprint) => [2.0 * blueprint.half_length, 2.0 * blueprint.half_width, CAR_HEIGHT],
-            Shape::Pedestrian(body) => [2.0 * body.radius, 2.0 * body.radius, 2.0 * body.half_height],
+            Shape::Pedestrian(body) => [2.0 * body.half().x, 2.0 * body.half().y, 2.0 * body.half_height],
         }
     }
 

@@ -58,6 +58,8 @@ pub struct Encounter<'a> {
     pub half: Vector,
     /// Radius of the pedestrian (m).
     pub radius: f64,
+    /// The greatest deceleration that the road lets a driver reach (m/s²); infinite on a dry one.
+    pub grip: f64,
     /// The pedestrian after the recording; none when there is nothing after it.
     pub(super) walker: Option<Walker<'a>>,
     /// The number of steps with those after the recording.
@@ -131,7 +133,7 @@ impl<'a> Encounter<'a> {
         let (pace, blueprint): (Vec<f64>, _) = (pace.collect(), pair.blueprint());
         let steps: Vec<Step> = frames().map(|frame| step(&path, &frame.pedestrian, start)).collect();
         let (half, radius) = (Vector::new(blueprint.half_length, blueprint.half_width), pair.body().radius);
-        Self::of_steps(path, start, pace, steps, (half, radius), pair.dt())
+        Self { grip: blueprint.grip, ..Self::of_steps(path, start, pace, steps, (half, radius), pair.dt()) }
     }
 
     /// An encounter of a car with these half extents and a pedestrian of this radius (m) in ticks of `dt` (s).
@@ -151,7 +153,8 @@ impl<'a> Encounter<'a> {
         });
         let ways = ways.collect();
         let (warning, step_count) = ((steps.len() - 1) as f64 * dt, steps.len());
-        Self { path, start, pace, steps, warning, dt, half, radius, walker: None, step_count, ways }
+        let grip = f64::INFINITY;
+        Self { path, start, pace, steps, warning, dt, half, radius, grip, walker: None, step_count, ways }
     }
 
     /// Whether there is a pedestrian at this tick, for at most five seconds after the recorded touch.

@@ -149,7 +149,7 @@ impl Trial {
                 let braking = driver.brake(&own, threat.as_ref(), dt);
                 let stood = car.has_stopped();
                 if car.interfered || braking.is_some() {
-                    car.brake(braking.unwrap_or(0.0), dt);
+                    car.brake(braking.unwrap_or(0.0).min(encounter.grip), dt);
                 } else {
                     // As in the simulator: the car keeps the tick's first speed until the tick's end.
                     car.way = encounter.way_at(number, share + part);

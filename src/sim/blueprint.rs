@@ -40,6 +40,9 @@ pub struct VehicleBlueprint {
     pub low_speed_braking: f64,
     /// Time for which a car stands after it has been placed at rest (s).
     pub start_up_pause: f64,
+    /// The greatest acceleration that the tyres transmit in any direction (m/s²): the friction of the road times the acceleration of free
+    /// fall. Infinite on CARLA's road, whose friction is in the figures above.
+    pub grip: f64,
 }
 
 const KMH: f64 = 1.0 / 3.6;
@@ -115,6 +118,7 @@ impl VehicleBlueprint {
             low_speed: 5.0,
             low_speed_braking: 1.0,
             start_up_pause: 0.0,
+            grip: f64::INFINITY,
         }
     }
 
@@ -141,13 +145,35 @@ impl VehicleBlueprint {
         steer.clamp(-1.0, 1.0) * self.greatest_wheel_angle * self.steering_response * share.unwrap_or(1.0)
     }
 
+    /// The slip angle at an angle of the front wheels (rad) that the tyres can hold at a speed (m/s), and what is left of the grip for
+    /// accelerating and braking (m/s²).
+    ///
+    /// The lateral acceleration is at most the grip: a car that steers more slides straight on. Steering takes its part of the circle of
+    /// friction first, as with an anti-lock brake.
+    pub fn slip(&self, wheel_angle: f64, speed: f64) -> (f64, f64) {
+        let slip = libm::atan(libm::tan(wheel_angle) / 2.0);
+        if self.grip.is_infinite() {
+            return (slip, f64::INFINITY);
+        }
+        let radius_of_one = self.wheelbase / 2.0;
+        let held = (self.grip * radius_of_one / (speed * speed).max(1e-9)).min(1.0);
+        let slip = slip.clamp(-libm::asin(held), libm::asin(held));
+        let lateral = speed * speed * libm::sin(slip) / radius_of_one;
+        (slip, (self.grip * self.grip - lateral * lateral).max(0.0).sqrt())
+    }
+
     /// The steer for an angle of the front wheels (rad).
     pub fn steer_for(&self, wheel_angle: f64, speed: f64) -> f64 {
         (wheel_angle / self.wheel_angle(1.0, speed)).clamp(-1.0, 1.0)
     }
 
-    /// Acceleration along the heading (m/s²).
+    /// Acceleration along the heading on a straight way (m/s²), at most the grip.
     pub fn acceleration(&self, control: Control, speed: f64) -> f64 {
+        self.demanded(control, speed).clamp(-self.grip, self.grip)
+    }
+
+    /// The acceleration that the pedals demand, whatever the road (m/s²).
+    fn demanded(&self, control: Control, speed: f64) -> f64 {
         let lines = self.throttle.iter().map(|line| (line.throttle, line.at_rest + line.slope * speed));
         let push = interpolate(lines, control.throttle.clamp(0.0, 1.0)).unwrap_or(0.0);
         let jump = if speed < self.low_speed { self.low_speed_braking } else { 1.0 };
@@ -159,7 +185,7 @@ impl VehicleBlueprint {
         let at = |line: &ThrottleLine| line.at_rest + line.slope * speed;
         let coasting = self.throttle.first().map_or(0.0, at);
         if acceleration < coasting {
-            let full = self.acceleration(Control { brake: 1.0, ..Control::default() }, speed) - coasting;
+            let full = self.demanded(Control { brake: 1.0, ..Control::default() }, speed) - coasting;
             return Control { brake: ((acceleration - coasting) / full).clamp(0.0, 1.0), ..Control::default() };
         }
         let mut throttle = 0.0;
@@ -226,6 +252,24 @@ mod tests {
                     assert!((got - wanted).abs() < 1e-9, "{wanted} at {speed}: {got}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_slippery_road_bounds_braking_and_steering_together() {
+        let ice = VehicleBlueprint { grip: 1.0, ..VehicleBlueprint::generic() };
+        assert_eq!(ice.acceleration(Control { brake: 1.0, ..Control::default() }, 10.0), -1.0);
+        assert_eq!(ice.acceleration(Control { throttle: 1.0, ..Control::default() }, 10.0), 1.0);
+        // The pedals for less than the grip are those of a dry road.
+        let dry = VehicleBlueprint::generic();
+        assert_eq!(ice.pedals_for(-0.8, 10.0), dry.pedals_for(-0.8, 10.0));
+        for (wheel, speed) in [(0.02, 5.0), (0.3, 5.0), (-0.3, 5.0), (0.5, 20.0), (0.5, 0.5)] {
+            let (slip, left) = ice.slip(wheel, speed);
+            let lateral = speed * speed * libm::sin(slip) / (ice.wheelbase / 2.0);
+            assert!(lateral.abs() <= 1.0 + 1e-12 && lateral * wheel > 0.0, "{wheel} at {speed}: {lateral}");
+            assert!((lateral * lateral + left * left - 1.0).abs() < 1e-9);
+            let free = dry.slip(wheel, speed).0;
+            assert!(slip.abs() <= free.abs() && (lateral.abs() > 0.999 || slip == free));
         }
     }
 

@@ -1,5 +1,5 @@
 use super::{ActorId, Pedestrian, Vehicle};
-use crate::geometry::{Touch, first_touch, first_touch_of_boxes};
+use crate::geometry::{OrientedBox, Touch, first_touch, first_touch_of_boxes};
 
 /// The first touch of a vehicle with a pedestrian or with another vehicle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,7 +40,7 @@ impl Contact {
     #[inline]
     pub(super) fn is_pedestrian_near(vehicle: &Vehicle, pedestrian: &Pedestrian, dt: f64) -> bool {
         let (blueprint, body) = (&vehicle.blueprint, &pedestrian.body);
-        let reach = blueprint.half_length + blueprint.half_width + body.radius + 2.0;
+        let reach = blueprint.half_length + blueprint.half_width + body.reach() + 2.0;
         let moved = (vehicle.before.speed + pedestrian.before.speed() + pedestrian.state.speed()) * dt;
         let apart = (pedestrian.state.pose.position() - vehicle.state.pose.position()).norm_squared();
         apart <= (reach + moved) * (reach + moved)
@@ -54,7 +54,14 @@ impl Contact {
     ) -> Option<Self> {
         let (from, to) = (pedestrian.before.pose.position(), pedestrian.state.pose.position());
         let start = vehicle.before.outline(&vehicle.blueprint);
-        let touch = first_touch(from, to, pedestrian.body.radius, &start, &vehicle.outline())?;
+        let touch = match pedestrian.body.target_box {
+            None => first_touch(from, to, pedestrian.body.radius, &start, &vehicle.outline())?,
+            Some(half) => {
+                let target = |pose| OrientedBox { pose, half };
+                let (before, after) = (target(pedestrian.before.pose), target(pedestrian.state.pose));
+                first_touch_of_boxes(&start, &vehicle.outline(), &before, &after)?
+            }
+        };
         Some(Self::new(pair, vehicle, &touch))
     }
 

@@ -1,4 +1,4 @@
-use crate::geometry::{Obstacles, Point, Pose, Vector};
+use crate::geometry::{Obstacles, OrientedBox, Point, Pose, Vector};
 
 /// A pedestrian that is slower (m/s) has no direction of motion.
 const AT_REST: f64 = 1e-9;
@@ -6,8 +6,11 @@ const AT_REST: f64 = 1e-9;
 /// Size and gait of a pedestrian.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PedestrianBody {
-    /// Radius of its disc (m).
+    /// Radius of its disc (m). Obstacles, times to collision and reference drivers take the disc, also of a target that is a box.
     pub radius: f64,
+    /// Half extents (m) of a target that is a box, along its facing direction and across it; none for a disc. Touches and gaps are those of
+    /// the box.
+    pub target_box: Option<Vector>,
     /// Half of its height (m).
     pub half_height: f64,
     /// How its velocity follows its commands.
@@ -56,12 +59,28 @@ impl PedestrianBody {
     /// (`Walker/WalkerController.cpp`, pull request #9826), with the engine's defaults 20.48 m/s² and friction 8.
     pub fn adult() -> Self {
         let gait = Gait::Carla { ramp: 2.0, turning: 8.0, stopping: Gait::CARLA_STOPPING };
-        Self { radius: 0.187_679, half_height: 0.93, gait }
+        Self { radius: 0.187_679, target_box: None, half_height: 0.93, gait }
     }
 
     /// CARLA's child walkers.
     pub fn child() -> Self {
         Self { radius: 0.25, half_height: 0.55, ..Self::adult() }
+    }
+
+    /// A target with these half extents (m) along its facing direction and across it. Its disc has the greater of them as radius.
+    pub fn boxed(half_length: f64, half_width: f64, half_height: f64) -> Self {
+        let target_box = Some(Vector::new(half_length, half_width));
+        Self { radius: half_length.max(half_width), target_box, half_height, ..Self::adult() }
+    }
+
+    /// Half extents (m) along its facing direction and across it; a disc has those of the square around it.
+    pub fn half(&self) -> Vector {
+        self.target_box.unwrap_or(Vector::new(self.radius, self.radius))
+    }
+
+    /// The greatest distance of a point of it from its middle (m).
+    pub fn reach(&self) -> f64 {
+        self.target_box.map_or(self.radius, |half| half.norm())
     }
 
     /// Reaches every commanded velocity immediately.
@@ -97,6 +116,14 @@ impl PedestrianState {
     /// Speed (m/s).
     pub fn speed(&self) -> f64 {
         self.velocity.norm()
+    }
+
+    /// The distance of a body in this state from a box (m); 0 when they touch.
+    pub fn gap_to(&self, other: &OrientedBox, body: &PedestrianBody) -> f64 {
+        match body.target_box {
+            Some(half) => OrientedBox { pose: self.pose, half }.separation(other).norm(),
+            None => (other.distance_to(self.pose.position()) - body.radius).max(0.0),
+        }
     }
 
     /// Simulates one tick; the pedestrian slides along obstacles.

@@ -37,13 +37,14 @@ impl VehicleState {
     /// Simulates one tick: a kinematic bicycle about the middle of the wheelbase.
     ///
     /// With slip angle β = atan(tan δ / 2) the position moves along yaw + β and the yaw turns by `v sin β / (L / 2)`;
-    /// position and yaw use the speed at the start of the tick.
+    /// position and yaw use the speed at the start of the tick. On a slippery road the grip of the tyres bounds the slip angle and the
+    /// acceleration.
     ///
     /// # Source
     /// Kong et al., *Kinematic and dynamic vehicle models for autonomous driving control design*, IV 2015, eq. 1.
     pub fn step(&self, control: Control, blueprint: &VehicleBlueprint, dt: f64) -> Self {
         let wheel = blueprint.wheel_angle(control.steer, self.speed);
-        let slip = libm::atan(libm::tan(wheel) / 2.0);
+        let (slip, grip) = blueprint.slip(wheel, self.speed);
         let (sin, cos) = libm::sincos(self.pose.yaw + slip);
         let half_base = blueprint.wheelbase / 2.0;
         let travelled = self.speed * dt;
@@ -54,7 +55,7 @@ impl VehicleState {
         };
         let in_gear = self.age >= blueprint.start_up_pause || self.speed > 0.0;
         let acceleration = if in_gear { blueprint.acceleration(control, self.speed) } else { 0.0 };
-        let speed = (self.speed + acceleration * dt).max(0.0);
+        let speed = (self.speed + acceleration.clamp(-grip, grip) * dt).max(0.0);
         // A car that has moved is in gear.
         let age = if self.speed > 0.0 { self.age.max(blueprint.start_up_pause) } else { self.age };
         Self { pose, speed, age: age + dt }

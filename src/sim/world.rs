@@ -98,10 +98,10 @@ impl World {
         self.vehicles[vehicle].affecting_light(&self.town)
     }
 
-    /// Distance from a pedestrian's disc to a vehicle's box (m); 0 when they touch.
+    /// Distance from a pedestrian to a vehicle's box (m); 0 when they touch.
     pub fn gap(&self, vehicle: usize, pedestrian: usize) -> f64 {
         let (vehicle, pedestrian) = (&self.vehicles[vehicle], &self.pedestrians[pedestrian]);
-        (vehicle.outline().distance_to(pedestrian.state.pose.position()) - pedestrian.body.radius).max(0.0)
+        pedestrian.state.gap_to(&vehicle.outline(), &pedestrian.body)
     }
 
     /// Simulates one tick of all actors and finds their first touch. There is one control for each vehicle and one command for each

@@ -8,6 +8,7 @@ use falsify::internal::compile::{Campaign, Catalog, compile};
 use falsify::internal::env::{Outcome, PedestrianEnv, Scenario, Trace};
 use falsify::internal::falsifier::{Scripted, evaluate_noting};
 use falsify::internal::geometry::{OrientedBox, Point};
+use falsify::internal::judge::{Reference, judge};
 use falsify::internal::seed::Seed;
 use falsify::internal::sim::WalkCommand;
 
@@ -128,4 +129,79 @@ fn the_first_command_paces_and_turns_a_path_and_later_ones_do_not() {
     let wanted = Point::new(60.0 + (given.y + 8.0), -8.0 - (given.x - 60.0));
     let place = env.world().pedestrians[0].state.pose.position();
     assert!((place - wanted).norm() < 1e-6, "{place} instead of {wanted}");
+}
+
+/// The scenario of a test of Euro NCAP with an adversary and keys of the episode.
+fn protocol(test: &str, adversary: &str, policy: &str, keys: &str) -> Arc<Scenario> {
+    let town = if test.starts_with("cpnco") { "test_track_parked" } else { "test_track" };
+    let text = format!(
+        "edition 1\nimport \"std/ncap.scn\"\nimport \"std/drivers.scn\"\n\
+         episode here {{ tick: 0.05 s  hold: 300  ticks: 300  {keys} }}\n\
+         campaign c {{ vehicle: model3  adversary: {adversary}  episode: here  spawn: {test}\n\
+         evaluate {{ towns: [{town}]  policies: [{policy}]  pedestrians: [scripted]  episodes: 1 }} }}"
+    );
+    campaign(&text).evaluations[0].scenario.clone()
+}
+
+/// The box of a target meets the front of a car that does not brake with its impact point at the stated share of the width.
+#[test]
+fn a_target_as_a_box_is_touched_at_its_impact_point() {
+    for (test, adversary) in [("cpna", "adult_target_box"), ("cpfa", "adult_target_box"), ("cpnco", "child_target_box")]
+    {
+        let scenario = protocol(test, adversary, "blind", "");
+        let (car, body) = (&scenario.cast.ego.blueprint, &scenario.cast.pedestrian.body);
+        let walk = scenario.spawn.target_walk.as_ref().unwrap();
+        let side = if test == "cpfa" { -1.0 } else { 1.0 };
+        for (case, (outcome, trace)) in walk.cases.iter().zip(scripted(&scenario, walk.cases.len() as u32)) {
+            let contact = trace.contact().unwrap_or_else(|| panic!("{test} {case:?}: {outcome:?}"));
+            let front = contact.ahead - car.half_length - walk.target.half_width;
+            assert!(front.abs() < 0.001, "{test} {case:?}: the front is {front:.4} m before the box");
+            let impact_point = contact.aside * side - walk.target.impact_point;
+            let apart = impact_point - (2.0 * case.overlap - 1.0) * car.half_width;
+            assert!(apart.abs() < 0.05, "{test} {case:?}: {apart:.3} m beside the stated place");
+            assert_eq!(body.half().y, walk.target.half_width);
+            assert_eq!(outcome.least_gap, 0.0);
+        }
+    }
+}
+
+#[test]
+fn friction_bounds_every_driver_and_the_reference_drivers() {
+    for policy in ["behavior", "careful", "aeb", "rss", "predictive"] {
+        let slippery = protocol("cpna", "adult_target", policy, "friction: 0.3");
+        let mut hardest = 0.0_f64;
+        for (_, trace) in scripted(&slippery, 18) {
+            let speeds = trace.vehicle(0).windows(2).map(|pair| (pair[0].state.speed - pair[1].state.speed) / 0.05);
+            hardest = speeds.fold(hardest, f64::max);
+        }
+        let bound = 0.3 * 9.81;
+        assert!(hardest <= bound + 1e-9 && hardest > 0.99 * bound, "{policy} braked with {hardest:.2} m/s^2");
+    }
+    let avoided = |keys: &str| {
+        let scenario = protocol("cpna", "adult_target", "blind", keys);
+        let verdicts = scripted(&scenario, 18).into_iter().filter_map(|(_, trace)| judge(&trace.main_pair(&scenario)));
+        verdicts.filter(|verdict| verdict.trial(Reference::Bound).is_avoided()).count()
+    };
+    let (dry, ice) = (avoided(""), avoided("friction: 0.05"));
+    assert!(dry > ice + 5, "the best driver avoids {dry} of 18 collisions on a dry road and {ice} on ice");
+}
+
+#[test]
+fn a_car_on_ice_slides_out_of_a_bend() {
+    let bend = |keys: &str| {
+        let text = format!(
+            "edition 1\nimport \"std/drivers.scn\"\nimport \"std/ncap.scn\"\n\
+             town bend {{ street s {{ through: [(-100 m, 0 m), (0 m, 0 m), (0 m, 100 m)] }} }}\n\
+             episode here {{ ticks: 120  hold: 120  {keys} }}\n\
+             spawn path = given_path(ego_poses: [(-40 m, -1.75 m, 0 deg)], ego_speed: 10 m/s,\n\
+             through: [(-90 m, 30 m), (-90 m, 31 m)], speeds: [1 m/s])\n\
+             campaign c {{ vehicle: model3  adversary: adult_target  episode: here  spawn: path\n\
+             evaluate {{ towns: [bend]  policies: [blind]  pedestrians: [scripted]  episodes: 1 }} }}"
+        );
+        let scenario = campaign(&text).evaluations[0].scenario.clone();
+        let (_, trace) = scripted(&scenario, 1).swap_remove(0);
+        trace.vehicle(0).iter().map(|frame| frame.state.pose.x).fold(f64::MIN, f64::max)
+    };
+    let (dry, ice) = (bend(""), bend("friction: 0.05"));
+    assert!(dry < 3.5 && ice > 5.0, "the outer edge of the lane is at 3.5 m: {dry:.1} m and {ice:.1} m");
 }

@@ -17,6 +17,9 @@ use crate::seed::Seed;
 use crate::signature::{DeclarationId, short};
 use crate::sim::VehicleBlueprint;
 
+/// The acceleration of free fall (m/s²).
+const GRAVITY: f64 = 9.81;
+
 /// Where the episodes of a block happen, against which drivers, and how they start.
 pub(super) struct Ground {
     pub towns: Vec<Axis<BuiltTown>>,
@@ -49,10 +52,12 @@ impl Place<'_> {
         rule: &EpisodeRule,
         reward: &RewardRule,
     ) -> Arc<Scenario> {
+        let grip = rule.friction.map_or(car.grip, |friction| friction * GRAVITY);
+        let blueprint = VehicleBlueprint { grip, ..car.clone() };
         Arc::new(Scenario {
             town: self.town.value.town.clone(),
             obstacles: self.town.value.obstacles.clone(),
-            cast: Cast::pair(VehicleRole { blueprint: car.clone(), policy: self.policy.value.clone() }, walker.clone()),
+            cast: Cast::pair(VehicleRole { blueprint, policy: self.policy.value.clone() }, walker.clone()),
             spawn: self.spawn.value.clone(),
             reward: reward.clone(),
             oracle: reward.needs_judgement().then(|| Arc::new(ReferenceOracle) as Arc<dyn TestOracle>),
@@ -114,7 +119,7 @@ impl Lowering<'_> {
         let place = if block.arguments.has("spawn") { block.place("spawn") } else { campaign.place("spawn") };
         for (Axis { name, value: car, .. }, Axis { value: walker, .. }) in bodies {
             let corner = (car.half_length * car.half_length + car.half_width * car.half_width).sqrt();
-            let reach = corner + walker.body.radius;
+            let reach = corner + walker.body.reach();
             let nearest = spawn.distance.support().0;
             if nearest <= reach {
                 let message = format!(
