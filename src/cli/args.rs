@@ -16,6 +16,7 @@ use super::manual::{self, ManualOptions};
 use super::map::{self, MapOptions};
 use super::merge::{self, MergeOptions};
 use super::new::{self, NewOptions};
+use super::preview::{self, PreviewOptions};
 use super::render::{self, RenderOptions};
 use super::replay::{self, ReplayOptions};
 use super::run::{self, RunOptions};
@@ -104,6 +105,9 @@ pub enum Command {
     /// Draw a town, and list what its map holds and what was skipped.
     #[command(after_help = map::EXAMPLES)]
     Map(MapOptions),
+    /// Show the towns and starts of a scenario on a page that follows the file while you edit it.
+    #[command(after_help = preview::EXAMPLES)]
+    Preview(PreviewOptions),
     /// Work on a driver of your own.
     #[command(subcommand)]
     Av(AvCommand),

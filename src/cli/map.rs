@@ -14,7 +14,7 @@ use crate::session::{CheckOptions, Error, Input};
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
-  falsify map Town02.xodr                    Town02.svg, and what the map holds
+  falsify map Town02.xodr                    Town02.svg and Town02.html, and what the map holds
   falsify map my.scn --out maps              every town of a scenario, imported ones, too";
 
 /// Options of `falsify map`.
@@ -23,7 +23,7 @@ pub struct MapOptions {
     /// An OpenDRIVE map, or a scenario file with towns.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// Folder for the picture, `NAME.svg`.
+    /// Folder for the picture, `NAME.svg`, and the page with places to copy, `NAME.html`.
     #[arg(long, short, default_value = ".", value_name = "DIR")]
     pub out: PathBuf,
     /// Also write the waypoints of all driving lanes at this distance (m), as CARLA would: `NAME_waypoints.csv`.
@@ -121,12 +121,30 @@ fn describe(town: &Town) {
 
 fn write(town: &Town, options: &MapOptions) -> Result<(), report::WriteError> {
     let picture = options.out.join(format!("{}.svg", town.name));
-    report::write_file(&picture, report::town_map(town, &report::Starts::default()).as_bytes())?;
+    report::write_file(&picture, report::labelled_map(town).as_bytes())?;
     console::say(&format!("  {}", picture.display()));
+    let page = options.out.join(format!("{}.html", town.name));
+    report::write_file(&page, report::map_page(&page_of(town)).as_bytes())?;
+    console::say(&format!("  {}", page.display()));
     if let Some(spacing) = options.waypoints {
         let table = options.out.join(format!("{}_waypoints.csv", town.name));
         report::write_csv(&table, &report::waypoints(town, spacing))?;
         console::say(&format!("  {}", table.display()));
     }
     Ok(())
+}
+
+/// The page of a town.
+fn page_of(town: &Town) -> report::MapPage<'_> {
+    let (low, high) = town.bounds();
+    let note =
+        format!("{}, {:.0} m × {:.0} m", console::count(town.roads.len(), "road"), high.x - low.x, high.y - low.y);
+    report::MapPage {
+        title: town.name.clone(),
+        kind: "map",
+        note,
+        problems: Vec::new(),
+        towns: vec![report::TownView { town, starts: Vec::new() }],
+        follows: None,
+    }
 }

@@ -39,6 +39,7 @@ mod manual;
 mod debug;
 mod lsp;
 mod map;
+mod preview;
 mod av_check;
 
 pub use args::Arguments;
@@ -109,6 +110,7 @@ fn run_command() -> ExitCode {
         args::Command::Lsp { .. } => lsp::lsp(),
         args::Command::Fmt(options) => fmt::fmt(&options),
         args::Command::Map(options) => map::map(&options),
+        args::Command::Preview(options) => preview::preview(&options),
         args::Command::Av(args::AvCommand::Check(options)) => av_check::check(&options),
         args::Command::Manual(options) => manual::manual(&options),
         args::Command::Completions { shell } => {

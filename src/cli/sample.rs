@@ -1,16 +1,14 @@
 //! `falsify check --sample`: where episodes would start, and which starts are rejected.
 
 use std::path::Path;
-use std::sync::Arc;
 
 use serde::Serialize;
 
 use super::console;
 use super::exit_code::ExitCode;
 use crate::compile::{Campaign, Plan};
-use crate::env::Scenario;
 use crate::report::{self, WriteError};
-use crate::seed::Seed;
+use crate::session::{SampledStarts, sampled_starts};
 
 /// The most starts in a picture; more would hide each other.
 const DRAWN: usize = 500;
@@ -19,8 +17,8 @@ const DRAWN: usize = 500;
 #[derive(Serialize)]
 struct Sample<'a> {
     campaign: &'a str,
-    spawn: &'a str,
-    town: &'a str,
+    spawn: String,
+    town: String,
     tried: u32,
     accepted: u32,
     constraints: Vec<Share>,
@@ -71,19 +69,15 @@ pub fn sample(plan: &Plan, wanted: &Wanted<'_>) -> ExitCode {
 
 fn survey<'a>(campaign: &'a Campaign, wanted: &Wanted<'_>) -> Result<Vec<Sample<'a>>, WriteError> {
     let mut samples = Vec::new();
-    let begins = |(_, scenario): &(&str, &Arc<Scenario>)| scenario.spawn.begins_in(&scenario.town);
-    for (town, scenario) in campaign.starts().into_iter().filter(begins) {
-        let rule = &scenario.spawn;
-        let mut stream = Seed::root(wanted.seed).child("sample").child(town).child(&rule.name).stream();
-        let first = scenario.cast.pedestrian.first_heading;
-        let survey = rule.survey(&scenario.town, &scenario.obstacles, first, wanted.count, &mut stream);
-        let picture = wanted.out.join(format!("spawn-{}-{}-{town}.svg", campaign.name, rule.name));
+    for SampledStarts { town, scenario, survey } in sampled_starts(campaign, wanted.count, wanted.seed) {
+        let spawn = scenario.spawn.name.clone();
+        let picture = wanted.out.join(format!("spawn-{}-{spawn}-{town}.svg", campaign.name));
         let shown = &survey.spawns[..survey.spawns.len().min(DRAWN)];
         report::write_file(&picture, report::spawn_map(&scenario.town, shown).as_bytes())?;
         let constraints = survey.constraints.into_iter().map(|(constraint, passed)| Share { constraint, passed });
         samples.push(Sample {
             campaign: &campaign.name,
-            spawn: &rule.name,
+            spawn,
             town,
             tried: survey.tried,
             accepted: survey.accepted,

@@ -45,9 +45,9 @@ pub use read::{
     StoredReport, differences, divergence, failure, failure_list,
 };
 pub use render::{
-    Narrative, Starts, Suite, Tally, animation, drivers_for_terminal, failures_for_terminal, junit, narrative,
-    overview_for_terminal, overview_page, protocol_for_terminal, results_for_terminal, searches_for_terminal, shown,
-    spawn_map, strip, town_map,
+    MapPage, Narrative, StartLayer, Starts, Suite, Tally, TownView, animation, drivers_for_terminal,
+    failures_for_terminal, junit, labelled_map, map_page, narrative, overview_for_terminal, overview_page,
+    protocol_for_terminal, results_for_terminal, searches_for_terminal, shown, spawn_map, strip, town_map,
 };
 pub use render::{PlayedPair, Replay, comparison_for_terminal, comparison_page, comparison_title, worst_changes};
 pub use scenario_files::{MOST_HELD_BYTES, held_places};

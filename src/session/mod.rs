@@ -1,4 +1,5 @@
-//! The program as a library: `check`, `run`, `merge`, `replay`, `verify`, `status`, `failures`, `compare`, `export`.
+//! The program as a library: `check`, `run`, `merge`, `replay`, `verify`, `status`, `failures`, `compare`, `export`,
+//! `preview`.
 //!
 //! A [`Session`] holds what all calls share: the catalogue of the language, the reader of files, an [`Observer`] and a [`Stop`] flag. Each call
 //! takes a struct of plain options, returns a value or an [`Error`], and reports events to the observer meanwhile. No call prints, reads
@@ -11,6 +12,8 @@ mod observer;
 mod input;
 mod setup;
 mod check;
+mod starts;
+mod preview;
 mod options;
 mod campaign_report;
 mod manifest;
@@ -52,11 +55,13 @@ pub use observer::{Notice, Observer, Silent};
 pub use options::{RunOptions, Ticks};
 pub use other_report::{OtherInput, OtherReport};
 pub use overview::OverviewFiles;
+pub use preview::{Preview, PreviewOptions};
 pub use reasons::{Reason, reasons};
 pub use repeat::Repeated;
 pub use replay::{Replay, ReplayOptions};
 pub use setup::Session;
 pub use shard::ShardOptions;
+pub use starts::{SampledStarts, sampled_starts};
 pub use status::{CampaignProgress, CampaignState, KindProgress, StatusOptions};
 pub use stop::Stop;
 pub use stored::RepeatOptions;

@@ -92,6 +92,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "diagnostic",
             "seed",
             "lang",
+            "road",
             "rl",
             "env",
             "compile",

@@ -42,6 +42,7 @@ mod language_server;
 mod layers;
 mod learning;
 mod onnx;
+mod maps;
 mod messages;
 mod page;
 mod ped_world;

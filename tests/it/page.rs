@@ -169,7 +169,7 @@ fn closed(html: &str, folder: &Path) {
 }
 
 /// Whether all elements are closed, in order.
-fn balanced(html: &str) {
+pub fn balanced(html: &str) {
     const VOID: [&str; 4] = ["meta", "br", "input", "!doctype"];
     let mut open: Vec<String> = Vec::new();
     let mut rest = html;
@@ -192,7 +192,7 @@ fn balanced(html: &str) {
     assert!(open.is_empty(), "never closed: {open:?}");
 }
 
-fn browser() -> Option<PathBuf> {
+pub fn browser() -> Option<PathBuf> {
     let named = std::env::var_os("FALSIFY_BROWSER").map(PathBuf::from);
     let path = std::env::var_os("PATH").unwrap_or_default();
     let names = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome"];
@@ -262,7 +262,7 @@ fn opens(browser: &Path, page: &Path) {
 }
 
 /// Whether the page and each of its tables fit a window of this width (CSS pixels), with everything unfolded.
-fn fits(tab: &mut Tab, width: u32) {
+pub fn fits(tab: &mut Tab, width: u32) {
     let metrics = json!({ "width": width, "height": 900, "deviceScaleFactor": 1, "mobile": false });
     tab.ask("Emulation.setDeviceMetricsOverride", metrics);
     tab.value("document.querySelectorAll('details').forEach((details) => { details.open = true; })");
@@ -276,7 +276,7 @@ fn fits(tab: &mut Tab, width: u32) {
 }
 
 /// A tab of a browser that is controlled through its pipe; the browser ends when the value is dropped.
-struct Tab {
+pub struct Tab {
     child: Child,
     to: ChildStdin,
     from: BufReader<ChildStdout>,
@@ -286,7 +286,8 @@ struct Tab {
 }
 
 impl Tab {
-    fn open(browser: &Path, profile: &Path) -> Self {
+    /// Starts the browser with an empty tab.
+    pub fn open(browser: &Path, profile: &Path) -> Self {
         // The browser reads from file descriptor 3 and writes to file descriptor 4; the shell connects our pipes to them.
         let mut child = Command::new("sh")
             .args(["-c", "exec \"$0\" \"$@\" 3<&0 4>&1 </dev/null >/dev/null 2>&1"])
@@ -314,7 +315,8 @@ impl Tab {
         serde_json::from_slice(&message).unwrap()
     }
 
-    fn ask(&mut self, method: &str, params: Value) -> Value {
+    /// The answer to a command of the DevTools protocol.
+    pub fn ask(&mut self, method: &str, params: Value) -> Value {
         self.asked += 1;
         let mut message = json!({ "id": self.asked, "method": method, "params": params });
         if let Some(session) = &self.session {
@@ -332,7 +334,8 @@ impl Tab {
         }
     }
 
-    fn wait(&mut self, method: &str) {
+    /// Waits for an event of the page.
+    pub fn wait(&mut self, method: &str) {
         while !self.heard.iter().any(|event| event["method"] == json!(method)) {
             let event = self.read();
             self.heard.push(event);
@@ -340,7 +343,7 @@ impl Tab {
     }
 
     /// The value of an expression that the page evaluates.
-    fn value(&mut self, expression: &str) -> Value {
+    pub fn value(&mut self, expression: &str) -> Value {
         let params = json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
         let answer = self.ask("Runtime.evaluate", params);
         assert!(answer["exceptionDetails"].is_null(), "{expression}: {answer}");

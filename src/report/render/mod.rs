@@ -29,4 +29,4 @@ pub use sections::{
 };
 pub use summary::summary;
 pub use table::Section;
-pub use town::{Starts, spawn_map, town_map};
+pub use town::{MapPage, StartLayer, Starts, TownView, labelled_map, map_page, spawn_map, town_map};

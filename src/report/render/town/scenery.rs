@@ -1,5 +1,5 @@
 use crate::geometry::Point;
-use crate::road::{LaneKind, Road, RoadIndex, Town, Waypoint};
+use crate::road::{LaneKind, LaneSection, Road, RoadIndex, Town, Waypoint};
 
 /// Least spacing of the points from which a lane's outline is made (m).
 const STEP: f64 = 1.0;
@@ -47,13 +47,9 @@ impl Scenery {
     /// Outlines all surfaces of a town.
     pub fn new(town: &Town) -> Self {
         let mut polygons = Vec::new();
-        let sections = town.roads.iter().flat_map(|road| &road.sections);
-        let metres: f64 = sections.map(|section| (section.end - section.start) * section.lanes.len() as f64).sum();
-        let step = STEP.max(2.0 * metres / MOST_POINTS.0);
+        let step = step(town);
         for surface in [Surface::Walk, Surface::Lane] {
-            for (road, index) in town.roads.iter().zip(0..) {
-                outline(&mut polygons, town, (RoadIndex(index), road), step, surface);
-            }
+            polygons.extend(lanes(town, surface).map(|lane| (surface, outline(town, lane, step))));
         }
         polygons.extend(town.crosswalks.iter().map(|corners| (Surface::Zebra, corners.clone())));
         polygons.extend(town.obstacles.iter().map(|each| (Surface::House, each.corners().to_vec())));
@@ -71,27 +67,58 @@ impl Scenery {
     }
 }
 
-fn outline(
-    polygons: &mut Vec<(Surface, Vec<Point>)>,
-    town: &Town,
-    (index, road): (RoadIndex, &Road),
-    step: f64,
-    surface: Surface,
-) {
-    let wanted = |kind: LaneKind| (kind == LaneKind::Driving) == (surface == Surface::Lane) && kind != LaneKind::None;
-    for (section, number) in road.sections.iter().zip(0..) {
-        let steps = ((section.end - section.start) / step).ceil().clamp(1.0, MOST_POINTS.1);
-        for lane in section.lanes.iter().filter(|lane| lane.id != 0 && wanted(lane.kind)) {
-            let places = (0..=steps as u32).filter_map(|i| {
-                let s = section.start + (section.end - section.start) * f64::from(i) / steps;
-                town.lane_edges(Waypoint { road: index, section: number, lane: lane.id, s })
-            });
-            let (left, right): (Vec<Point>, Vec<Point>) = places.map(|[left, right]| (left, right)).unzip();
-            let mut corners = thinned(&left);
-            corners.extend(thinned(&right).iter().rev());
-            polygons.push((surface, corners));
-        }
+/// A lane of one section of a road.
+#[derive(Debug, Clone, Copy)]
+pub struct SectionLane<'a> {
+    /// The road.
+    pub road: &'a Road,
+    /// The section.
+    pub section: &'a LaneSection,
+    /// Where the lane starts, in the direction of the road's reference line.
+    pub start: Waypoint,
+    /// Its use.
+    pub kind: LaneKind,
+}
+
+/// The lanes of a surface, road by road.
+pub fn lanes(town: &Town, surface: Surface) -> impl Iterator<Item = SectionLane<'_>> {
+    let wanted =
+        move |kind: LaneKind| (kind == LaneKind::Driving) == (surface == Surface::Lane) && kind != LaneKind::None;
+    town.roads.iter().zip(0..).flat_map(move |(road, index)| {
+        road.sections.iter().zip(0..).flat_map(move |(section, number)| {
+            section.lanes.iter().filter(move |lane| lane.id != 0 && wanted(lane.kind)).map(move |lane| SectionLane {
+                road,
+                section,
+                start: Waypoint { road: RoadIndex(index), section: number, lane: lane.id, s: section.start },
+                kind: lane.kind,
+            })
+        })
+    })
+}
+
+impl SectionLane<'_> {
+    /// Places on the lane, from the start of its section to the end, at most this far apart (m).
+    pub fn places(&self, step: f64) -> impl Iterator<Item = Waypoint> + use<> {
+        let (start, from, to) = (self.start, self.section.start, self.section.end);
+        let steps = ((to - from) / step).ceil().clamp(1.0, MOST_POINTS.1);
+        (0..=steps as u32).map(move |i| Waypoint { s: from + (to - from) * f64::from(i) / steps, ..start })
     }
+}
+
+/// The spacing of the points from which the lanes of a town are drawn (m).
+pub fn step(town: &Town) -> f64 {
+    let sections = town.roads.iter().flat_map(|road| &road.sections);
+    let metres: f64 = sections.map(|section| (section.end - section.start) * section.lanes.len() as f64).sum();
+    STEP.max(2.0 * metres / MOST_POINTS.0)
+}
+
+/// The corners of a lane: its left edge forwards, its right edge backwards.
+pub fn outline(town: &Town, lane: SectionLane<'_>, step: f64) -> Vec<Point> {
+    let edges = lane.places(step).filter_map(|place| town.lane_edges(place));
+    let (left, right): (Vec<Point>, Vec<Point>) = edges.map(|[left, right]| (left, right)).unzip();
+    let mut corners = thinned(&left);
+    corners.extend(thinned(&right).iter().rev());
+    corners
 }
 
 /// The points of a line that are needed to keep its shape.
@@ -99,7 +126,14 @@ fn outline(
 /// # Source
 /// Douglas and Peucker, *Cartographica* 10, 1973.
 fn thinned(line: &[Point]) -> Vec<Point> {
-    let (Some(first), Some(last)) = (line.first(), line.last()) else { return Vec::new() };
+    needed(line).into_iter().map(|index| line[index]).collect()
+}
+
+/// The indices of the points that [`thinned`] keeps: the ends of a line that is not empty, and its bends.
+pub fn needed(line: &[Point]) -> Vec<usize> {
+    if line.is_empty() {
+        return Vec::new();
+    }
     let mut kept = vec![false; line.len()];
     let mut open = vec![(0, line.len() - 1)];
     while let Some((from, to)) = open.pop() {
@@ -115,11 +149,10 @@ fn thinned(line: &[Point]) -> Vec<Point> {
             open.extend([(from, middle), (middle, to)]);
         }
     }
-    let between = line.iter().zip(&kept).filter(|(_, kept)| **kept).map(|(point, _)| *point);
-    let mut points = vec![*first];
-    points.extend(between);
-    points.push(*last);
-    points
+    let last = line.len() - 1;
+    let between = (1..last).filter(|index| kept[*index]);
+    // A single point is both ends.
+    std::iter::once(0).chain(between).chain([last]).collect()
 }
 
 #[cfg(test)]
