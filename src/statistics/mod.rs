@@ -12,9 +12,11 @@ mod mcnemar;
 mod adjust;
 mod sample;
 mod weighted;
+mod moments;
 
 pub use adjust::{benjamini_hochberg, holm};
 pub use mcnemar::mcnemar;
+pub use moments::{mean, sample_deviation};
 pub use normal::{normal_below, normal_quantile};
 pub use quantile::{interquartile_mean, quantile};
 pub use sample::{Estimate, Sample};

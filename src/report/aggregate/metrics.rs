@@ -1,5 +1,6 @@
-use polars::prelude::*;
+use polars::prelude::{Column, DataFrame, PolarsResult};
 
+use super::groups::Groups;
 use crate::judge::{Label, Reference};
 use crate::record::metric::{self, How, Which};
 use crate::record::{self, CellKey, ColumnReference, Metric, TableReference, columns};
@@ -103,38 +104,55 @@ pub fn runs(episodes: &DataFrame) -> PolarsResult<DataFrame> {
 }
 
 fn to_runs(episodes: &DataFrame, metrics: &[Metric]) -> PolarsResult<DataFrame> {
-    let (mut aggregated, mut rates) = (Vec::new(), Vec::new());
+    let groups = Groups::new(episodes, record::run_key_names())?;
+    let mut runs = groups.table()?;
+    let outcome = columns::OUTCOME.read(episodes)?;
+    // An episode without error counts.
+    let valid = |row: usize| outcome.get(row).is_some_and(|outcome| outcome != record::IN_ERROR);
     for metric in metrics {
         match metric.how {
-            How::Count(count) => aggregated.push(counted(count.which).alias(count.name())),
-            How::Mean(mean) if mean.of_valid => {
-                let values = col(mean.column).fill_null(lit(0.0)).filter(valid());
-                aggregated.push(values.mean().alias(mean.name));
+            How::Count(count) => {
+                runs.with_column(counted(&groups, episodes, &count, valid)?)?;
             }
-            How::Mean(mean) => aggregated.push(col(mean.column).mean().alias(mean.name)),
-            How::Rate(rate) => rates.push(ratio(&rate.part.name(), &rate.whole.name()).alias(rate.name)),
+            How::Mean(mean) => {
+                let values = episodes.column(mean.column)?.f64()?;
+                runs.with_column(match mean.of_valid {
+                    true => groups.mean(mean.name, |row| valid(row).then(|| values.get(row).unwrap_or(0.0))),
+                    false => groups.mean(mean.name, |row| values.get(row)),
+                })?;
+            }
+            How::Rate(_) => {}
         }
     }
-    let by_run = record::run_key_names().map(col);
-    let runs = episodes.clone().lazy().group_by_stable(by_run.collect::<Vec<_>>()).agg(aggregated).with_columns(rates);
-    let mut runs = runs.collect()?;
+    for metric in metrics {
+        if let How::Rate(rate) = metric.how {
+            let (part, whole) = (rate.part.read(&runs)?, rate.whole.read(&runs)?);
+            // A share is missing when the whole is zero.
+            let share = |(part, whole)| (whole > 0).then(|| f64::from(part) / f64::from(whole));
+            let shares = part.into_no_null_iter().zip(whole.into_no_null_iter()).map(share);
+            let column = Column::new(rate.name.into(), shares.collect::<Vec<Option<f64>>>());
+            runs.with_column(column)?;
+        }
+    }
     add_intervals(&mut runs, metrics)?;
     Ok(runs)
 }
 
 fn to_cells(runs: &DataFrame, metrics: &[Metric]) -> PolarsResult<DataFrame> {
-    let mut aggregated = vec![len().cast(DataType::UInt32).alias(metric::RUNS.name())];
+    let groups = Groups::new(runs, record::cell_key_names())?;
+    let mut cells = groups.table()?;
+    cells.with_column(groups.sizes(&metric::RUNS.name()))?;
     for metric in metrics {
         if let How::Count(count) = metric.how {
-            aggregated.push(col(count.name()).cast(DataType::UInt32).sum());
+            let counts = count.read(runs)?;
+            cells.with_column(groups.sum(&count.name(), |row| counts.get(row).unwrap_or_default()))?;
         }
     }
     for name in metrics.iter().filter(|metric| metric.is_averaged()).map(Metric::name) {
-        aggregated.push(col(&name).mean().alias(metric::MEAN.name(&name)));
-        aggregated.push(col(&name).std(1).alias(metric::SD.name(&name)));
+        let values = runs.column(&name)?.f64()?;
+        cells.with_column(groups.mean(&metric::MEAN.name(&name), |row| values.get(row)))?;
+        cells.with_column(groups.deviation(&metric::SD.name(&name), values))?;
     }
-    let by_cell: Vec<Expr> = record::cell_key_names().map(col).collect();
-    let mut cells = runs.clone().lazy().group_by_stable(by_cell).agg(aggregated).collect()?;
     add_intervals(&mut cells, metrics)?;
     Ok(cells)
 }
@@ -156,27 +174,30 @@ fn weighted(count: metric::Count, table: &DataFrame) -> PolarsResult<Vec<Weighte
     Ok(count.read(table)?.into_no_null_iter().map(|count| u64::from(count).into()).collect())
 }
 
-/// Whether the driver reached the end of the episode.
-fn valid() -> Expr {
-    col(columns::OUTCOME.name).neq(lit(record::IN_ERROR))
-}
-
-/// The number of episodes that count.
-fn counted(which: Which) -> Expr {
-    let counts = match which {
-        Which::Valid => valid(),
-        Which::InError => valid().not(),
-        Which::True(column) => col(column).fill_null(lit(false)),
-        Which::Passed => valid().and(col(columns::COLLISION.name).not()),
-        Which::Labelled(label) => col(columns::VERDICT.name).eq(lit(label.name())).fill_null(lit(false)),
-    };
-    counts.cast(DataType::UInt32).sum()
-}
-
-/// A share, missing when the whole is zero.
-fn ratio(part: &str, whole: &str) -> Expr {
-    let share = col(part).cast(DataType::Float64) / col(whole).cast(DataType::Float64);
-    when(col(whole).gt(lit(0u32))).then(share).otherwise(lit(NULL).cast(DataType::Float64))
+/// The number of episodes of each run that count.
+fn counted(
+    groups: &Groups,
+    episodes: &DataFrame,
+    count: &metric::Count,
+    valid: impl Fn(usize) -> bool,
+) -> PolarsResult<Column> {
+    let name = count.name();
+    Ok(match count.which {
+        Which::Valid => groups.count(&name, valid),
+        Which::InError => groups.count(&name, |row| !valid(row)),
+        Which::True(column) => {
+            let flags = episodes.column(column)?.bool()?;
+            groups.count(&name, |row| flags.get(row) == Some(true))
+        }
+        Which::Passed => {
+            let collided = columns::COLLISION.read(episodes)?;
+            groups.count(&name, |row| valid(row) && collided.get(row) == Some(false))
+        }
+        Which::Labelled(label) => {
+            let verdicts = columns::VERDICT.read(episodes)?;
+            groups.count(&name, |row| verdicts.get(row) == Some(label.name()))
+        }
+    })
 }
 
 /// The reference of the tables of runs and of cells, without the columns that [`infer`](crate::report::infer) adds to the latter.

@@ -7,6 +7,7 @@
 mod episodes;
 mod failures;
 mod drivers;
+mod groups;
 mod metrics;
 mod gathered;
 mod learning_curve;
