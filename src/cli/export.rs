@@ -20,10 +20,12 @@ Examples:
                                              several episodes, into a folder
   falsify failures reports/first_look --names --top 5 | falsify export - --as osi
                                              the five worst failures of a report
+  falsify export 1a2b3c4d:17 --as carla --ego user
+                                             a script for CARLA in which its agent drives
   falsify export --formats                   list the formats and what each approximates
 
 Exit codes: 0 done   2 no such episode, or the format cannot represent it   3 errors in a scenario
-  6 a file cannot be written   8 an episode differs from its report, or a scenario file has changed";
+  6 a file cannot be written, or its encoder is missing   8 an episode differs from its report, or a scenario file has changed";
 
 /// Options of `falsify export`.
 #[derive(Debug, Args)]

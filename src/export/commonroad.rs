@@ -41,11 +41,7 @@ impl Exporter for CommonRoad {
     }
 
     fn export(&self, episode: &Episode, _: Variant) -> Result<Vec<ExportFile>, ExportError> {
-        let signals = episode.scenario.episode.traffic_lights && !episode.scenario.town.traffic_lights.is_empty();
-        if signals {
-            let what = "working traffic lights".to_owned();
-            return Err(ExportError::NotRepresentable { format: NAME, what });
-        }
+        episode.without_lights(NAME)?;
         let text = document(episode);
         Ok(vec![ExportFile { name: format!("{}.commonroad.xml", episode.stem()), bytes: text.into_bytes() }])
     }

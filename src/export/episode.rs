@@ -1,3 +1,4 @@
+use super::ExportError;
 use crate::env::{Outcome, Scenario, Trace};
 use crate::geometry::{OrientedBox, Point, Pose, Vector, wrap_angle};
 use crate::judge::Verdict;
@@ -89,6 +90,39 @@ impl<'a> Episode<'a> {
         self.scenario.cast.vehicles().count() + struck
     }
 
+    /// Checks that no traffic light changes, for a format without phases of lights or a driver who would obey them.
+    ///
+    /// # Errors
+    /// The lights, by name.
+    pub(super) fn without_lights(&self, format: &'static str) -> Result<(), ExportError> {
+        if self.scenario.episode.traffic_lights && !self.scenario.town.traffic_lights.is_empty() {
+            let what = "the phases of the traffic lights, which change by the clock of the simulator".to_owned();
+            return Err(ExportError::NotRepresentable { format, what });
+        }
+        Ok(())
+    }
+
+    /// The tick after which the pedestrian of the verdict moves, and its distance to the ego's reference point then (m).
+    ///
+    /// # Errors
+    /// The pedestrian never moves.
+    pub(super) fn release(
+        &self,
+        format: &'static str,
+        reference: impl Fn(&Motion) -> [f64; 2],
+    ) -> Result<(usize, f64), ExportError> {
+        let actors = self.actors();
+        let track = &actors[self.main_pedestrian()].track;
+        let moves = |pair: &[Motion]| (pair[1].pose.position() - pair[0].pose.position()).norm() > 1e-9;
+        let Some(first) = track.windows(2).position(moves) else {
+            let what = "the release of a pedestrian that stands still".to_owned();
+            return Err(ExportError::NotRepresentable { format, what });
+        };
+        let [x, y] = reference(&actors[0].track[first]);
+        let place = track[first].pose;
+        Ok((first, libm::hypot(place.x - x, place.y - y)))
+    }
+
     /// Length of a tick (s).
     pub(super) fn dt(&self) -> f64 {
         self.scenario.episode.tick
@@ -119,15 +153,39 @@ impl<'a> Episode<'a> {
         format!("{} ({}), digest {:016x}: {end}{verdict}", self.name, self.title, self.outcome.digest)
     }
 
-    /// The first tick at which the ego's box overlaps the square around the disc of its pedestrian: the touch as programs see it that
-    /// know boxes only. It is at most a corner of the square, 0.21 diameters, before the touch of the disc.
-    pub(super) fn touch_of_boxes(&self) -> Option<usize> {
+    /// The first tick at which the ego's box overlaps a square of this side (m) around the middle of its pedestrian: the touch as programs
+    /// see it that know boxes only.
+    pub(super) fn touch_of_boxes(&self, side: f64) -> Option<usize> {
         let actors = self.actors();
         let (ego, pedestrian) = (&actors[0], &actors[self.main_pedestrian()]);
-        ego.track
-            .iter()
-            .zip(&pedestrian.track)
-            .position(|(ego_at, pedestrian_at)| ego.outline(ego_at).overlaps(&pedestrian.outline(pedestrian_at)))
+        let square = |motion: &Motion| OrientedBox::new(motion.pose, side / 2.0, side / 2.0);
+        let mut ticks = ego.track.iter().zip(&pedestrian.track);
+        ticks.position(|(ego_at, pedestrian_at)| ego.outline(ego_at).overlaps(&square(pedestrian_at)))
+    }
+
+    /// The side (m) of the square that represents the ego's pedestrian in programs that know boxes only.
+    ///
+    /// It is that around the disc, whose corners touch at most 0.21 diameters before the disc does. A pedestrian that passes the car closely may
+    /// graze it with a corner much earlier; then it is the largest square that does not.
+    pub(super) fn square(&self) -> f64 {
+        let pedestrian = self.main_pedestrian() - self.scenario.cast.vehicles().count();
+        let around = 2.0 * self.scenario.cast.pedestrian(pedestrian).body.radius;
+        let hit = self.outcome.is_collision();
+        let too_early = |side: f64| self.touch_of_boxes(side).is_some_and(|tick| !hit || tick + 1 < self.ticks());
+        if !too_early(around) {
+            return around;
+        }
+        // The square within the disc never touches first.
+        let (mut low, mut high) = (around * std::f64::consts::FRAC_1_SQRT_2, around);
+        for _ in 0..20 {
+            let middle = (low + high) / 2.0;
+            if too_early(middle) {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        if self.touch_of_boxes(low).is_some() == hit { low } else { around }
     }
 }
 

@@ -17,13 +17,21 @@ mod commonroad;
 mod osi;
 mod recording;
 mod foxglove;
+mod carla;
+mod canvas;
+mod film;
+mod gif;
+mod mp4;
 
 pub use episode::Episode;
 pub use error::ExportError;
 pub use opendrive::town;
 
+use crate::export::carla::Carla;
 use crate::export::commonroad::CommonRoad;
 use crate::export::foxglove::Foxglove;
+use crate::export::gif::Gif;
+use crate::export::mp4::Mp4;
 use crate::export::opendrive::OpenDrive;
 use crate::export::openscenario::{OpenScenario, Version};
 use crate::export::osi::{Osi, OsiRecording};
@@ -105,6 +113,9 @@ pub const EXPORTERS: &[&dyn Exporter] = &[
     &OsiRecording,
     &Foxglove,
     &CommonRoad,
+    &Carla,
+    &Gif,
+    &Mp4,
 ];
 
 /// The format with this name.

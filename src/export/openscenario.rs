@@ -57,7 +57,9 @@ impl Exporter for OpenScenario {
             Version::V1_0 => {
                 "a pedestrian's disc is the square around it; the reference point is the middle of the box; the runner's controllers follow the tracks"
             }
-            _ => "a pedestrian's disc is the square around it, so a corner may touch earlier",
+            _ => {
+                "a pedestrian's disc is the square around it, or a smaller one where a corner would graze the car earlier"
+            }
         }
     }
 
@@ -83,6 +85,8 @@ struct Storyboard<'a> {
     actors: Vec<Actor<'a>>,
     /// The place of the pedestrian of the verdict among the actors.
     pedestrian: usize,
+    /// The side of its square (m).
+    square: f64,
     /// The first tick of the pedestrians' trajectories, and the distance of the ego at which they start (m).
     release: Option<(usize, f64)>,
 }
@@ -90,10 +94,8 @@ struct Storyboard<'a> {
 impl<'a> Storyboard<'a> {
     fn new(version: Version, episode: &Episode<'a>, variant: Variant, map: &'a str) -> Result<Self, ExportError> {
         let format = OpenScenario(version).name();
-        let lights = episode.scenario.episode.traffic_lights && !episode.scenario.town.traffic_lights.is_empty();
-        if variant.ego == EgoDriver::User && lights {
-            let what = "the phases of the traffic lights, which an ego of the user would obey".to_owned();
-            return Err(ExportError::NotRepresentable { format, what });
+        if variant.ego == EgoDriver::User {
+            episode.without_lights(format)?;
         }
         let pedestrian = episode.main_pedestrian();
         let mut storyboard = Self {
@@ -104,6 +106,7 @@ impl<'a> Storyboard<'a> {
             dt: episode.dt(),
             actors: episode.actors(),
             pedestrian,
+            square: episode.square(),
             release: None,
         };
         if version == Version::V1_0 {
@@ -111,24 +114,11 @@ impl<'a> Storyboard<'a> {
             "hero".clone_into(&mut storyboard.actors[0].name);
         }
         if variant.walking == Walking::Released {
-            storyboard.release = Some(storyboard.find_release().ok_or_else(|| {
-                let what = "the release of a pedestrian that stands still".to_owned();
-                ExportError::NotRepresentable { format, what }
-            })?);
+            let axle = |motion: &Motion| storyboard.reference(&storyboard.actors[0], motion);
+            storyboard.release = Some(episode.release(format, axle)?);
         }
         storyboard.description = storyboard.describe(episode);
         Ok(storyboard)
-    }
-
-    /// The tick after which the pedestrian of the verdict moves, and its distance to the ego then.
-    fn find_release(&self) -> Option<(usize, f64)> {
-        let track = &self.actors[self.pedestrian].track;
-        let first =
-            track.windows(2).position(|pair| (pair[1].pose.position() - pair[0].pose.position()).norm() > 1e-9)?;
-        let ego = &self.actors[0];
-        let [x, y] = self.reference(ego, &ego.track[first]);
-        let place = track[first].pose;
-        Some((first, libm::hypot(place.x - x, place.y - y)))
     }
 
     fn describe(&self, episode: &Episode) -> String {
@@ -144,15 +134,23 @@ impl<'a> Storyboard<'a> {
         };
         let touch = |tick: usize| format!("{:.2} s", tick as f64 * self.dt);
         let disc = episode.outcome.is_collision().then(|| touch(episode.ticks()));
-        let touches = match (episode.touch_of_boxes(), disc) {
+        let touches = match (episode.touch_of_boxes(self.square), disc) {
             (Some(boxes), Some(disc)) => {
                 format!(" First overlap: of the boxes at {}, with the disc at {disc}.", touch(boxes))
             }
             (Some(boxes), None) => format!(" The boxes overlap at {} although the disc is not touched.", touch(boxes)),
             _ => String::new(),
         };
+        let [around, _, _] = self.actors[self.pedestrian].size();
+        let square = match self.square < around {
+            true => format!(
+                "a square of {:.2} m within it, since a corner of that around it would graze the car earlier",
+                self.square
+            ),
+            false => "the square around it".to_owned(),
+        };
         format!(
-            "{}. {ego}{release} Approximated: a pedestrian is a disc, and its box the square around it.{touches}",
+            "{}. {ego}{release} Approximated: a pedestrian is a disc, and its box {square}.{touches}",
             episode.summary()
         )
     }
@@ -209,7 +207,10 @@ impl<'a> Storyboard<'a> {
     }
 
     fn entity(&self, xml: &mut Xml, actor: &Actor) {
-        let [length, width, height] = actor.size();
+        let [mut length, mut width, height] = actor.size();
+        if actor.name == self.actors[self.pedestrian].name {
+            [length, width] = [self.square; 2];
+        }
         let bounding_box = |xml: &mut Xml, ahead: f64| {
             xml.element("BoundingBox", &[], |xml| {
                 xml.empty("Center", &[("x", &Short(ahead)), ("y", &0), ("z", &Short(height / 2.0))]);

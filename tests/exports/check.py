@@ -213,12 +213,39 @@ def commonroad(path):
     return [f"collision at step {last}"]
 
 
+def gif(path):
+    """The frames follow each other without a gap until the end of the file, and all lie within the picture."""
+    data = path.read_bytes()
+    assert data[:6] == b"GIF89a" and data[-1:] == b";", path
+    width, height, flags = struct.unpack_from("<HHB", data, 6)
+    place, frames, delay = 13 + 3 * (2 << (flags & 7)), 0, 0
+
+    def blocks(place):
+        while data[place]:
+            place += 1 + data[place]
+        return place + 1
+
+    while data[place] != 0x3B:
+        if data[place] == 0x21:
+            if data[place + 1] == 0xF9:
+                delay += struct.unpack_from("<H", data, place + 4)[0]
+            place = blocks(place + 2)
+        else:
+            assert data[place] == 0x2C, (path, place)
+            left, top, wide, high = struct.unpack_from("<HHHH", data, place + 1)
+            assert 0 < wide <= width - left and 0 < high <= height - top, path
+            place, frames = blocks(place + 11), frames + 1
+    assert place == len(data) - 1 and frames > 1, path
+    return [f"{frames} frames in {delay / 100} s"]
+
+
 CHECKS = [
     ("*.xosc", "qc_openscenario", openscenario),
     ("*.xodr", "qc_opendrive", opendrive),
     ("*.osi", "osi3", osi),
     ("*_gt_*.mcap", "osi3", osi_recording),
-    ("*.foxglove.mcap", "jsonschema", foxglove),
+    ("*.foxglove.mcap", "mcap", foxglove),
+    ("*.gif", "struct", gif),
     ("*.commonroad.xml", "commonroad_dc", commonroad),
 ]
 

@@ -296,3 +296,87 @@ fn what_cannot_be_exported_is_an_error_that_names_it() {
     let changed = falsify(&["export", &names[0], "--as", "xodr"], here);
     assert_eq!(changed.status.code(), Some(0), "{changed:?}");
 }
+
+#[test]
+fn a_film_shows_each_tick_for_as_long_as_it_took() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let name = failures(here).swap_remove(0);
+    let stem = name.replace(':', "-");
+    let made = falsify(&["export", &name, "--as", "gif"], here);
+    assert_eq!(made.status.code(), Some(0), "{made:?}");
+    let file = std::fs::File::open(here.join(format!("{stem}.gif"))).unwrap();
+    let mut options = gif::DecodeOptions::new();
+    options.set_color_output(gif::ColorOutput::RGBA);
+    let mut film = options.read_info(file).unwrap();
+    let (width, height) = (usize::from(film.width()), usize::from(film.height()));
+    let (mut delays, mut picture, mut pictures) = (Vec::new(), vec![0_u8; width * height * 4], Vec::new());
+    while let Some(frame) = film.read_next_frame().unwrap() {
+        let [left, top, wide, high] = [frame.left, frame.top, frame.width, frame.height].map(usize::from);
+        assert_eq!(frame.buffer.len(), wide * high * 4);
+        for (place, pixel) in frame.buffer.chunks(4).enumerate().filter(|(_, pixel)| pixel[3] > 0) {
+            let to = ((top + place / wide) * width + left + place % wide) * 4;
+            picture[to..to + 4].copy_from_slice(pixel);
+        }
+        delays.push(frame.delay);
+        pictures.push(picture.clone());
+    }
+
+    let replay = falsify(&["replay", &name, "--ticks", "ticks.csv"], here);
+    assert_eq!(replay.status.code(), Some(0), "{replay:?}");
+    let frames = std::fs::read_to_string(here.join("ticks.csv")).unwrap().lines().count() - 1;
+    // At most the last 12 s.
+    assert_eq!(delays.len(), frames.min(241));
+    let (last, others) = delays.split_last().unwrap();
+    assert!(others.iter().all(|delay| *delay == 5), "{delays:?}");
+    assert_eq!(*last, 150);
+    // The pedestrian is red, the car is blue; the picture moves.
+    let near = |pixel: &[u8], wanted: [u8; 3]| pixel.iter().zip(wanted).all(|(a, b)| a.abs_diff(b) <= 8);
+    let has = |picture: &[u8], wanted| picture[52 * width * 4..].chunks(4).filter(|pixel| near(pixel, wanted)).count();
+    for picture in &pictures {
+        assert!(has(picture, [214, 48, 48]) > 20);
+    }
+    assert!(has(&pictures[pictures.len() - 1], [34, 86, 196]) > 200);
+    assert_ne!(pictures[0], pictures[pictures.len() - 1]);
+
+    let none = crate::program::command()
+        .args(["export", &name, "--as", "mp4"])
+        .env("PATH", here)
+        .current_dir(here)
+        .output()
+        .unwrap();
+    assert_eq!(none.status.code(), Some(6), "{none:?}");
+    assert!(error(&none).contains("`ffmpeg`") && error(&none).contains("export as gif"), "{}", error(&none));
+    assert!(!here.join(format!("{stem}.mp4")).exists());
+}
+
+/// With a stand-in of ffmpeg that counts the bytes of the pictures.
+#[cfg(unix)]
+#[test]
+fn a_video_has_twenty_pictures_a_second() {
+    use std::os::unix::fs::PermissionsExt;
+
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let name = failures(here).swap_remove(0);
+    let program = here.join("ffmpeg");
+    let video = |script: &str| {
+        std::fs::write(&program, script).unwrap();
+        std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
+        let path = format!("{}:{}", here.display(), std::env::var("PATH").unwrap());
+        crate::program::command().args(["export", &name, "--as", "mp4"]).env("PATH", path).current_dir(here).output()
+    };
+    let made = video("#!/bin/sh\nwc -c\n").unwrap();
+    assert_eq!(made.status.code(), Some(0), "{made:?}");
+    let counted = std::fs::read_to_string(here.join(format!("{}.mp4", name.replace(':', "-")))).unwrap();
+    let replay = falsify(&["replay", &name, "--ticks", "ticks.csv"], here);
+    assert_eq!(replay.status.code(), Some(0), "{replay:?}");
+    let frames = std::fs::read_to_string(here.join("ticks.csv")).unwrap().lines().count() - 1;
+    // The last frame is shown for 1.5 s.
+    let pictures = frames.min(241) - 1 + 30;
+    assert_eq!(counted.trim().parse::<usize>().unwrap(), pictures * 720 * 480 * 3);
+
+    let failed = video("#!/bin/sh\necho no such encoder >&2\nexit 3\n").unwrap();
+    assert_eq!(failed.status.code(), Some(6), "{failed:?}");
+    assert!(error(&failed).contains("no such encoder"), "{}", error(&failed));
+}

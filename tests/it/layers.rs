@@ -143,6 +143,8 @@ const DOORS: &[(&str, &str)] = &[
     ("rstar", "road"),
     ("safetensors", "rl"),
     ("prost", "rl, export"),
+    ("gif", "export"),
+    ("font8x8", "export"),
     ("polars", "record, report"),
     ("polars_io", "record, report"),
     ("maud", "report"),
