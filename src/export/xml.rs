@@ -49,7 +49,6 @@ impl Xml {
     }
 
     /// An element that holds a text.
-    /// An element that holds a text.
     pub fn text(&mut self, name: &str, text: &dyn Display) {
         self.start(name, &[]);
         self.text.push('>');
