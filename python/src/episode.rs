@@ -19,7 +19,7 @@ pub fn end<'py>(py: Python<'py>, end: &End) -> PyResult<Bound<'py, PyDict>> {
         Ending::OtherContact => "other_contact",
         Ending::Lost => "lost",
         Ending::Timeout => "timeout",
-        Ending::Error(_) => "error",
+        Ending::Error(_) | Ending::ControllerError(_) => "error",
     };
     let (front, moving, bearing) = match outcome.ending {
         Ending::Collision { front, moving, bearing, .. } => (front, moving, bearing),
@@ -33,10 +33,7 @@ pub fn end<'py>(py: Python<'py>, end: &End) -> PyResult<Bound<'py, PyDict>> {
     dict.set_item("moving", moving)?;
     dict.set_item("impact_speed_mps", outcome.impact_speed().unwrap_or(f64::NAN))?;
     dict.set_item("impact_bearing_rad", bearing)?;
-    dict.set_item("verdict", verdict.map_or("", |verdict| verdict.label.name()))?;
-    dict.set_item("foreseeable", verdict.is_some_and(|verdict| verdict.foreseeable))?;
-    dict.set_item("attributable", verdict.is_some_and(Verdict::is_attributable))?;
-    dict.set_item("warning_s", verdict.map_or(f64::NAN, |verdict| verdict.warning))?;
+    verdict_of(&dict, verdict)?;
     dict.set_item("episode_reward", outcome.reward)?;
     dict.set_item("ticks", outcome.ticks)?;
     dict.set_item("episode_length_s", outcome.duration)?;
@@ -44,8 +41,16 @@ pub fn end<'py>(py: Python<'py>, end: &End) -> PyResult<Bound<'py, PyDict>> {
     dict.set_item("driving_mode", outcome.last_mode.name())?;
     dict.set_item("start", format!("{:016x}", outcome.start))?;
     dict.set_item("digest", format!("{:016x}", outcome.digest))?;
-    dict.set_item("error", outcome.fault().map_or_else(String::new, |fault| format!("the driver {fault}")))?;
+    dict.set_item("error", outcome.error().unwrap_or_default())?;
     Ok(dict)
+}
+
+/// Adds a verdict; without a collision it is an empty text.
+pub fn verdict_of(dict: &Bound<'_, PyDict>, verdict: Option<&Verdict>) -> PyResult<()> {
+    dict.set_item("verdict", verdict.map_or("", |verdict| verdict.label.name()))?;
+    dict.set_item("foreseeable", verdict.is_some_and(|verdict| verdict.foreseeable))?;
+    dict.set_item("attributable", verdict.is_some_and(Verdict::is_attributable))?;
+    dict.set_item("warning_s", verdict.map_or(f64::NAN, |verdict| verdict.warning))
 }
 
 /// An episode from tick to tick; row 0 is the start.

@@ -43,7 +43,7 @@ pub fn search(
     let own = seed.child("falsifier").child(&key.town).child(&key.policy).child(&key.falsifier).index(key.run.into());
     let (walker, error) = match search.falsifier.search(&mut simulator, &own.child("search")) {
         Ok(walker) => (walker, None),
-        Err(error) => (None, Some(TaskError::Training(error.into()))),
+        Err(error) => (None, Some(TaskError::Training(error))),
     };
     let mut spent = simulator.into_spent();
     let evaluated = walker.filter(|_| !spent.stopped && search.tries > 0).map_or_else(Vec::new, |mut walker| {

@@ -80,8 +80,8 @@ pub enum TaskError {
     /// The training of the pedestrian that was to be evaluated failed.
     #[error("its training failed: {0}")]
     Untrained(Box<TaskError>),
-    /// The driver failed in this number of episodes in a row, so no more were run.
-    #[error("not run, since the driver had failed in ten episodes in a row")]
+    /// The driver or the controller failed in this number of episodes in a row, so no more were run.
+    #[error("not run, since the driver or the controller had failed in ten episodes in a row")]
     Hopeless,
     /// It reached its time limit.
     #[error("not finished within the {seconds} s that a task may take")]

@@ -41,11 +41,12 @@ pub(super) fn watch_numbered<T>(
         let trained = trained.expect("a trained pedestrian comes with its networks");
         Box::new(TrainedWalker::new(trained.clone(), evaluation.scenario.cast.obs_dim(), mode))
     };
-    let mut walker: Box<dyn WalkPolicy> = match evaluation.controller {
+    let mut walker: Box<dyn WalkPolicy> = match &evaluation.controller {
         ControllerKind::Random => Box::new(Random::default()),
         ControllerKind::Homing => Box::new(Homing),
         ControllerKind::Intercept => Box::new(Intercept),
         ControllerKind::Scripted => Box::new(Scripted),
+        ControllerKind::Declared(controller) => controller.walk_policy(),
         ControllerKind::Trained(_) => learnt(ActionMode::Deterministic),
         ControllerKind::Sampled(_) => learnt(ActionMode::Stochastic),
     };

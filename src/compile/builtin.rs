@@ -1,6 +1,6 @@
 use super::{
-    Catalog, adversary, campaign, episode, falsifier, outside, policy, published, reward, sensors, spawn, town,
-    training, vehicle,
+    Catalog, adversary, campaign, controller, episode, falsifier, outside, policy, published, reward, sensors, spawn,
+    town, training, vehicle,
 };
 
 impl Catalog {
@@ -17,6 +17,7 @@ impl Catalog {
             reward::form(),
             episode::form(),
             training::form(),
+            controller::form(),
             falsifier::form(&falsifiers),
             published::form(),
             campaign::form(),

@@ -1,8 +1,8 @@
 use crate::signature::{Form, Param, Signature, Type};
 use crate::units::Dimension;
 
-/// The controllers that can be evaluated.
-const PEDESTRIANS: &[&str] = &["trained", "sampled", "random", "homing", "intercept", "scripted"];
+/// The built-in controllers.
+pub(super) const PEDESTRIANS: &[&str] = &["trained", "sampled", "random", "homing", "intercept", "scripted"];
 
 /// The form `campaign`.
 pub fn form() -> Form {
@@ -41,9 +41,9 @@ pub fn form() -> Form {
             ),
             Param::with_default(
                 "pedestrians",
-                Type::List(Box::new(Type::Choice(PEDESTRIANS))),
+                Type::List(Box::new(Type::WordOrReference(PEDESTRIANS, "controller"))),
                 "[trained, random]",
-                "Which pedestrians walk: trained ones with the mean action of their policy (`trained`) or drawing from it (`sampled`), one that acts at random, one that walks straight at the ego (`homing`), one that walks to where it would meet the ego. Only the first two need a `train` block.",
+                "Which pedestrians walk: trained ones with the mean action of their policy (`trained`) or drawing from it (`sampled`), one that acts at random, one that walks straight at the ego (`homing`), one that walks to where it would meet the ego (`intercept`), the target of a test (`scripted`), or a `controller` of the file. Only the first two need a `train` block.",
             ),
             Param::optional(
                 "vehicles",

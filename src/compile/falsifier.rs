@@ -2,19 +2,28 @@ use std::sync::Arc;
 
 use crate::diagnostic::Diagnostic;
 use crate::falsifier::{
-    Archive, Exhaustive, Falsifier, Homing, Intercept, Learning, OpenLoop, Random, Scripted, TreeSearch, Walking,
+    Archive, Controlled, Controller, Exhaustive, Falsifier, Homing, Intercept, Learning, OpenLoop, Random, Scripted,
+    TreeSearch, Walking,
 };
 use crate::lang::diagnostics;
 use crate::lang::hir::Declaration;
 use crate::rl::PpoConfig;
 use crate::signature::{Arguments, DeclarationId, Form, Signature, Value};
 
+/// What the keys of a falsifier may name.
+pub struct Named {
+    /// The settings for training pedestrians, and the number of environments.
+    pub training: Option<(PpoConfig, usize)>,
+    /// The controller, for the kind that has one.
+    pub controller: Option<Controller>,
+}
+
 /// A kind of falsifier: its keys, and how it is made.
 pub struct FalsifierKind {
     /// Its keys.
     pub signature: fn() -> Signature,
-    /// Makes one from checked arguments and the settings for training pedestrians.
-    pub make: fn(&Arguments, &(PpoConfig, usize)) -> Arc<dyn Falsifier>,
+    /// Makes one from checked arguments and what they name.
+    pub make: fn(&Arguments, &Named) -> Arc<dyn Falsifier>,
 }
 
 /// All kinds of falsifiers; a new one is a line here.
@@ -40,7 +49,16 @@ pub fn kinds() -> Vec<FalsifierKind> {
         FalsifierKind { signature: Exhaustive::signature, make: |arguments, _| Arc::new(Exhaustive::new(arguments)) },
         FalsifierKind {
             signature: Learning::signature,
-            make: |_, (config, environments)| Arc::new(Learning::new(config.clone(), *environments)),
+            make: |_, named| {
+                let (config, environments) = named.training.clone().expect("checked: it has a training");
+                Arc::new(Learning::new(config, environments))
+            },
+        },
+        FalsifierKind {
+            signature: Controlled::signature,
+            make: |_, named| {
+                Arc::new(Controlled::new(named.controller.clone().expect("checked: it names a controller")))
+            },
         },
     ]
 }
@@ -66,13 +84,11 @@ pub fn learns(kinds: &[FalsifierKind], declaration: &Declaration) -> bool {
 pub fn lower(
     kinds: &[FalsifierKind],
     declaration: &Declaration,
-    training: Option<(PpoConfig, usize)>,
+    named: &Named,
     said: &mut Vec<Diagnostic>,
 ) -> Arc<dyn Falsifier> {
     let found = kinds.iter().find(|candidate| (candidate.signature)().name == declaration.kind);
     let arguments = &declaration.block.arguments;
-    // The other kinds do not use it.
-    let training = training.unwrap_or_else(|| (PpoConfig::paper(), 1));
     let number = |key: &str| match optional(arguments, key) {
         Some(Value::Integer(number)) => Some(*number),
         _ => None,
@@ -83,7 +99,7 @@ pub fn lower(
         let message = format!("an elite of {elite} is more than the population of {population}");
         said.push(diagnostics::contradiction(declaration.block.place("elite"), message));
     }
-    (found.expect("checked: the kind is in the catalogue").make)(arguments, &training)
+    (found.expect("checked: the kind is in the catalogue").make)(arguments, named)
 }
 
 /// The declaration that an optional key names; none when this kind has no such key.

@@ -133,6 +133,9 @@ impl Lowering<'_> {
             for declaration in program.of_form("policy") {
                 let _ = self.policy(declaration.id);
             }
+            for declaration in program.of_form("controller") {
+                let _ = self.controller(declaration.id);
+            }
             for declaration in program.of_form("spawn") {
                 let _ = self.spawn_rule(declaration.id);
             }
@@ -161,6 +164,7 @@ impl Lowering<'_> {
         let of_form = |form| program.of_form(form).filter(|each| reached(program, each.id).is_subset(faultless));
         of_form("town").for_each(|town| drop(self.town(town.id)));
         of_form("policy").for_each(|policy| drop(self.policy(policy.id)));
+        of_form("controller").for_each(|controller| drop(self.controller(controller.id)));
         of_form("spawn").for_each(|spawn| drop(self.spawn_rule(spawn.id)));
         of_form("adversary").for_each(|adversary| adversary::check(&adversary.block, self.said));
         for campaign in of_form("campaign").filter(|campaign| !left_out.contains(&campaign.id)) {

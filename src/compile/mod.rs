@@ -25,6 +25,7 @@ mod episode;
 mod training;
 mod falsifier;
 mod published;
+mod controller;
 mod campaign;
 mod plan;
 mod noting;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::lowering::Lowering;
-use crate::av::external::{External, Program, Settings};
+use crate::av::external::{External, Opener, Program, Settings};
 use crate::av::onnx::{Model, Onnx};
 use crate::env::PolicyMaker;
 use crate::lang::hir::Declaration;
@@ -28,28 +28,35 @@ pub fn kinds() -> Vec<OutsideKind> {
 
 /// A program, if the user allows programs. It is not started here.
 fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<PolicyMaker> {
-    let arguments = &declaration.block.arguments;
-    let place = declaration.block.place("command");
-    let command = arguments.text("command");
-    let program = match Program::parse(command, lowering.beside(declaration, "")) {
-        Ok(program) => program,
-        Err(reason) => {
-            lowering.said.push(diagnostics::unusable_command(place, command, reason));
+    let (program, opener) = lowering.allowed_program(declaration)?;
+    let settings = Settings::new(&declaration.block.arguments);
+    Some(Arc::new(move || Box::new(External::new(program.clone(), settings, opener.clone()))))
+}
+
+impl Lowering<'_> {
+    /// The program of the key `command` and its opener; none after reporting what is wrong. The program is not started.
+    pub fn allowed_program(&mut self, declaration: &Declaration) -> Option<(Program, Arc<dyn Opener>)> {
+        let place = declaration.block.place("command");
+        let command = declaration.block.arguments.text("command");
+        let program = match Program::parse(command, self.beside(declaration, "")) {
+            Ok(program) => program,
+            Err(reason) => {
+                self.said.push(diagnostics::unusable_command(place, command, reason));
+                return None;
+            }
+        };
+        let Some(opener) = self.catalog.opener.clone() else {
+            self.said.push(diagnostics::external_not_allowed(place, command));
+            return None;
+        };
+        if let Err(reason) = opener.find(&program) {
+            self.said.push(diagnostics::unusable_command(place, command, &reason));
             return None;
         }
-    };
-    let Some(opener) = lowering.catalog.opener.clone() else {
-        lowering.said.push(diagnostics::external_not_allowed(place, command));
-        return None;
-    };
-    if let Err(reason) = opener.find(&program) {
-        lowering.said.push(diagnostics::unusable_command(place, command, &reason));
-        return None;
+        // The contents of a command's files are part of the scenario.
+        self.read.note(self.beside(declaration, command), opener.digest(&program));
+        Some((program, opener))
     }
-    // The contents of a command's files are part of the scenario.
-    lowering.read.note(lowering.beside(declaration, command), opener.digest(&program));
-    let settings = Settings::new(arguments);
-    Some(Arc::new(move || Box::new(External::new(program.clone(), settings, opener.clone()))))
 }
 
 /// A network from a file.

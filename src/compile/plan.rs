@@ -6,7 +6,7 @@ use super::{Fingerprint, RunId};
 use crate::av::Cruise;
 use crate::av::sensors::SensorModel;
 use crate::env::Scenario;
-use crate::falsifier::Falsifier;
+use crate::falsifier::{Controller, Falsifier};
 use crate::rl::PpoConfig;
 use crate::road::Town;
 use crate::seed::Seed;
@@ -209,7 +209,7 @@ pub struct Training {
 }
 
 /// The controller of the pedestrian of an evaluation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum ControllerKind {
     /// The mean of a trained policy: the training's index in [`Campaign::trainings`].
     Trained(usize),
@@ -223,11 +223,13 @@ pub enum ControllerKind {
     Intercept,
     /// Walks as the test of its spawn rule states.
     Scripted,
+    /// A controller that the files declare.
+    Declared(Controller),
 }
 
 impl ControllerKind {
     /// Its name in tables.
-    pub fn name(self) -> &'static str {
+    pub fn name(&self) -> &str {
         match self {
             Self::Trained(_) => "trained",
             Self::Sampled(_) => "sampled",
@@ -235,6 +237,7 @@ impl ControllerKind {
             Self::Homing => "homing",
             Self::Intercept => "intercept",
             Self::Scripted => "scripted",
+            Self::Declared(controller) => controller.name(),
         }
     }
 }

@@ -64,14 +64,15 @@ impl Campaign {
             let names = names.and(&evaluation.town).and(&evaluation.policy);
             let names =
                 names.and(&evaluation.vehicle).and(&evaluation.adversary).and(&evaluation.fingerprint.to_string());
-            evaluation.id = register.name(match evaluation.controller {
+            evaluation.id = register.name(match &evaluation.controller {
                 ControllerKind::Trained(training) | ControllerKind::Sampled(training) => {
-                    names.and_training(&self.trainings[training])
+                    names.and_training(&self.trainings[*training])
                 }
                 ControllerKind::Random
                 | ControllerKind::Homing
                 | ControllerKind::Intercept
-                | ControllerKind::Scripted => names,
+                | ControllerKind::Scripted
+                | ControllerKind::Declared(_) => names,
             });
         }
         for search in &mut self.searches {

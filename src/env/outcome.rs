@@ -26,6 +26,9 @@ pub enum Ending {
     /// The driver failed as a program, so how it would have driven is unknown. It may succeed another time, so this is not stored.
     #[serde(skip)]
     Error(Fault),
+    /// The controller of the pedestrian failed as a program. As for a driver, this is not stored.
+    #[serde(skip)]
+    ControllerError(Fault),
 }
 
 /// The outcome of an episode.
@@ -61,10 +64,19 @@ impl Outcome {
         matches!(self.ending, Ending::Collision { .. })
     }
 
-    /// The fault of the driver, if it ended the episode.
+    /// The fault of the driver or of the controller, if it ended the episode.
     pub fn fault(&self) -> Option<Fault> {
         match self.ending {
-            Ending::Error(fault) => Some(fault),
+            Ending::Error(fault) | Ending::ControllerError(fault) => Some(fault),
+            _ => None,
+        }
+    }
+
+    /// Who failed as a program, and why, such as `the driver ended before it answered`; none for other endings.
+    pub fn error(&self) -> Option<String> {
+        match self.ending {
+            Ending::Error(fault) => Some(format!("the driver {fault}")),
+            Ending::ControllerError(fault) => Some(format!("the controller {fault}")),
             _ => None,
         }
     }

@@ -429,6 +429,11 @@ impl PedestrianEnv {
         Step { reward: 0.0, terminated: false, truncated: true }
     }
 
+    /// Ends an episode whose pedestrians have no further commands, since their controller failed as a program.
+    pub fn abandon(&mut self, fault: Fault) {
+        self.finish(Ending::ControllerError(fault), None);
+    }
+
     /// The driver's last fault, if it failed in ten episodes in a row.
     pub fn hopeless(&self) -> Option<Fault> {
         self.last_fault.filter(|_| self.faults_in_a_row >= MOST_FAULTS)

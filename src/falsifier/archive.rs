@@ -3,9 +3,9 @@ use std::collections::{BTreeMap, VecDeque};
 use rand::RngExt;
 
 use super::crossing::{Crossing, Goal};
-use super::{Falsifier, Homing, Intercept, Simulator, WalkPolicy};
+use super::{Falsifier, Homing, Intercept, Simulator, TrainError, WalkPolicy};
 use crate::env::{FailureCell, PedestrianEnv};
-use crate::rl::{TrainError, standard_normal};
+use crate::rl::standard_normal;
 use crate::seed::{Seed, Stream};
 use crate::signature::{Arguments, Param, Signature, Type};
 use crate::sim::WalkCommand;

@@ -6,14 +6,14 @@ use crate::env::{Outcome, PedestrianEnv, Scenario, Trace};
 use crate::seed::Seed;
 use crate::sim::WalkCommand;
 
-/// Number of episodes in a row that a driver may fail; then no more are run.
-const MOST_FAULTS: usize = 10;
+/// Number of episodes in a row that a driver or a controller may fail; then no more are run.
+pub(super) const MOST_FAULTS: usize = 10;
 
 /// Evaluates a walk policy in this number of episodes, and reports the number of finished episodes to the observer.
 ///
 /// Episode *k* starts the same for every policy that is evaluated with the same `episodes_seed`. The policy's own random numbers come from
-/// `walker_seed`. Ends early, with the first episodes up to there, when the observer breaks or when the driver has failed in ten episodes
-/// in a row.
+/// `walker_seed`. Ends early, with the first episodes up to there, when the observer breaks or when the driver or the walk policy has failed
+/// in ten episodes in a row.
 ///
 /// Where a batch is faster for the driver ([`DrivingPolicy::clone_for_batch`](crate::av::DrivingPolicy::clone_for_batch)), several
 /// episodes run at once, tick by tick. That changes no outcome: episodes are independent, and when a driver fails in a batch, each
@@ -75,8 +75,12 @@ impl Place {
         }
     }
 
+    /// Takes a decision, or ends the episode when the walk policy fails.
     fn decide(&mut self) {
         self.walker.choose(&self.env, &mut self.commands);
+        if let Some(fault) = self.walker.fault() {
+            return self.env.abandon(fault);
+        }
         self.env.begin_decision(&self.commands);
         self.trace.decide(self.env.world(), self.env.commands());
     }
@@ -137,11 +141,15 @@ impl<T> Trial<'_, T> {
         episode: u64,
     ) -> ControlFlow<()> {
         walker.begin(self.walker_seed.index(episode).stream());
-        let outcome = play(env, trace, episode, |env, commands| {
+        let played = play(env, trace, episode, |env, commands| {
             walker.choose(env, commands);
-            Some(())
+            walker.fault().is_none().then_some(())
         });
-        self.record(episode, &outcome.expect("a walk policy always chooses"), trace)
+        if let (None, Some(fault)) = (played, walker.fault()) {
+            env.abandon(fault);
+        }
+        let outcome = *env.outcome().expect("an episode ends, or its walk policy fails");
+        self.record(episode, &outcome, trace)
     }
 
     fn together(&mut self, places: &mut [Place], mut episodes: Range<u64>) -> ControlFlow<()> {
@@ -158,9 +166,14 @@ impl<T> Trial<'_, T> {
             if running.is_empty() {
                 return ControlFlow::Continue(());
             }
-            running.iter_mut().for_each(|place| place.env.prepare());
+            running.iter_mut().filter(|place| place.env.outcome().is_none()).for_each(|place| place.env.prepare());
             let mut failed = Vec::new();
             for place in running {
+                if place.env.outcome().is_some() {
+                    // Its walk policy failed.
+                    failed.extend(place.episode.take().map(|episode| (episode, place)));
+                    continue;
+                }
                 if place.env.is_running_up() {
                     place.env.tick_run_up();
                     place.meet();

@@ -1,6 +1,5 @@
 use super::crossing::{Crossing, Goal};
-use super::{Falsifier, Simulator, WalkPolicy};
-use crate::rl::TrainError;
+use super::{Falsifier, Simulator, TrainError, WalkPolicy};
 use crate::seed::Seed;
 use crate::signature::{Arguments, Param, Signature, Type};
 

@@ -1,5 +1,5 @@
-use super::{ActionMode, Falsifier, Simulator, TrainedWalker, WalkPolicy};
-use crate::rl::{Env, PpoConfig, Step, TrainError, Trainer};
+use super::{ActionMode, Falsifier, Simulator, TrainError, TrainedWalker, WalkPolicy};
+use crate::rl::{self, Env, PpoConfig, Step, Trainer};
 use crate::seed::Seed;
 use crate::signature::{Param, Signature, Type};
 
@@ -93,7 +93,7 @@ fn train(
     config: &PpoConfig,
     longest: u64,
     seed: &Seed,
-) -> Result<crate::rl::ActorCritic, TrainError> {
+) -> Result<rl::ActorCritic, rl::TrainError> {
     let most = config.rollout_steps as u64 * longest;
     let mut trainer = Trainer::new(grounds, config, seed)?;
     loop {

@@ -1,5 +1,4 @@
-use super::{Simulator, WalkPolicy};
-use crate::rl::TrainError;
+use super::{Simulator, TrainError, WalkPolicy};
 use crate::seed::Seed;
 
 /// A method that searches for failures of a driver, with a budget of simulator ticks.
@@ -12,6 +11,6 @@ pub trait Falsifier: std::fmt::Debug + Send + Sync {
     /// Returns the walk policy that it ends up with, if any, to be evaluated on other starts.
     ///
     /// # Errors
-    /// A training whose numbers are not finite.
+    /// A training whose numbers are not finite, or a controller that fails in ten episodes in a row.
     fn search(&self, simulator: &mut Simulator<'_>, seed: &Seed) -> Result<Option<Box<dyn WalkPolicy>>, TrainError>;
 }

@@ -12,6 +12,8 @@ mod random;
 mod homing;
 mod intercept;
 mod scripted;
+mod outside;
+mod controlled;
 mod episodes;
 
 mod method;
@@ -27,6 +29,7 @@ mod exhaustive;
 mod learning;
 
 pub use archive::Archive;
+pub use controlled::{Controlled, Controller};
 pub use crossing::{Crossing, Goal};
 pub use episodes::{evaluate, evaluate_noting};
 pub use exhaustive::Exhaustive;
@@ -36,6 +39,7 @@ pub use intercept::Intercept;
 pub use learning::Learning;
 pub use method::Falsifier;
 pub use open_loop::OpenLoop;
+pub use outside::{Networked, PROTOCOL, Programmed, UnsuitableNetwork};
 pub use random::Random;
 pub use scripted::Scripted;
 pub use simulator::{SearchOutcome, Simulator};

@@ -1,8 +1,7 @@
 use super::optimizer::{CmaEs, CrossEntropy, Optimizer};
-use super::{Falsifier, Simulator, WalkPolicy};
+use super::{Falsifier, Simulator, TrainError, WalkPolicy};
 use crate::env::{ActionSpec, Cast, Outcome};
 use crate::geometry::wrap_angle;
-use crate::rl::TrainError;
 use crate::seed::Seed;
 use crate::signature::{Arguments, Param, Signature, Type};
 use crate::sim::WalkCommand;

@@ -7,7 +7,7 @@ use crate::env::Scenario;
 use crate::rl::{self, PpoConfig, Trained, UpdateLog};
 use crate::seed::Seed;
 
-/// Why a training ended early.
+/// Why a training or a search ended early.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum TrainError {
     /// The learner could not continue, or the observer asked to stop.
@@ -19,6 +19,12 @@ pub enum TrainError {
         /// The update, from 1.
         update: u64,
         /// The driver's last fault.
+        fault: Fault,
+    },
+    /// The controller of a search failed in too many episodes in a row.
+    #[error("the controller failed in ten episodes in a row; the last time it {fault}")]
+    Controller {
+        /// The controller's last fault.
         fault: Fault,
     },
 }

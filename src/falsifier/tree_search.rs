@@ -1,8 +1,7 @@
 use rand::RngExt;
 
 use super::open_loop::after_failure;
-use super::{Falsifier, Simulator, WalkPolicy};
-use crate::rl::TrainError;
+use super::{Falsifier, Simulator, TrainError, WalkPolicy};
 use crate::seed::{Seed, Stream};
 use crate::signature::{Arguments, Param, Signature, Type};
 use crate::units::Dimension;

@@ -1,3 +1,4 @@
+use crate::av::Fault;
 use crate::env::PedestrianEnv;
 use crate::seed::Stream;
 use crate::sim::WalkCommand;
@@ -10,6 +11,12 @@ pub trait WalkPolicy {
     /// Chooses the next decision: one command for each pedestrian, in the order of their numbers. It may read the whole present state of
     /// the environment.
     fn choose(&mut self, env: &PedestrianEnv, commands: &mut [WalkCommand]);
+
+    /// Why the last choice failed; the commands of that choice mean nothing, and the episode is in error. None for policies of this crate,
+    /// which cannot fail.
+    fn fault(&self) -> Option<Fault> {
+        None
+    }
 
     /// Another policy that chooses as this one does, for episodes that run at the same time. None when this policy cannot be in two
     /// episodes at once.

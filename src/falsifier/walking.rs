@@ -1,5 +1,4 @@
-use super::{Falsifier, Homing, Intercept, Random, Scripted, Simulator, WalkPolicy};
-use crate::rl::TrainError;
+use super::{Falsifier, Homing, Intercept, Random, Scripted, Simulator, TrainError, WalkPolicy};
 use crate::seed::Seed;
 use crate::signature::Signature;
 

@@ -57,12 +57,12 @@ pub(super) fn value(
             let values: Vec<Option<Value>> =
                 members.iter().map(|member| value(member, item, context, diagnostics)).collect();
             let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
-            if matches!(**item, Type::Reference(_) | Type::Choice(_)) {
+            if matches!(**item, Type::Reference(_) | Type::Choice(_) | Type::WordOrReference(..)) {
                 let mut seen = BTreeMap::new();
                 for (member, value) in members.iter().zip(&values) {
                     let named = match value {
                         Value::Reference(id) => (id.0, ""),
-                        Value::Choice(word) => (0, *word),
+                        Value::Choice(word) => (usize::MAX, *word),
                         _ => continue,
                     };
                     if let Some(first) = seen.insert(named, member.span) {
@@ -158,6 +158,23 @@ pub(super) fn value(
                     diagnostics.push(diagnostics::unknown_choice(span, word, words));
                     None
                 }
+            }
+        }
+        (Type::WordOrReference(words, form), kind) => {
+            let word = match kind {
+                ExpressionKind::Name(word) | ExpressionKind::Text(word) => words.iter().find(|known| *known == word),
+                _ => None,
+            };
+            match (word, kind) {
+                (Some(known), _) => Some(Value::Choice(known)),
+                // With no declaration at hand, a wrong word is a typo of one of the words.
+                (None, ExpressionKind::Name(word) | ExpressionKind::Text(word))
+                    if context.names.of_form(form).next().is_none()
+                        && context.names.other_form(context.forms, word).is_none() =>
+                {
+                    value(expression, &Type::Choice(words), context, diagnostics)
+                }
+                _ => value(expression, &Type::Reference(form), context, diagnostics),
             }
         }
         (Type::Text | Type::Path, ExpressionKind::Text(text)) => Some(Value::Text(text.clone())),

@@ -125,6 +125,10 @@ fn values(param: &Param, catalog: &Catalog, visible: Visible) -> Vec<CompletionI
     let own: Vec<CompletionItem> = match ty {
         Type::Boolean => words(&["true", "false"]),
         Type::Choice(choices) => words(choices),
+        Type::WordOrReference(choices, form) => {
+            let declared = visible.of_form(form).filter_map(declared);
+            words(choices).into_iter().chain(declared).collect()
+        }
         Type::Condition(event) | Type::Formula(event) => formula(catalog, Some(event)),
         Type::Distribution { .. } => distributions().map(|name| item(name, CompletionItemKind::FUNCTION, "")).collect(),
         other => referred(other).map_or_else(Vec::new, |form| visible.of_form(form).filter_map(declared).collect()),

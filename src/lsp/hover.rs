@@ -102,7 +102,7 @@ fn part(word: &str, catalog: &Catalog) -> Option<String> {
 /// The form that a key's values name.
 pub fn referred(ty: &Type) -> Option<&'static str> {
     match ty {
-        Type::Reference(form) => Some(form),
+        Type::Reference(form) | Type::WordOrReference(_, form) => Some(form),
         Type::List(item) => referred(item),
         _ => None,
     }

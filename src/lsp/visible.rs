@@ -54,6 +54,7 @@ pub fn fits(word: &str, ty: &Type) -> bool {
     match ty {
         Type::List(inner) => fits(word, inner),
         Type::Reference(form) => word == *form,
+        Type::WordOrReference(_, form) => matches!(word, "word" | "text") || word == *form,
         Type::Boolean => word == "boolean",
         Type::Text | Type::Path => word == "text",
         Type::Choice(_) => matches!(word, "word" | "text"),

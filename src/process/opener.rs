@@ -61,9 +61,9 @@ impl Notes {
         last.push_str(text);
         *count += 1;
         if *count <= MOST_NOTES {
-            anstream::eprintln!("driver `{}`: {text}", program.words.join(" "));
+            anstream::eprintln!("program `{}`: {text}", program.words.join(" "));
         } else if *count == MOST_NOTES + 1 {
-            anstream::eprintln!("more notes about drivers are left out");
+            anstream::eprintln!("more notes about programs are left out");
         }
     }
 }

@@ -56,10 +56,11 @@ pub const WEIGHT: Column<f64> = Column::new(
 pub const OUTCOME: Column<String> = Column::new(
     "outcome",
     "",
-    "`collision`, `timeout`, `lost` (the scenario's `end_when` was true, or the test of a protocol was over), or `error` (an external driver failed as a program)",
+    "`collision`, `timeout`, `lost` (the scenario's `end_when` was true, or the test of a protocol was over), or `error` (an external driver or controller failed as a program)",
 );
-/// Why the driver failed.
-pub const ERROR: Column<String> = Column::new("error", "", "why the driver failed; empty otherwise");
+/// Why the driver or the controller failed.
+pub const ERROR: Column<String> =
+    Column::new("error", "", "why the driver, or `the controller`, failed; empty otherwise");
 /// Whether they touched.
 pub const COLLISION: Column<bool> = Column::new("collision", "", "whether car and pedestrian touched");
 /// Whether they touched within the front sector.

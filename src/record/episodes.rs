@@ -10,7 +10,7 @@ use super::columns::{
 };
 use super::metric::{self, Metric};
 use super::{CellKey, ColumnReference, Entry, EpisodeRow, RunKey, Table, verdict_columns};
-use crate::env::Ending;
+use crate::env::{Ending, Outcome};
 use crate::judge::{FalseAlarms, Label, NearMiss, PedestrianMotion, Reference};
 
 /// The stem of the files of the table of episodes.
@@ -95,7 +95,7 @@ pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
                 .of(|row: &EpisodeRow| ending(&row.outcome.ending))
                 .aggregated([metric::EPISODES.at(0), metric::ERRORS.at(1)]),
         )
-        .column(ERROR.of(|row: &EpisodeRow| row.outcome.fault().map_or(String::new(), |fault| fault.to_string())))
+        .column(ERROR.of(|row: &EpisodeRow| why_in_error(&row.outcome)))
         .column(COLLISION.of(|row| hit(row).is_some()).aggregated([
             metric::COLLISIONS.at(2),
             metric::COLLISION_RATE.at(5),
@@ -234,12 +234,20 @@ pub(super) mod named {
     pub const ERROR: &str = "error";
 }
 
+/// The cause of an episode in error; empty for others. A driver's has no subject, a controller's names the controller.
+fn why_in_error(outcome: &Outcome) -> String {
+    match outcome.ending {
+        Ending::ControllerError(_) => outcome.error().unwrap_or_default(),
+        _ => outcome.fault().map_or(String::new(), |fault| fault.to_string()),
+    }
+}
+
 fn ending(ending: &Ending) -> &'static str {
     match ending {
         Ending::Collision { .. } => named::COLLISION,
         Ending::OtherContact => named::OTHER_CONTACT,
         Ending::Lost => named::LOST,
         Ending::Timeout => named::TIMEOUT,
-        Ending::Error(_) => named::ERROR,
+        Ending::Error(_) | Ending::ControllerError(_) => named::ERROR,
     }
 }

@@ -17,7 +17,7 @@ pub struct CellKey {
     pub vehicle: String,
     /// Name of the adversary, for its body.
     pub adversary: String,
-    /// The controller: `trained`, `sampled`, `random`, `homing` or `intercept`.
+    /// The controller: `trained`, `sampled`, `random`, `homing`, `intercept`, `scripted`, or the name of a declared one.
     pub controller: String,
     /// Name of the reward.
     pub reward: String,

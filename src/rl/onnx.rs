@@ -94,7 +94,8 @@ struct Attribute {
 
 #[derive(Clone, PartialEq, Message)]
 struct Tensor {
-    #[prost(int64, repeated, tag = "1")]
+    // Not packed: the format predates that encoding, and not every reader knows it.
+    #[prost(int64, repeated, packed = "false", tag = "1")]
     shape: Vec<i64>,
     #[prost(int32, tag = "2")]
     element: i32,

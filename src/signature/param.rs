@@ -57,6 +57,8 @@ pub enum Type {
     Pose,
     /// The name of a declaration of this form.
     Reference(&'static str),
+    /// One of these words, bare or in quotes, or the name of a declaration of this form.
+    WordOrReference(&'static [&'static str], &'static str),
     /// `[a, b, …]` with at least one member; a single value may be written without brackets.
     List(Box<Type>),
     /// A condition over the variables that have a value at this event of the vocabulary.
@@ -131,6 +133,7 @@ impl Type {
             Type::Pose => "pose `(x, y, yaw)`".into(),
             Type::Reference(form) if form.starts_with(['a', 'e', 'i', 'o']) => format!("name of an {form}"),
             Type::Reference(form) => format!("name of a {form}"),
+            Type::WordOrReference(words, form) => format!("one of {}, or the name of a {form}", words.join(", ")),
             Type::List(item) => format!("list, each {}", item.describe()),
             Type::Condition(_) => "condition".into(),
             Type::Formula(_) => "formula of a plain number".into(),

@@ -20,6 +20,7 @@ mod cast;
 mod catalogue;
 mod code_digest;
 mod comparing;
+mod controllers;
 mod command_line;
 mod determinism;
 mod external;

@@ -7,10 +7,10 @@
 //!              sends the request                           restart after a fault)    given from above)
 //! ```
 //! The protocol is described in `scenarios/external/README.md`. Nothing here starts a process or reads a clock: a [`Link`]
-//! does both, and an [`Opener`] makes the link.
-//! does, which an [`Opener`] makes.
+//! does both, and an [`Opener`] makes the link. A [`Peer`] keeps the link of a program, also for programs that are no drivers.
 
 mod link;
+mod peer;
 mod program;
 mod message;
 mod binary;
@@ -20,5 +20,6 @@ mod driver;
 pub use driver::External;
 pub use link::{Link, Opener};
 pub use message::PROTOCOL;
+pub use peer::Peer;
 pub use program::Program;
 pub use session::Settings;

@@ -2,14 +2,10 @@ use std::sync::Arc;
 
 use super::binary::{self, Room};
 use super::message::{self, Decision, Encoding, Greeting, Hello, PROTOCOL, Pedals, Vehicle};
-use super::{Link, Opener, Program};
+use super::peer::Peer;
+use super::{Opener, Program};
 use crate::av::view::View;
 use crate::av::{Fault, Perception};
-
-/// Longest line of a driver's answer (bytes).
-const LONGEST_LINE: usize = 1 << 20;
-/// The number of bytes of a wrong answer that are shown.
-const SHOWN: usize = 200;
 
 /// The settings of the exchange with an external driver.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,14 +30,11 @@ impl Default for Settings {
 
 /// A running driver with the requests of a tick, and the answers.
 pub(super) struct Session {
-    opener: Arc<dyn Opener>,
-    program: Program,
+    peer: Peer,
     settings: Settings,
-    connection: Option<Connection>,
-    /// How many times the driver has been started.
-    generation: u64,
-    /// Why it could not be started; the next episode tries again.
-    refusal: Option<Fault>,
+    /// What the driver's last greeting said.
+    encoding: Encoding,
+    control: Pedals,
     worlds: u32,
     asked: Vec<u32>,
     request: Vec<u8>,
@@ -50,21 +43,13 @@ pub(super) struct Session {
     outcome: Option<Result<(), Fault>>,
 }
 
-struct Connection {
-    link: Box<dyn Link>,
-    encoding: Encoding,
-    control: Pedals,
-}
-
 impl Session {
     pub fn new(opener: Arc<dyn Opener>, program: Program, settings: Settings) -> Self {
         Self {
-            opener,
-            program,
+            peer: Peer::new(opener, program, settings.start_timeout),
             settings,
-            connection: None,
-            generation: 0,
-            refusal: None,
+            encoding: Encoding::default(),
+            control: Pedals::default(),
             worlds: 0,
             asked: Vec::new(),
             request: Vec::new(),
@@ -82,68 +67,44 @@ impl Session {
 
     /// Allows another start of the driver after a failed one.
     pub fn forgive(&mut self) {
-        self.refusal = None;
+        self.peer.forgive();
     }
 
     /// Starts the driver if it does not run; returns the number of its starts.
     pub fn ready(&mut self, perception: &Perception<'_>) -> Result<u64, Fault> {
-        if let Some(fault) = self.refusal {
-            return Err(fault);
-        }
-        if self.connection.is_none() {
-            self.generation += 1;
-            match self.greet(perception) {
-                Ok(connection) => self.connection = Some(connection),
-                Err(fault) => {
-                    self.refusal = Some(fault);
-                    return Err(fault);
-                }
-            }
-        }
-        Ok(self.generation)
-    }
-
-    fn greet(&mut self, perception: &Perception<'_>) -> Result<Connection, Fault> {
-        let settings = &self.settings;
-        let mut link = self.opener.open(&self.program)?;
-        let hello = Hello {
-            r#type: "hello",
-            protocol: PROTOCOL,
-            tick_s: perception.dt,
-            town: &perception.town.name,
-            vehicle: Vehicle::new(perception),
-            worlds: settings.worlds,
-            actors: settings.actors,
-            route_points: settings.route_points,
+        let Self { peer, settings, encoding, control, .. } = self;
+        let hello = || {
+            let hello = Hello {
+                r#type: "hello",
+                protocol: PROTOCOL,
+                tick_s: perception.dt,
+                town: &perception.town.name,
+                vehicle: Vehicle::new(perception),
+                worlds: settings.worlds,
+                actors: settings.actors,
+                route_points: settings.route_points,
+            };
+            serde_json::to_vec(&hello).expect("numbers and words have a form in JSON")
         };
-        let mut line = serde_json::to_vec(&hello).expect("numbers and words have a form in JSON");
-        line.push(b'\n');
-        link.send(&line, settings.start_timeout)?;
-        line.clear();
-        link.line(&mut line, LONGEST_LINE)?;
-        let greeting: Result<Greeting, Fault> =
-            serde_json::from_slice(&line).map_err(|_| Fault::Greeting("not the JSON of a greeting"));
-        let greeting = greeting.and_then(|greeting| match greeting.protocol == PROTOCOL {
-            true => Ok(greeting),
-            false => Err(Fault::Greeting("another protocol than falsify-av/1")),
-        });
-        match greeting {
-            Ok(Greeting { encoding, control, .. }) => Ok(Connection { link, encoding, control }),
-            Err(fault) => {
-                link.note(&format!("{fault}: {}", shown(&line)));
-                Err(fault)
+        let greeted = |line: &[u8]| {
+            let greeting: Greeting =
+                serde_json::from_slice(line).map_err(|_| Fault::Greeting("not the JSON of a greeting"))?;
+            if greeting.protocol != PROTOCOL {
+                return Err(Fault::Greeting("another protocol than falsify-av/1"));
             }
-        }
+            (*encoding, *control) = (greeting.encoding, greeting.control);
+            Ok(())
+        };
+        peer.ready(hello, greeted)
     }
 
     /// Adds a world's request to those of this tick; returns its index among them.
     pub fn ask(&mut self, id: u32, tick: u32, seed: Option<u64>, view: &View) -> usize {
-        let encoding = self.connection.as_ref().map_or(Encoding::Json, |connection| connection.encoding);
         if self.outcome.take().is_some() {
             self.asked.clear();
             self.request.clear();
         }
-        match encoding {
+        match self.encoding {
             Encoding::Json => {
                 let before: &[u8] = if self.asked.is_empty() { br#"{"type":"step","worlds":["# } else { b"," };
                 self.request.extend_from_slice(before);
@@ -169,8 +130,7 @@ impl Session {
             None => {
                 let outcome = self.exchange();
                 if outcome.is_err() {
-                    // Anything it sends later would not be the answer to a later request.
-                    self.connection = None;
+                    self.peer.end();
                 }
                 *self.outcome.insert(outcome)
             }
@@ -179,44 +139,29 @@ impl Session {
     }
 
     fn exchange(&mut self) -> Result<(), Fault> {
-        let Some(Connection { link, encoding, control }) = &mut self.connection else { return Err(Fault::Ended) };
         let limit = self.settings.timeout;
-        self.answer.clear();
-        let read = match encoding {
+        let Self { peer, request, asked, answer, decisions, control, .. } = self;
+        match self.encoding {
             Encoding::Json => {
-                self.request.extend_from_slice(b"]}\n");
-                link.send(&self.request, limit)?;
-                link.line(&mut self.answer, LONGEST_LINE)?;
-                message::read_decisions(&self.answer, &self.asked, &mut self.decisions)
+                request.extend_from_slice(b"]}\n");
+                peer.exchange(request, limit, answer, |line| message::read_decisions(line, asked, decisions))
             }
             Encoding::Binary => {
-                let length = (self.request.len() - 4) as u32;
-                self.request[..4].copy_from_slice(&length.to_le_bytes());
-                link.send(&self.request, limit)?;
+                let link = peer.link()?;
+                let length = (request.len() - 4) as u32;
+                request[..4].copy_from_slice(&length.to_le_bytes());
+                link.send(request, limit)?;
                 let mut length = [0; 4];
                 link.exact(&mut length)?;
-                self.answer.resize(binary::answer_length(self.asked.len()), 0);
-                if u32::from_le_bytes(length) as usize == self.answer.len() {
-                    link.exact(&mut self.answer)?;
-                    binary::read_decisions(&self.answer, &self.asked, *control, &mut self.decisions)
+                answer.resize(binary::answer_length(asked.len()), 0);
+                let read = if u32::from_le_bytes(length) as usize == answer.len() {
+                    link.exact(answer)?;
+                    binary::read_decisions(answer, asked, *control, decisions)
                 } else {
                     Err(Fault::Answer("a length other than four numbers for each world"))
-                }
-            }
-        };
-        if let Err(fault) = read {
-            match encoding {
-                Encoding::Json => link.note(&format!("{fault}: {}", shown(&self.answer))),
-                Encoding::Binary => link.note(&fault.to_string()),
+                };
+                read.inspect_err(|fault| link.note(&fault.to_string()))
             }
         }
-        read
     }
-}
-
-/// The start of a driver's answer, in printable characters.
-fn shown(said: &[u8]) -> String {
-    let text = String::from_utf8_lossy(&said[..said.len().min(SHOWN)]).replace(char::is_control, " ");
-    let dots = if said.len() > SHOWN { "…" } else { "" };
-    format!("`{text}{dots}`")
 }

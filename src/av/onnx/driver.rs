@@ -47,7 +47,9 @@ impl Onnx {
 
     /// Makes one for batches of this number of episodes.
     pub fn new(worlds: usize, model: Arc<Model>) -> Self {
-        let shared = Shared { engine: Engine::new(model.clone()), batch: Batch::default(), answered: false };
+        let network = model.clone();
+        let engine = Engine::new(move |numbers, options| network.decide(numbers, options));
+        let shared = Shared { engine, batch: Batch::default(), answered: false };
         Self::within(model, Arc::new(Mutex::new(shared)), worlds)
     }
 

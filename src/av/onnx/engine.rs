@@ -3,7 +3,6 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 
 use rten::{RunOptions, ThreadPool};
 
-use super::Model;
 use crate::av::Fault;
 
 /// The numbers of all worlds of a tick, and the network's answers to them.
@@ -24,8 +23,8 @@ pub(super) struct Engine {
 }
 
 impl Engine {
-    /// Starts the thread; it ends when the engine is dropped.
-    pub fn new(model: Arc<Model>) -> Self {
+    /// Starts the thread; it ends when the engine is dropped. `decide` runs the network on the numbers of one world.
+    pub fn new(decide: impl Fn(&[Vec<f32>], RunOptions) -> Result<Vec<f32>, Fault> + Send + 'static) -> Self {
         let (questions, asked) = channel::<Batch>();
         let (given, answers) = channel();
         std::thread::spawn(move || {
@@ -34,7 +33,7 @@ impl Engine {
                 for mut batch in asked {
                     let options = || RunOptions::default().with_thread_pool(Some(pool.clone()));
                     batch.answers.clear();
-                    batch.answers.extend(batch.questions.iter().map(|question| model.decide(question, options())));
+                    batch.answers.extend(batch.questions.iter().map(|question| decide(question, options())));
                     if given.send(batch).is_err() {
                         return;
                     }

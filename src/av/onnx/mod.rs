@@ -11,11 +11,15 @@
 //!
 //! Its one output holds two numbers, acceleration (m/s²) and steer, or three: throttle, brake, steer. K and R are read from the
 //! file; the first dimension is 1 or free.
+//!
+//! A [`Network`] is a network of plain numbers, without the meaning that a driver's have: a pedestrian is one.
 
 mod model;
 mod vetting;
 mod engine;
 mod driver;
+mod network;
 
 pub use driver::Onnx;
 pub use model::{Model, ModelError};
+pub use network::{Network, NetworkError, Runner};

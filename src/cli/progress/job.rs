@@ -218,7 +218,7 @@ impl Job {
 /// Controller, town and driver of an evaluation.
 fn evaluation(evaluation: &Evaluation) -> String {
     let (key, here) = (&evaluation.trained, (&*evaluation.town, &*evaluation.policy));
-    let who = match evaluation.controller {
+    let who = match &evaluation.controller {
         ControllerKind::Trained(_) if (key.town.as_str(), key.policy.as_str()) == here => key.reward.clone(),
         ControllerKind::Trained(_) => format!("{} of {} and {}", key.reward, key.town, key.policy),
         ControllerKind::Sampled(_) => format!("sampled {} of {} and {}", key.reward, key.town, key.policy),

@@ -7,6 +7,7 @@ use crate::compile::RunId;
 use crate::compile::lowering::Lowering;
 use crate::compile::plan::{Campaign, ControllerKind, Evaluation, Training, TrainingKey};
 use crate::env::RewardRule;
+use crate::falsifier::Controller;
 use crate::lang::diagnostics;
 use crate::lang::hir::Block;
 use crate::signature::{DeclarationId, Value};
@@ -43,8 +44,9 @@ impl Lowering<'_> {
         if untrained && words.iter().any(|word| matches!(word, Value::Choice("trained" | "sampled"))) {
             return self.said.push(diagnostics::trained_without_training(block.place("pedestrians")));
         }
+        let Some(chosen) = self.chosen(words) else { return };
         let controllers =
-            if untrained { untrained_controllers(words) } else { controllers(words, &campaign.trainings) };
+            if untrained { untrained_controllers(&chosen) } else { controllers(&chosen, &campaign.trainings) };
         let each = controllers.len().max(rewards.len());
         if !self.fits(block, [ground.towns.len(), ground.policies.len(), all.len(), each]) {
             return;
@@ -56,73 +58,113 @@ impl Lowering<'_> {
                 let scenario = place.scenario(&car.value, &walker.value, &usual.rule.value, rule);
                 (scenario, self.fingerprint(&[ground.as_slice(), declared].concat()))
             };
-            let mut scenarios: BTreeMap<&str, _> = BTreeMap::new();
-            for (name, reward) in rewards {
-                scenarios.insert(name, scenario(&reward.value, &[reward.id]));
+            let mut scenarios: BTreeMap<(&str, Option<DeclarationId>), _> = BTreeMap::new();
+            for declared in std::iter::once(None).chain(chosen.iter().map(Chosen::declared).filter(Option::is_some)) {
+                for (name, reward) in rewards {
+                    let own = [Some(reward.id), declared].into_iter().flatten().collect::<Vec<_>>();
+                    scenarios.insert((name, declared), scenario(&reward.value, &own));
+                }
+                if untrained {
+                    let own: Vec<_> = declared.into_iter().collect();
+                    scenarios.insert((NO_REWARD, declared), scenario(&RewardRule::default(), &own));
+                }
             }
-            if untrained {
-                scenarios.insert(NO_REWARD, scenario(&RewardRule::default(), &[]));
-            }
+            let of = |controller: &ControllerKind, trained: &TrainingKey| {
+                let declared = chosen.iter().find(|each| each.is(controller)).and_then(Chosen::declared);
+                scenarios[&(trained.reward.as_str(), declared)].clone()
+            };
             campaign.evaluations.extend(controllers.iter().map(|(controller, trained)| Evaluation {
                 id: RunId::default(),
-                controller: *controller,
+                controller: controller.clone(),
                 trained: trained.clone(),
                 town: place.town.name.clone(),
                 policy: place.policy.name.clone(),
                 vehicle: car.name.clone(),
                 adversary: walker.name.clone(),
                 block: number,
-                scenario: scenarios[trained.reward.as_str()].0.clone(),
+                scenario: of(controller, trained).0,
                 episodes: block.arguments.integer("episodes") as u32,
-                fingerprint: scenarios[trained.reward.as_str()].1,
+                fingerprint: of(controller, trained).1,
                 halfwidth: block.arguments.has("halfwidth").then(|| block.arguments.number("halfwidth")),
             }));
         }
     }
 }
 
+/// A member of the list of pedestrians.
+enum Chosen {
+    /// A built-in controller.
+    Word(&'static str),
+    /// A declared one.
+    Declared(DeclarationId, Controller),
+}
+
+impl Chosen {
+    fn declared(&self) -> Option<DeclarationId> {
+        match self {
+            Self::Word(_) => None,
+            Self::Declared(id, _) => Some(*id),
+        }
+    }
+
+    /// Whether it is this declared controller.
+    fn is(&self, controller: &ControllerKind) -> bool {
+        matches!((self, controller), (Self::Declared(_, own), ControllerKind::Declared(other)) if own == other)
+    }
+
+    /// Its kind, if it depends on no training.
+    fn untrained(&self) -> Option<ControllerKind> {
+        Some(match self {
+            Self::Word("random") => ControllerKind::Random,
+            Self::Word("homing") => ControllerKind::Homing,
+            Self::Word("intercept") => ControllerKind::Intercept,
+            Self::Word("scripted") => ControllerKind::Scripted,
+            Self::Word(_) => return None,
+            Self::Declared(_, controller) => ControllerKind::Declared(controller.clone()),
+        })
+    }
+}
+
+impl Lowering<'_> {
+    /// The chosen controllers; none after reporting what is wrong with a declared one.
+    fn chosen(&mut self, words: &[Value]) -> Option<Vec<Chosen>> {
+        let each = |word: &Value| match word {
+            Value::Choice(word) => Some(Chosen::Word(word)),
+            Value::Reference(id) => self.controller(*id).map(|controller| Chosen::Declared(*id, controller)),
+            other => panic!("checked: `pedestrians` holds {other:?}"),
+        };
+        words.iter().map(each).collect()
+    }
+}
+
 /// The controllers of a campaign without training: each once, for no reward.
-fn untrained_controllers(words: &[Value]) -> Vec<(ControllerKind, Arc<TrainingKey>)> {
+fn untrained_controllers(chosen: &[Chosen]) -> Vec<(ControllerKind, Arc<TrainingKey>)> {
     let reward = NO_REWARD.to_string();
     let key = Arc::new(TrainingKey { town: String::new(), policy: String::new(), reward, run: 0 });
-    let untrained = |word: &Value| match word {
-        Value::Choice("random") => Some(ControllerKind::Random),
-        Value::Choice("homing") => Some(ControllerKind::Homing),
-        Value::Choice("intercept") => Some(ControllerKind::Intercept),
-        Value::Choice("scripted") => Some(ControllerKind::Scripted),
-        _ => None,
-    };
-    words.iter().filter_map(untrained).map(|controller| (controller, key.clone())).collect()
+    chosen.iter().filter_map(Chosen::untrained).map(|controller| (controller, key.clone())).collect()
 }
 
 /// The controllers of a campaign with trainings: every trained one, and for every run of a reward a random one with draws of its own.
-/// The homing and the intercepting controller draw nothing, so they are evaluated once for each reward.
-fn controllers(words: &[Value], trainings: &[Training]) -> Vec<(ControllerKind, Arc<TrainingKey>)> {
+/// The homing, the intercepting and the scripted controller draw nothing, so they are evaluated once for each reward; so is a declared one.
+fn controllers(chosen: &[Chosen], trainings: &[Training]) -> Vec<(ControllerKind, Arc<TrainingKey>)> {
     let mut all = Vec::new();
-    for word in words {
-        let Value::Choice(word) = word else { panic!("checked: a choice") };
+    for each in chosen {
         let mut seen = BTreeSet::new();
         for (index, training) in trainings.iter().enumerate() {
-            let controller = match *word {
-                "random" => ControllerKind::Random,
-                "homing" => ControllerKind::Homing,
-                "intercept" => ControllerKind::Intercept,
-                "scripted" => ControllerKind::Scripted,
-                "sampled" => ControllerKind::Sampled(index),
+            let controller = each.untrained().unwrap_or(match each {
+                Chosen::Word("sampled") => ControllerKind::Sampled(index),
                 _ => ControllerKind::Trained(index),
-            };
+            });
             let mut key = training.key.clone();
-            let drawless =
-                matches!(controller, ControllerKind::Homing | ControllerKind::Intercept | ControllerKind::Scripted);
-            if drawless || controller == ControllerKind::Random {
+            if !matches!(controller, ControllerKind::Trained(_) | ControllerKind::Sampled(_)) {
                 key.town = String::new();
                 key.policy = String::new();
-            }
-            if drawless {
-                key.run = 0;
+                if controller != ControllerKind::Random {
+                    key.run = 0;
+                }
             }
             let key = Arc::new(key);
-            if seen.insert((controller, key.clone())) {
+            if seen.insert((controller.clone(), key.clone())) {
                 all.push((controller, key));
             }
         }

@@ -76,18 +76,21 @@ impl Lowering<'_> {
                 self.said.push(diagnostics::no_training(campaign.head, declaration.block.head));
                 continue;
             }
+            let controller = falsifier::named(arguments, "controller");
+            let named = falsifier::Named {
+                training: training.as_ref().map(|training| training.value.clone()),
+                controller: controller.and_then(|id| self.controller(id)),
+            };
+            if controller.is_some() && named.controller.is_none() {
+                continue;
+            }
             let reward = falsifier::named(arguments, "reward").map(|id| self.reward(id));
             rivals.push(Rival {
                 name: declaration.name.clone(),
                 method: declaration.kind,
                 reward: reward.map(|reward| (reward.name.to_string(), reward.value)).unwrap_or_default(),
                 declarations: [Some(id), training.as_ref().map(|training| training.id)].into_iter().flatten().collect(),
-                falsifier: falsifier::lower(
-                    &self.catalog.falsifiers,
-                    declaration,
-                    training.map(|training| training.value),
-                    self.said,
-                ),
+                falsifier: falsifier::lower(&self.catalog.falsifiers, declaration, &named, self.said),
             });
         }
         rivals

@@ -102,7 +102,11 @@ fn findings(suite: &Suite, row: usize) -> Vec<Finding> {
     let cell = &suite.cells[row];
     if cell.errors > 0 {
         let all = cell.errors + cell.episodes;
-        return vec![("error", "driver", format!("the driver failed in {} of {all} episodes", cell.errors))];
+        return vec![(
+            "error",
+            "driver",
+            format!("the driver or the controller failed in {} of {all} episodes", cell.errors),
+        )];
     }
     of_gates(suite, false, row)
 }

@@ -189,7 +189,7 @@ fn key_numbers(contents: &Contents<'_>) -> Markup {
     if contents.manifest.errors > 0 {
         tiles.push((
             count(contents.manifest.errors),
-            "episodes in which a driver failed as a program; no number includes them".into(),
+            "episodes in which a driver or a controller failed as a program; no number includes them".into(),
         ));
     }
     html! { dl.key { @for (number, what) in tiles { div { dt { (number) } dd { (what) } } } } }

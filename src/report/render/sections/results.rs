@@ -96,14 +96,14 @@ pub fn rates(cells: &[Cell]) -> Table {
     Table { head: columns, rows, ..Table::default() }
 }
 
-/// The number of episodes in which a driver failed as a program, in Markdown; empty without any.
+/// The number of episodes in which a driver or a controller failed as a program, in Markdown; empty without any.
 pub fn errors(cells: &[Cell]) -> String {
     let failed: u32 = cells.iter().map(|cell| cell.errors).sum();
     if failed == 0 {
         return String::new();
     }
     let mut page = format!(
-        "\n**In {failed} more episodes the driver failed as a program, or the episode was not run.** They count neither as passed nor as failed, \
+        "\n**In {failed} more episodes the driver or the controller failed as a program, or the episode was not run.** They count neither as passed nor as failed, \
          and no number above includes them. The column `error` of `episodes.csv` has the cause of each:\n\n"
     );
     for cell in distinct(cells).into_iter().filter(|cell| cell.errors > 0) {

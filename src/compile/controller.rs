@@ -1,0 +1,76 @@
+use std::sync::Arc;
+
+use super::campaign::PEDESTRIANS;
+use super::lowering::Lowering;
+use crate::av::onnx::Network;
+use crate::falsifier::{Controller, Networked, Programmed};
+use crate::lang::hir::Declaration;
+use crate::lang::{Reader, diagnostics, reason};
+use crate::signature::{DeclarationId, Form, Signature};
+
+/// A kind of controller: its keys, and how it is made.
+struct ControllerKind {
+    /// Its keys.
+    signature: fn() -> Signature,
+    /// Makes one; none after reporting what is wrong.
+    lower: fn(&Declaration, &mut Lowering<'_>) -> Option<Controller>,
+}
+
+/// All kinds; a new one is a line here.
+const KINDS: [ControllerKind; 2] = [
+    ControllerKind { signature: Programmed::signature, lower: external },
+    ControllerKind { signature: Networked::signature, lower: onnx },
+];
+
+/// The form `controller`.
+pub fn form() -> Form {
+    Form {
+        name: "controller",
+        doc: "A controller of your own for the pedestrian. `pedestrians` of an `evaluate` block and a falsifier of kind `controlled` name it.",
+        plain: None,
+        multiplies: false,
+        kinds: KINDS.iter().map(|kind| (kind.signature)()).collect(),
+    }
+}
+
+impl Lowering<'_> {
+    /// The controller; none after reporting what is wrong.
+    pub fn controller(&mut self, id: DeclarationId) -> Option<Controller> {
+        let declaration = self.program.get(id);
+        if PEDESTRIANS.contains(&declaration.name.as_str()) {
+            let message = format!("`{}` is the name of a built-in controller", declaration.name);
+            let help = "give it another name, so that both can be evaluated";
+            self.said.push(diagnostics::contradiction(declaration.block.head, message).help(help));
+            return None;
+        }
+        let found = KINDS.iter().find(|kind| (kind.signature)().name == declaration.kind);
+        (found.expect("checked: the kind is in the catalogue").lower)(declaration, self)
+    }
+}
+
+/// A program, if the user allows programs. It is not started here.
+fn external(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<Controller> {
+    let arguments = &declaration.block.arguments;
+    let (program, opener) = lowering.allowed_program(declaration)?;
+    let (timeout, start_timeout) = (arguments.number("timeout"), arguments.number("start_timeout"));
+    let make = move || Box::new(Programmed::new(program.clone(), timeout, start_timeout, opener.clone())) as _;
+    Some(Controller::new(&declaration.name, make))
+}
+
+/// A network from a file.
+fn onnx(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<Controller> {
+    let path = declaration.block.arguments.text("model");
+    let bytes = lowering.read.bytes(&lowering.beside(declaration, path)).map_err(|error| reason(&error));
+    let network = bytes.and_then(|bytes| Network::read(bytes).map_err(|error| error.to_string()));
+    let fit = network.and_then(|network| match Networked::check(&network) {
+        Ok(()) => Ok(Arc::new(network)),
+        Err(unsuitable) => Err(unsuitable.to_string()),
+    });
+    match fit {
+        Ok(network) => Some(Controller::new(&declaration.name, move || Box::new(Networked::new(network.clone())) as _)),
+        Err(reason) => {
+            lowering.said.push(diagnostics::unusable_model(declaration.block.place("model"), path, &reason));
+            None
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! The messages in JSON.
+
+use serde::{Deserialize, Serialize};
+
+use crate::av::Fault;
+use crate::env::PedestrianEnv;
+
+/// Name and major version of the protocol. Keys may be added within a version; a program must ignore keys that it does not know.
+pub const PROTOCOL: &str = "falsify-pedestrian/1";
+
+/// The first message to a program.
+#[derive(Serialize)]
+pub(super) struct Hello<'a> {
+    r#type: &'static str,
+    protocol: &'static str,
+    tick_s: f64,
+    hold: u32,
+    town: &'a str,
+    vehicle: Car,
+    pedestrians: usize,
+    state: usize,
+    action_bounds: &'a [(f64, f64)],
+}
+
+/// The size of the car (m).
+#[derive(Serialize)]
+struct Car {
+    length: f64,
+    width: f64,
+}
+
+impl<'a> Hello<'a> {
+    pub fn new(env: &'a PedestrianEnv) -> Self {
+        let (scenario, car) = (env.scenario(), &env.world().ego().blueprint);
+        Self {
+            r#type: "hello",
+            protocol: PROTOCOL,
+            tick_s: scenario.episode.tick,
+            hold: scenario.episode.hold,
+            town: &scenario.town.name,
+            vehicle: Car { length: 2.0 * car.half_length, width: 2.0 * car.half_width },
+            pedestrians: scenario.cast.controlled().count(),
+            state: scenario.cast.obs_dim(),
+            action_bounds: env.bounds(),
+        }
+    }
+}
+
+/// A program's greeting.
+#[derive(Deserialize)]
+struct Greeting {
+    protocol: String,
+}
+
+/// Reads a program's greeting.
+///
+/// # Errors
+/// [`Fault::Greeting`].
+pub(super) fn read_greeting(line: &[u8]) -> Result<(), Fault> {
+    let greeting: Greeting = serde_json::from_slice(line).map_err(|_| Fault::Greeting("not the JSON of a greeting"))?;
+    match greeting.protocol == PROTOCOL {
+        true => Ok(()),
+        false => Err(Fault::Greeting("another protocol than falsify-pedestrian/1")),
+    }
+}
+
+#[derive(Serialize)]
+struct Body {
+    x: f64,
+    y: f64,
+    yaw: f64,
+    speed: f64,
+}
+
+#[derive(Serialize)]
+struct World<'a> {
+    id: u32,
+    tick: u32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    seed: Option<u64>,
+    state: &'a [f64],
+    ego: Body,
+    pedestrians: Vec<Body>,
+}
+
+#[derive(Serialize)]
+struct Step<'a> {
+    r#type: &'static str,
+    worlds: [World<'a>; 1],
+}
+
+/// Writes the request for a decision, with its line end; `seed` only at the first decision of an episode.
+pub(super) fn write_request(out: &mut Vec<u8>, id: u32, seed: Option<u64>, state: &[f64], env: &PedestrianEnv) {
+    let (world, cast) = (env.world(), &env.scenario().cast);
+    let ego = &world.ego().state;
+    let pedestrians = cast.controlled().map(|(number, _)| {
+        let walker = &world.pedestrians[number].state;
+        Body { x: walker.pose.x, y: walker.pose.y, yaw: walker.pose.yaw, speed: walker.speed() }
+    });
+    let request = World {
+        id,
+        tick: world.ticks,
+        seed,
+        state,
+        ego: Body { x: ego.pose.x, y: ego.pose.y, yaw: ego.pose.yaw, speed: ego.speed },
+        pedestrians: pedestrians.collect(),
+    };
+    out.clear();
+    serde_json::to_writer(&mut *out, &Step { r#type: "step", worlds: [request] })
+        .expect("numbers and words have a form in JSON");
+    out.push(b'\n');
+}
+
+#[derive(Deserialize)]
+struct Action {
+    id: u32,
+    action: Vec<f64>,
+}
+
+#[derive(Deserialize)]
+struct Answers {
+    actions: Vec<Action>,
+}
+
+/// Reads the action for a world.
+///
+/// # Errors
+/// [`Fault::Answer`].
+pub(super) fn read_action(line: &[u8], id: u32, action: &mut [f64]) -> Result<(), Fault> {
+    let answers: Answers = serde_json::from_slice(line).map_err(|_| Fault::Answer("not the JSON of an answer"))?;
+    match answers.actions.as_slice() {
+        [answer] if answer.id == id => {
+            if answer.action.len() != action.len() {
+                return Err(Fault::Answer("not two numbers for each pedestrian"));
+            }
+            action.copy_from_slice(&answer.action);
+            // A number like 1e999 would be infinite.
+            match action.iter().all(|number| number.is_finite()) {
+                true => Ok(()),
+                false => Err(Fault::Answer("a number is not finite")),
+            }
+        }
+        _ => Err(Fault::Answer("not one action for each world")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_answer_is_one_action_of_finite_numbers() {
+        let read = |line: &str| {
+            let mut action = [0.0; 2];
+            read_action(line.as_bytes(), 3, &mut action).map(|()| action)
+        };
+        assert_eq!(read(r#"{"actions":[{"id":3,"action":[-1,2.5],"new":0}]}"#), Ok([-1.0, 2.5]));
+        for (line, reason) in [
+            ("walk", "not the JSON of an answer"),
+            (r#"{"actions":[{"id":3,"action":[NaN,1]}]}"#, "not the JSON of an answer"),
+            (r#"{"actions":[]}"#, "not one action for each world"),
+            (r#"{"actions":[{"id":4,"action":[0,1]}]}"#, "not one action for each world"),
+            (r#"{"actions":[{"id":3,"action":[0]}]}"#, "not two numbers for each pedestrian"),
+        ] {
+            assert_eq!(read(line), Err(Fault::Answer(reason)), "{line}");
+        }
+    }
+
+    #[test]
+    fn a_greeting_names_this_protocol() {
+        assert_eq!(read_greeting(br#"{"protocol":"falsify-pedestrian/1","name":"mine"}"#), Ok(()));
+        assert_eq!(read_greeting(b"{}"), Err(Fault::Greeting("not the JSON of a greeting")));
+        let other = Err(Fault::Greeting("another protocol than falsify-pedestrian/1"));
+        assert_eq!(read_greeting(br#"{"protocol":"falsify-av/1"}"#), other);
+    }
+}
