@@ -37,6 +37,7 @@ impl Exporter for Carla {
     fn export(&self, episode: &Episode, variant: Variant) -> Result<Vec<ExportFile>, ExportError> {
         if variant.ego == EgoDriver::User {
             episode.without_lights(NAME)?;
+            episode.without_friction(NAME)?;
         }
         let release = match variant.walking {
             Walking::Recorded => None,
@@ -74,9 +75,9 @@ fn short(number: f64) -> f64 {
 }
 
 fn actor(actor: &Actor) -> Value {
-    let (kind, blueprint) = match actor.shape {
-        Shape::Vehicle(_) => ("vehicle", "vehicle.tesla.model3"),
-        Shape::Pedestrian(_) => ("pedestrian", "walker.pedestrian.0001"),
+    let (kind, blueprint, is_box) = match actor.shape {
+        Shape::Vehicle(_) => ("vehicle", "vehicle.tesla.model3", true),
+        Shape::Pedestrian(body) => ("pedestrian", "walker.pedestrian.0001", body.target_box.is_some()),
     };
     let state = |at: &super::episode::Motion| {
         json!([short(at.pose.x), short(at.pose.y), short(at.ground), (at.heading * 1e6).round() / 1e6])
@@ -85,6 +86,7 @@ fn actor(actor: &Actor) -> Value {
         "name": actor.name,
         "kind": kind,
         "blueprint": blueprint,
+        "shape": if is_box { "box" } else { "disc" },
         "size": actor.size().map(short),
         "track": actor.track.iter().map(state).collect::<Vec<_>>(),
     })

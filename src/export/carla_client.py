@@ -50,14 +50,29 @@ def middle(model, actor):
     return place.x, -place.y, -math.radians(now.rotation.yaw)
 
 
-def gap(ego, pedestrian, sizes):
-    """Distance from the ego's box to the pedestrian's disc (m)."""
-    x, y, yaw = ego
-    ahead = (pedestrian[0] - x) * math.cos(yaw) + (pedestrian[1] - y) * math.sin(yaw)
-    left = -(pedestrian[0] - x) * math.sin(yaw) + (pedestrian[1] - y) * math.cos(yaw)
-    (length, width, _), (diameter, _, _) = sizes
-    outside = math.hypot(max(abs(ahead) - length / 2, 0.0), max(abs(left) - width / 2, 0.0))
-    return max(outside - diameter / 2, 0.0)
+def gap(ego, pedestrian, shapes):
+    """Distance from the ego's box to the pedestrian's disc (m). For a box at most the distance; it is zero when they touch."""
+    car, body = shapes
+    if body["shape"] == "disc":
+        ahead, left = seen_from(ego, pedestrian)
+        outside = math.hypot(max(abs(ahead) - car["size"][0] / 2, 0.0), max(abs(left) - car["size"][1] / 2, 0.0))
+        return max(outside - body["size"][0] / 2, 0.0)
+    # The widest gap along an axis of one of the boxes.
+    turn = pedestrian[2] - ego[2]
+    cos, sin = abs(math.cos(turn)), abs(math.sin(turn))
+    gaps = [0.0]
+    for here, there, one, other in ((ego, pedestrian, car, body), (pedestrian, ego, body, car)):
+        ahead, left = seen_from(here, there)
+        length, width = other["size"][0] / 2, other["size"][1] / 2
+        gaps.append(abs(ahead) - one["size"][0] / 2 - length * cos - width * sin)
+        gaps.append(abs(left) - one["size"][1] / 2 - length * sin - width * cos)
+    return max(gaps)
+
+
+def seen_from(here, there):
+    """A place in the frame of a pose: ahead and left (m)."""
+    x, y, yaw = there[0] - here[0], there[1] - here[1], here[2]
+    return x * math.cos(yaw) + y * math.sin(yaw), y * math.cos(yaw) - x * math.sin(yaw)
 
 
 def spawn(world, actor):
@@ -89,7 +104,7 @@ def play(world, models):
     """Steps through the episode; returns the greatest error of a replayed place (m) and the time of the touch (s)."""
     actors, dt = EPISODE["actors"], EPISODE["dt"]
     by_agent, release = EPISODE["ego"] == "agent", EPISODE["release"]
-    sizes = [actors[0]["size"], actors[EPISODE["pedestrian"]]["size"]]
+    shapes = [actors[0], actors[EPISODE["pedestrian"]]]
     agent = None
     if by_agent:
         models[0].set_simulate_physics(True)
@@ -123,7 +138,7 @@ def play(world, models):
                 wanted = actor["track"][min(tick, last)]
                 error = max(error, math.hypot(x - wanted[0], y - wanted[1]))
         ego, pedestrian = middle(models[0], actors[0]), middle(models[EPISODE["pedestrian"]], actors[EPISODE["pedestrian"]])
-        if touch is None and gap(ego, pedestrian, sizes) <= 0.005:
+        if touch is None and gap(ego, pedestrian, shapes) <= 0.005:
             touch = tick * dt
             if by_agent:
                 break

@@ -14,6 +14,9 @@ pub(super) const CAR_HEIGHT: f64 = 1.488;
 /// The height of obstacles (m), which have none in the simulator: they hide a pedestrian, and a driver's eyes are lower.
 pub(super) const OBSTACLE_HEIGHT: f64 = 3.0;
 
+/// The share of the largest square that does not graze a car.
+const GRAZE: f64 = 0.99;
+
 /// An episode that was repeated: the input of every exporter.
 #[derive(Debug, Clone, Copy)]
 pub struct Episode<'a> {
@@ -102,6 +105,19 @@ impl<'a> Episode<'a> {
         Ok(())
     }
 
+    /// Checks that the road has no friction of its own, for an ego that another program drives.
+    ///
+    /// # Errors
+    /// The friction, by name.
+    pub(super) fn without_friction(&self, format: &'static str) -> Result<(), ExportError> {
+        let grip = self.scenario.cast.vehicle(0).blueprint.grip;
+        if grip.is_finite() {
+            let what = format!("the friction of the road ({grip:.1} m/s²), which an ego of the user would feel");
+            return Err(ExportError::NotRepresentable { format, what });
+        }
+        Ok(())
+    }
+
     /// The tick after which the pedestrian of the verdict moves, and its distance to the ego's reference point then (m).
     ///
     /// # Errors
@@ -153,30 +169,31 @@ impl<'a> Episode<'a> {
         format!("{} ({}), digest {:016x}: {end}{verdict}", self.name, self.title, self.outcome.digest)
     }
 
-    /// The first tick at which the ego's box overlaps a square of this side (m) around the middle of its pedestrian: the touch as programs
-    /// see it that know boxes only.
-    pub(super) fn touch_of_boxes(&self, side: f64) -> Option<usize> {
+    /// The first tick at which the ego's box overlaps a box with these half extents (m) around the middle of its pedestrian: the touch as
+    /// programs see it that know boxes only.
+    pub(super) fn touch_of_boxes(&self, half: Vector) -> Option<usize> {
         let actors = self.actors();
         let (ego, pedestrian) = (&actors[0], &actors[self.main_pedestrian()]);
-        let square = |motion: &Motion| OrientedBox::new(motion.pose, side / 2.0, side / 2.0);
+        let outline = |motion: &Motion| OrientedBox { pose: motion.pose, half };
         let mut ticks = ego.track.iter().zip(&pedestrian.track);
-        ticks.position(|(ego_at, pedestrian_at)| ego.outline(ego_at).overlaps(&square(pedestrian_at)))
+        ticks.position(|(ego_at, pedestrian_at)| ego.outline(ego_at).overlaps(&outline(pedestrian_at)))
     }
 
-    /// The side (m) of the square that represents the ego's pedestrian in programs that know boxes only.
+    /// Half extents (m) of the box that represents the ego's pedestrian in programs that know boxes only. A target that is a box has its own.
     ///
-    /// It is that around the disc, whose corners touch at most 0.21 diameters before the disc does. A pedestrian that passes the car closely may
-    /// graze it with a corner much earlier; then it is the largest square that does not.
-    pub(super) fn square(&self) -> f64 {
+    /// For a disc it is the square around it, whose corners touch at most 0.21 diameters before the disc does. A pedestrian that passes the
+    /// car closely may graze it with a corner much earlier; then it is the largest square that does not.
+    pub(super) fn box_of_pedestrian(&self) -> Vector {
         let pedestrian = self.main_pedestrian() - self.scenario.cast.vehicles().count();
-        let around = 2.0 * self.scenario.cast.pedestrian(pedestrian).body.radius;
+        let body = self.scenario.cast.pedestrian(pedestrian).body;
         let hit = self.outcome.is_collision();
-        let too_early = |side: f64| self.touch_of_boxes(side).is_some_and(|tick| !hit || tick + 1 < self.ticks());
-        if !too_early(around) {
-            return around;
+        let too_early =
+            |share: f64| self.touch_of_boxes(body.half() * share).is_some_and(|tick| !hit || tick + 1 < self.ticks());
+        if body.target_box.is_some() || !too_early(1.0) {
+            return body.half();
         }
         // The square within the disc never touches first.
-        let (mut low, mut high) = (around * std::f64::consts::FRAC_1_SQRT_2, around);
+        let (mut low, mut high) = (std::f64::consts::FRAC_1_SQRT_2, 1.0);
         for _ in 0..20 {
             let middle = (low + high) / 2.0;
             if too_early(middle) {
@@ -185,7 +202,9 @@ impl<'a> Episode<'a> {
                 low = middle;
             }
         }
-        if self.touch_of_boxes(low).is_some() == hit { low } else { around }
+        // A program with single precision must not graze either.
+        let smaller = body.half() * low * GRAZE;
+        if self.touch_of_boxes(smaller).is_some() == hit { smaller } else { body.half() }
     }
 }
 

@@ -119,6 +119,9 @@ impl<'a> Film<'a> {
                     let colour = if actor.id == ActorId::EGO { EGO } else { TRAFFIC };
                     draw_car(&mut canvas, &actor.outline(motion), colour, brake > BRAKING);
                 }
+                (Shape::Pedestrian(body), _) if body.target_box.is_some() => {
+                    canvas.fill(&actor.outline(motion).corners(), PEDESTRIAN);
+                }
                 _ => {
                     let radius = (actor.size()[0] / 2.0).max(LEAST_RADIUS * canvas.pixel());
                     canvas.fill(&circle(motion.pose.position(), radius + canvas.pixel()), PAPER);

@@ -199,6 +199,10 @@ fn actor_entity(actor: &Actor, motion: &Motion, time: u64) -> Value {
             let own = if actor.id == ActorId::EGO { EGO } else { TRAFFIC };
             entity(&actor.name, time, "cubes", vec![cube(&actor.outline(motion), motion.ground, height, own)])
         }
+        Shape::Pedestrian(body) if body.target_box.is_some() => {
+            let target = cube(&actor.outline(motion), motion.ground, height, PEDESTRIAN);
+            entity(&actor.name, time, "cubes", vec![target])
+        }
         Shape::Pedestrian(_) => {
             let disc = json!({
                 "pose": pose(&motion.pose.position(), motion.ground + height / 2.0, motion.pose.yaw),

@@ -10,6 +10,7 @@
 use super::episode::{Actor, Motion, Shape};
 use super::xml::{Short, Xml};
 use super::{AUTHOR, DATE, EgoDriver, Episode, ExportError, ExportFile, Exporter, Variant, Walking, opendrive};
+use crate::geometry::Vector;
 use crate::sim::{ActorId, VehicleBlueprint};
 
 /// A version of the standard.
@@ -85,8 +86,8 @@ struct Storyboard<'a> {
     actors: Vec<Actor<'a>>,
     /// The place of the pedestrian of the verdict among the actors.
     pedestrian: usize,
-    /// The side of its square (m).
-    square: f64,
+    /// Length and width of its box (m).
+    box_of_pedestrian: [f64; 2],
     /// The first tick of the pedestrians' trajectories, and the distance of the ego at which they start (m).
     release: Option<(usize, f64)>,
 }
@@ -96,8 +97,10 @@ impl<'a> Storyboard<'a> {
         let format = OpenScenario(version).name();
         if variant.ego == EgoDriver::User {
             episode.without_lights(format)?;
+            episode.without_friction(format)?;
         }
         let pedestrian = episode.main_pedestrian();
+        let half = episode.box_of_pedestrian();
         let mut storyboard = Self {
             version,
             variant,
@@ -106,7 +109,7 @@ impl<'a> Storyboard<'a> {
             dt: episode.dt(),
             actors: episode.actors(),
             pedestrian,
-            square: episode.square(),
+            box_of_pedestrian: [2.0 * half.x, 2.0 * half.y],
             release: None,
         };
         if version == Version::V1_0 {
@@ -134,25 +137,24 @@ impl<'a> Storyboard<'a> {
         };
         let touch = |tick: usize| format!("{:.2} s", tick as f64 * self.dt);
         let disc = episode.outcome.is_collision().then(|| touch(episode.ticks()));
-        let touches = match (episode.touch_of_boxes(self.square), disc) {
+        let [length, width] = self.box_of_pedestrian;
+        let half = Vector::new(length / 2.0, width / 2.0);
+        let touches = match (episode.touch_of_boxes(half), disc) {
             (Some(boxes), Some(disc)) => {
                 format!(" First overlap: of the boxes at {}, with the disc at {disc}.", touch(boxes))
             }
             (Some(boxes), None) => format!(" The boxes overlap at {} although the disc is not touched.", touch(boxes)),
             _ => String::new(),
         };
-        let [around, _, _] = self.actors[self.pedestrian].size();
-        let square = match self.square < around {
-            true => format!(
-                "a square of {:.2} m within it, since a corner of that around it would graze the car earlier",
-                self.square
+        let [around, ..] = self.actors[self.pedestrian].size();
+        let body = match self.actors[self.pedestrian].shape {
+            Shape::Pedestrian(body) if body.target_box.is_some() => "The pedestrian is a box".to_owned(),
+            _ if length < around => format!(
+                "Approximated: a pedestrian is a disc, and its box a square of {length:.2} m, since a corner of that around it would graze the car earlier"
             ),
-            false => "the square around it".to_owned(),
+            _ => "Approximated: a pedestrian is a disc, and its box the square around it".to_owned(),
         };
-        format!(
-            "{}. {ego}{release} Approximated: a pedestrian is a disc, and its box {square}.{touches}",
-            episode.summary()
-        )
+        format!("{}. {ego}{release} {body}.{touches}", episode.summary())
     }
 
     /// The reference point of an actor: the middle of the rear axle, or that of the box.
@@ -209,7 +211,7 @@ impl<'a> Storyboard<'a> {
     fn entity(&self, xml: &mut Xml, actor: &Actor) {
         let [mut length, mut width, height] = actor.size();
         if actor.name == self.actors[self.pedestrian].name {
-            [length, width] = [self.square; 2];
+            [length, width] = self.box_of_pedestrian;
         }
         let bounding_box = |xml: &mut Xml, ahead: f64| {
             xml.element("BoundingBox", &[], |xml| {

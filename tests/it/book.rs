@@ -125,7 +125,8 @@ fn words(line: &str) -> Vec<String> {
 fn the_commands_of_the_book_parse() {
     let mut count = 0;
     for (path, text) in pages() {
-        for line in blocks(&text, "sh").into_iter().flat_map(str::lines).flat_map(|line| line.split(" && ")) {
+        let lines = blocks(&text, "sh").into_iter().flat_map(str::lines);
+        for line in lines.flat_map(|line| line.split(" && ")).flat_map(|line| line.split(" | ")) {
             let words = words(&line.replace("RUN:EPISODE", "1a2b3c4d:17"));
             if words.first().is_some_and(|first| first == "falsify") {
                 let parsed = Arguments::command().try_get_matches_from(&words);
