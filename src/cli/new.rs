@@ -35,7 +35,7 @@ pub enum Template {
     ChildBehindParkedCars,
     /// Your driver as a program, with an example in Python.
     OwnDriver,
-    /// A concrete case at fixed speeds, in the manner of Euro NCAP.
+    /// The pedestrian tests of Euro NCAP for your drivers, and a search beyond them.
     Protocol,
     /// The experiment of the paper "Suicidal Pedestrian", and the same with a pedestrian that can exist.
     Paper,
