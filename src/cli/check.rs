@@ -1,4 +1,4 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
@@ -9,13 +9,15 @@ use super::{console, failure, sample};
 use crate::compile::Plan;
 use crate::diagnostic::{Severity, records, sarif};
 use crate::lang::error_index::mistakes;
-use crate::session::{Checked, Error};
+use crate::lang::{Reader, reason};
+use crate::session::{Checked, Disk, Error};
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
 Examples:
   falsify check my.scn                       draw every error under its line
   falsify check --fix my.scn                 repair what a message says how to repair
+  falsify check - < my.scn                   from the standard input
   falsify check --format json my.scn         one JSON object a line, for programs
   falsify check --format sarif my.scn        SARIF 2.1.0, which code hosts show beside the lines
   falsify check --sample 1000 --format json my.scn
@@ -29,7 +31,7 @@ pub struct CheckOptions {
     /// Format of the diagnostics.
     #[arg(long, value_enum, default_value_t = Format::Human, value_name = "FORMAT")]
     pub format: Format,
-    /// Scenario files.
+    /// Scenario files; `-` is the standard input.
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// Replacements of parts of the files.
@@ -61,6 +63,22 @@ pub enum Format {
     Sarif,
 }
 
+/// The name of the standard input among the files.
+const INPUT: &str = "-";
+
+/// Reads the standard input under the name `-`, and files.
+struct InputAndFiles(String);
+
+impl Reader for InputAndFiles {
+    fn text(&self, path: &Path) -> std::io::Result<String> {
+        if path == Path::new(INPUT) { Ok(self.0.clone()) } else { Disk.text(path) }
+    }
+
+    fn bytes(&self, path: &Path) -> std::io::Result<Vec<u8>> {
+        Disk.bytes(path)
+    }
+}
+
 /// `falsify check`
 pub fn check(options: &CheckOptions) -> ExitCode {
     if options.format == Format::Sarif && options.sample.is_some() {
@@ -69,7 +87,20 @@ pub fn check(options: &CheckOptions) -> ExitCode {
     }
     let input = options.given.input(&options.files);
     let wanted = crate::session::CheckOptions { input, imported_towns: false };
-    let session = session(options.given.allow_external);
+    let mut session = session(options.given.allow_external);
+    if options.files.iter().any(|file| file.as_os_str() == INPUT) {
+        if options.fix {
+            console::fail("--fix changes files, and `-` is the standard input");
+            return ExitCode::Usage;
+        }
+        session = match std::io::read_to_string(std::io::stdin()) {
+            Ok(text) => session.with_reader(InputAndFiles(text)),
+            Err(error) => {
+                console::fail(&format!("cannot read the standard input: {}", reason(&error)));
+                return ExitCode::Usage;
+            }
+        };
+    }
     let found = if options.fix {
         fix(&session, &wanted)
     } else {

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use anstyle::{AnsiColor, Style};
 use serde::Serialize;
 
-use crate::diagnostic::{Colour, Diagnostic, Sources, render};
+use crate::diagnostic::{Colour, Diagnostic, Label, Sources, render};
 
 const ERROR: Style = AnsiColor::Red.on_default().bold();
 const WARNING: Style = AnsiColor::Yellow.on_default().bold();
@@ -54,15 +54,31 @@ pub fn lost() -> bool {
     LOST.load(Ordering::Relaxed)
 }
 
-/// Draws diagnostics on the error stream: the first 50.
+/// Draws diagnostics on the error stream: the first 50. Names that one import would add are one.
 pub fn show(diagnostics: &[Diagnostic], sources: &Sources) {
-    for diagnostic in diagnostics.iter().take(SHOWN) {
+    let drawn = joined(diagnostics);
+    for diagnostic in drawn.iter().take(SHOWN) {
         // The stream strips the colours if they are not wanted.
         note(&format!("{}\n", render(diagnostic, sources, Colour::Always)));
     }
-    if diagnostics.len() > SHOWN {
-        note(&format!("… and {} more\n", diagnostics.len() - SHOWN));
+    if drawn.len() > SHOWN {
+        note(&format!("… and {} more\n", drawn.len() - SHOWN));
     }
+}
+
+/// Joins diagnostics with the same repair at the same place: the first has the places of the others, too.
+fn joined(diagnostics: &[Diagnostic]) -> Vec<Diagnostic> {
+    let mut joined: Vec<Diagnostic> = Vec::new();
+    for each in diagnostics {
+        // Other repairs replace the text that is wrong.
+        let elsewhere = matches!(each.fixes.as_slice(), [fix] if fix.span != each.primary.span);
+        let same = |other: &&mut Diagnostic| elsewhere && other.code == each.code && other.fixes == each.fixes;
+        match joined.iter_mut().find(same) {
+            Some(first) => first.labels.push(Label { span: each.primary.span, text: "nor this".into() }),
+            None => joined.push(each.clone()),
+        }
+    }
+    joined
 }
 
 /// A number of things: `1 file`, `2 files`.

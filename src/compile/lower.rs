@@ -83,6 +83,7 @@ pub fn compile_with(
             lowering.as_far_as_whole(faultless, left_out);
         }
         lang::once(&mut diagnostics);
+        in_order(&mut diagnostics);
         return Ok(Compiled { plan: None, unplaced: None, diagnostics });
     }
     for variant in &variants {
@@ -112,6 +113,7 @@ pub fn compile_with(
     warn_of_unused(base, &shared.used, &mut diagnostics);
     // One mistake may be reported for many tasks.
     lang::once(&mut diagnostics);
+    in_order(&mut diagnostics);
     let errors: Vec<&Diagnostic> = diagnostics.iter().filter(|each| is_error(each)).collect();
     let (plan, unplaced) = match errors.as_slice() {
         [] => (Some(plan), None),
@@ -119,6 +121,11 @@ pub fn compile_with(
         _ => (None, None),
     };
     Ok(Compiled { plan, unplaced, diagnostics })
+}
+
+/// Sorts diagnostics by their places: file by file, line by line. The phases report them one after the other.
+fn in_order(diagnostics: &mut [Diagnostic]) {
+    diagnostics.sort_by_key(|each| (each.primary.span.source, each.primary.span.start));
 }
 
 impl Lowering<'_> {

@@ -31,7 +31,10 @@ pub(super) fn understand(
     sources: &Sources,
 ) -> (Vec<Variant>, Vec<Diagnostic>) {
     let mut diagnostics = std::mem::take(&mut loaded.diagnostics);
+    lang::declare_inline(&mut loaded, &catalog.forms, sources);
     diagnostics.extend(lang::apply(settings, &mut loaded));
+    // Settings may have kinds, too.
+    lang::declare_inline(&mut loaded, &catalog.forms, sources);
     let (matrices, said) = lang::matrices(&mut loaded, &catalog.forms, settings, sources);
     diagnostics.extend(said);
     let variants = variants(&loaded, &matrices, catalog, sources, &mut diagnostics);

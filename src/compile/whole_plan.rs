@@ -44,7 +44,8 @@ pub(super) fn warn_of_unused(program: &Program, used: &BTreeSet<DeclarationId>, 
     // A file without a campaign is a library, in which no declaration counts as unused.
     let with_campaign: BTreeSet<_> = program.of_form("campaign").map(|campaign| campaign.source).collect();
     for declaration in &program.declarations {
-        if with_campaign.contains(&declaration.source) && !used.contains(&declaration.id) {
+        let counts = with_campaign.contains(&declaration.source) && !declaration.is_inline;
+        if counts && !used.contains(&declaration.id) {
             said.push(diagnostics::unused(declaration.block.head, declaration.form, &declaration.name));
         }
     }

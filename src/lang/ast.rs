@@ -77,6 +77,8 @@ pub struct Declaration {
     pub kind: Option<Name>,
     /// Everything in parentheses and braces.
     pub entries: Vec<Entry>,
+    /// Whether it is written in place of a name; then its name is derived and names nothing in the files.
+    pub is_inline: bool,
     /// From the form to the name or kind, for messages.
     pub head: Span,
     /// All of it, with its documentation.
@@ -147,6 +149,15 @@ pub enum ExpressionKind {
         function: Name,
         /// Its arguments.
         arguments: Vec<Expression>,
+        /// The key of each argument, if it has one: a kind in place of a name has keys.
+        keys: Vec<Option<Name>>,
+    },
+    /// A kind in place of a name, which has become a declaration; the parser never makes this node.
+    Inline {
+        /// The form of the declaration.
+        form: &'static str,
+        /// Its place among the declarations of the file.
+        place: usize,
     },
     /// `-a`
     Negate(Box<Expression>),

@@ -196,7 +196,8 @@ impl<'f> Checker<'_, '_, 'f> {
             self.diagnostics.push(diagnostics::long_name(long.span, LONGEST_NAME));
         }
         let docs = written.docs.clone();
-        Declaration { id, source, form, kind: block.word, name, docs, params: Vec::new(), block }
+        let is_inline = written.is_inline;
+        Declaration { id, source, form, kind: block.word, name, docs, is_inline, params: Vec::new(), block }
     }
 
     fn signature(&mut self, written: &ast::Declaration, form: &'f Form) -> Option<&'f Signature> {

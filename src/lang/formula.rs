@@ -193,11 +193,12 @@ impl Checker<'_> {
                 Some(Part { formula, sort: Sort::Quantity(Dimension::RATIO), bounds })
             }
             ExpressionKind::Binary { operator, left, right } => self.binary(*operator, left, right, span),
-            ExpressionKind::Call { function, arguments } => self.call(function, arguments, span),
+            ExpressionKind::Call { function, arguments, .. } => self.call(function, arguments, span),
             ExpressionKind::Text(_) => self.say(diagnostics::not_a(span, "formula", "text")),
             ExpressionKind::Range(..) => self.say(diagnostics::not_a(span, "formula", "range")),
             ExpressionKind::Group(_) => self.say(diagnostics::not_a(span, "formula", "tuple")),
             ExpressionKind::List(_) => self.say(diagnostics::not_a(span, "formula", "list")),
+            ExpressionKind::Inline { .. } => self.say(diagnostics::not_a(span, "formula", "declaration")),
         }
     }
 

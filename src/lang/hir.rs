@@ -73,6 +73,8 @@ pub struct Declaration {
     pub name: String,
     /// Its documentation, one string a line.
     pub docs: Vec<String>,
+    /// Whether it is written in place of a name.
+    pub is_inline: bool,
     /// The parameters that it depends on: those it names, and those that they name.
     pub params: Vec<ParamId>,
     /// Its contents.

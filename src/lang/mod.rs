@@ -31,10 +31,12 @@ pub mod error_index;
 pub mod keywords;
 mod format;
 mod outline;
+mod inline;
 
 pub use check::{Checked, check, once};
 pub use format::format;
 pub use formula::functions;
+pub use inline::declare_inline;
 pub use load::{Loaded, Reader, Unreadable, load, reason};
 pub use outline::outline;
 pub use params::{DIMENSIONS, OTHER_TYPES};

@@ -15,6 +15,8 @@ use crate::signature::{DeclarationId, Form};
 #[derive(Debug, Clone, Default)]
 pub(super) struct Names<'a> {
     known: BTreeMap<(&'a str, &'a str), (DeclarationId, Span)>,
+    /// The number of the first declaration of the file; the others follow it.
+    first: usize,
     params: BTreeMap<&'a str, (ParamId, Span)>,
     /// Names of statements that could not be read.
     unread: BTreeSet<&'a str>,
@@ -29,6 +31,11 @@ pub(super) struct Names<'a> {
 impl<'a> Names<'a> {
     pub fn find(&self, form: &str, name: &str) -> Option<DeclarationId> {
         self.known.get(&(form, name)).map(|(id, _)| *id)
+    }
+
+    /// The declaration at an index of the file.
+    pub fn own(&self, index: usize) -> DeclarationId {
+        DeclarationId(self.first + index)
     }
 
     /// A declaration with the place of its name.
@@ -183,12 +190,13 @@ fn visit<'a>(
         return;
     }
     let unread = file.unread.iter().map(String::as_str).collect();
-    let first = Span { source: file.source, start: 0, end: 0 };
+    let start = Span { source: file.source, start: 0, end: 0 };
     let before = file.imports.iter().map(|import| import.span).max();
-    let imports = before.or(file.edition.map(|(_, span)| span)).unwrap_or(first);
+    let imports = before.or(file.edition.map(|(_, span)| span)).unwrap_or(start);
     let several = file.imports.iter().filter_map(|import| Some((import.path.as_str(), import.names.last()?.span)));
     let selective = several.collect();
-    let mut names = Names { unread, torn: file.torn, imports: Some(imports), selective, ..Names::default() };
+    let first = ids[&file.source].first().map_or(0, |id| id.0);
+    let mut names = Names { unread, torn: file.torn, imports: Some(imports), selective, first, ..Names::default() };
     for import in &file.imports {
         let Some(source) = import.source else {
             // The names that it would have imported are not known.
@@ -200,7 +208,8 @@ fn visit<'a>(
         visit(&files[imported], files, ids, done, diagnostics);
         names.import(import, &done[&source], diagnostics);
     }
-    for (declaration, id) in file.declarations.iter().zip(&ids[&file.source]) {
+    let declared = file.declarations.iter().zip(&ids[&file.source]).filter(|(declaration, _)| !declaration.is_inline);
+    for (declaration, id) in declared {
         match &declaration.name {
             Some(name) => names.declare(&declaration.form.text, &name.text, *id, name.span, diagnostics),
             // It may be a name without its form.

@@ -327,7 +327,10 @@ impl<'a> Params<'a> {
                 self.expression(left, place);
                 self.expression(right, place);
             }
-            ExpressionKind::Number { .. } | ExpressionKind::Text(_) | ExpressionKind::Known(_) => {}
+            ExpressionKind::Number { .. }
+            | ExpressionKind::Text(_)
+            | ExpressionKind::Inline { .. }
+            | ExpressionKind::Known(_) => {}
         }
     }
 }
@@ -356,7 +359,10 @@ fn mentioned(expression: &Expression, names: &Names, found: &mut Vec<ParamId>) {
             mentioned(left, names, found);
             mentioned(right, names, found);
         }
-        ExpressionKind::Number { .. } | ExpressionKind::Text(_) | ExpressionKind::Known(_) => {}
+        ExpressionKind::Number { .. }
+        | ExpressionKind::Text(_)
+        | ExpressionKind::Inline { .. }
+        | ExpressionKind::Known(_) => {}
     }
 }
 

@@ -203,6 +203,9 @@ pub(super) fn value(
                 None
             }
         },
+        (Type::Reference(form), ExpressionKind::Inline { form: known, place }) if form == known => {
+            Some(Value::Reference(context.names.own(*place)))
+        }
         (Type::Reference(form), ExpressionKind::Call { function, .. }) if has_kind(form, &function.text, context) => {
             diagnostics.push(diagnostics::kind_in_place(span, form, context.sources.text(span)));
             None

@@ -2,7 +2,7 @@
 
 use polars::prelude::{DataFrame, NamedFrom, PolarsResult, Series};
 
-use super::{Cell, DriverResult};
+use super::{Average, Cell, DriverResult, SearchCell};
 use crate::record::{Column, Table};
 
 /// The results of a report for an overview.
@@ -16,6 +16,8 @@ pub struct Variant<'a> {
     pub cells: &'a [Cell],
     /// What was found about each driver.
     pub drivers: &'a [DriverResult],
+    /// Means of its searches.
+    pub searches: &'a [SearchCell],
 }
 
 /// A rate in the cell in which it is highest.
@@ -23,9 +25,10 @@ pub struct Variant<'a> {
 pub struct HighestRate {
     /// The rate, mean over runs.
     pub rate: f64,
-    /// Wilson's 95 % interval over the episodes of all runs.
+    /// Its 95 % interval: for evaluations Wilson's over the episodes of all runs, for searches Student's over runs. For a single search the
+    /// rate itself.
     pub interval: (f64, f64),
-    /// The place of the cell in the list of cells.
+    /// The place of the cell in the list of cells, or of searches.
     pub cell: usize,
 }
 
@@ -40,11 +43,20 @@ pub struct OverviewRow<'a> {
     pub result: &'a DriverResult,
     /// The highest rates over controllers and towns, in the order of [`OverviewRow::RATES`]; none without an evaluation.
     pub rates: [Option<HighestRate>; 3],
+    /// The highest share of starts from which a search found an attributable failure; none without a search.
+    pub searched: Option<HighestRate>,
 }
 
 impl OverviewRow<'_> {
     /// The names of the rates.
     pub const RATES: [&'static str; 3] = ["attributable", "preventable", "collision"];
+    /// The name of the rate of searches.
+    pub const SEARCHED: &'static str = "attributable starts of searches";
+
+    /// The rate at a place of [`OverviewRow::RATES`]; at the place after these that of searches.
+    pub fn rate(&self, place: usize) -> Option<&HighestRate> {
+        self.rates.get(place).unwrap_or(&self.searched).as_ref()
+    }
 }
 
 /// The reports of a call side by side.
@@ -77,6 +89,7 @@ impl<'a> Overview<'a> {
                     highest(|cell| (cell.preventable.mean, cell.preventable_interval)),
                     highest(|cell| (cell.collision.mean, cell.interval)),
                 ],
+                searched: highest_searched(variant.searches, &result.driver.name),
             }
         };
         let rows = variants.iter().flat_map(|variant| variant.drivers.iter().map(move |result| (variant, result)));
@@ -134,6 +147,28 @@ fn columns<'t, 'a: 't>() -> Table<'t, OverviewRow<'a>> {
                 of(row).map_or(String::new(), |found| row.variant.cells[found.cell].key.to_string())
             }));
     }
+    let searched = |value: fn(&HighestRate) -> f64| move |row: &Row<'a>| row.searched.as_ref().map(value);
+    table = table
+        .column(
+            number(
+                "search_attributable_start_rate",
+                "",
+                "share of starts from which a search found an attributable failure, highest over falsifiers and towns",
+            )
+            .of(searched(|found| found.rate)),
+        )
+        .column(
+            number("search_attributable_start_rate_low", "", "lower end of its 95 % interval (Student, over runs)")
+                .of(searched(|found| found.interval.0)),
+        )
+        .column(
+            number("search_attributable_start_rate_high", "", "upper end of its 95 % interval (Student, over runs)")
+                .of(searched(|found| found.interval.1)),
+        )
+        .column(text("search_falsifier", "", "the falsifier and the town of that rate").of(|row: &Row<'a>| {
+            let cell = row.searched.as_ref().map(|found| &row.variant.searches[found.cell]);
+            cell.map_or(String::new(), SearchCell::in_full)
+        }));
     table
         .column(text("worst_failure", "", "verdict of the worst failure; empty without a collision").of(
             |row: &Row<'a>| row.result.worst.as_ref().map_or(String::new(), |found| found.class.name().to_string()),
@@ -187,6 +222,18 @@ fn highest(cells: &[Cell], driver: &str, rate: RateOf) -> Option<HighestRate> {
     found
 }
 
+/// The search cell of a driver with the highest share of attributable starts, the first of equal ones.
+fn highest_searched(cells: &[SearchCell], driver: &str) -> Option<HighestRate> {
+    let mut found: Option<HighestRate> = None;
+    for (cell, searched) in cells.iter().enumerate().filter(|(_, searched)| searched.key.policy == driver) {
+        let (mean, interval): Average = searched.attributable_start_rate;
+        if let Some(rate) = mean.filter(|mean| found.as_ref().is_none_or(|found| *mean > found.rate)) {
+            found = Some(HighestRate { rate, interval: interval.unwrap_or((rate, rate)), cell });
+        }
+    }
+    found
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -216,7 +263,7 @@ mod tests {
         let settings = [3, 8].map(|brake| vec!["same = 1".to_string(), format!("a.brake = {brake} m/s^2")]);
         let variants: Vec<Variant<'_>> = settings
             .iter()
-            .map(|settings| Variant { report: "r".into(), settings, cells: &cells, drivers: &drivers })
+            .map(|settings| Variant { report: "r".into(), settings, cells: &cells, drivers: &drivers, searches: &[] })
             .collect();
         let overview = Overview::new(&variants);
         assert_eq!(overview.parameters, ["a.brake"]);
@@ -224,6 +271,7 @@ mod tests {
         let highest = overview.rows[0].rates[2].as_ref().unwrap();
         assert_eq!((highest.rate, highest.cell), (0.5, 1));
         assert_eq!(overview.rows[0].rates[0], None, "a rate without a value is none");
+        assert_eq!((overview.rows[0].rate(2), overview.rows[0].rate(3)), (Some(highest), None));
         let table = overview.table().unwrap();
         assert_eq!(table.height(), 2);
         assert_eq!(table.column("a.brake").unwrap().str().unwrap().get(0), Some("3 m/s^2"));

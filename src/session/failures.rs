@@ -1,7 +1,7 @@
 use std::path::PathBuf;
 
-use super::{Error, Notice, Session};
-use crate::report::{FailureFilter, FailureOrder, ListedFailure, StoredReport};
+use super::{Error, Session};
+use crate::report::{FailureFilter, FailureOrder, ListedFailure};
 
 /// Options of [`Session::failures`].
 #[derive(Debug, Clone, Default)]
@@ -31,21 +31,9 @@ impl Session {
     pub fn failures(&self, options: &FailuresOptions) -> Result<Vec<FoundFailure>, Error> {
         let mut found: Vec<FoundFailure> = Vec::new();
         for folder in &options.reports {
-            let folders = StoredReport::find(folder);
-            if folders.is_empty() {
-                return Err(Error::NoReport { folder: folder.clone() });
-            }
-            for each in &folders {
-                let report = match StoredReport::open(each) {
-                    Ok(report) => report,
-                    Err(error) if folders.len() == 1 => return Err(error.into()),
-                    Err(error) => {
-                        self.observer.notice(&Notice::UnreadableReport(error));
-                        continue;
-                    }
-                };
+            for report in self.open_all(folder)? {
                 let failures = report.failures(&options.filter)?.into_iter();
-                found.extend(failures.map(|failure| FoundFailure { report: each.clone(), failure }));
+                found.extend(failures.map(|failure| FoundFailure { report: report.folder().to_path_buf(), failure }));
             }
         }
         found.sort_by(|a, b| options.order.compare(&a.failure, &b.failure));

@@ -29,6 +29,7 @@ pub(super) fn write_overview(options: &RunOptions, run: &RunReport) -> Result<Op
             settings: &report.manifest.settings,
             cells: &report.cells,
             drivers: &report.drivers,
+            searches: &report.searches,
         })
         .collect();
     let overview = Overview::new(&variants);

@@ -147,7 +147,7 @@ impl Session {
         report::write(&folder, campaign, &finished, &gathered, &drivers, modes, &manifest).map_err(written)?;
         if options.ticks != Ticks::None {
             let all = options.ticks == Ticks::All;
-            let wanted = Wanted::of(&Episodes::new(campaign, &results), &finished, all).map_err(written)?;
+            let wanted = Wanted::of(campaign, &Episodes::new(campaign, &results), &finished, all).map_err(written)?;
             report::write_ticks(&folder, &seed, &wanted).map_err(written)?;
         }
         // Another process may have finished another report of this name meanwhile.

@@ -33,26 +33,31 @@ pub(super) struct Source {
 impl Session {
     /// Finds the report that holds an episode. Complete reports precede partial ones and smoke runs.
     pub(super) fn find(&self, folder: &Path, name: EpisodeName) -> Result<StoredReport, Error> {
-        let folders = StoredReport::find(folder);
-        if folders.is_empty() {
-            return Err(Error::NoReport { folder: folder.to_path_buf() });
-        }
         let mut holding = Vec::new();
-        for each in &folders {
-            let report = match StoredReport::open(each) {
-                Ok(report) => report,
-                Err(error) if folders.len() == 1 => return Err(error.into()),
-                Err(error) => {
-                    self.observer.notice(&Notice::UnreadableReport(error));
-                    continue;
-                }
-            };
+        for report in self.open_all(folder)? {
             if report.holds(name.run)? {
                 holding.push(report);
             }
         }
         holding.sort_by_key(|report| (report.manifest().smoke, !report.manifest().complete));
         holding.into_iter().next().ok_or_else(|| Error::NoRun { folder: folder.to_path_buf(), name })
+    }
+
+    /// Opens the report in a folder, or all reports of its subfolders. Of several, those that cannot be read are noticed and left out.
+    pub(super) fn open_all(&self, folder: &Path) -> Result<Vec<StoredReport>, Error> {
+        let folders = StoredReport::find(folder);
+        if folders.is_empty() {
+            return Err(Error::NoReport { folder: folder.to_path_buf() });
+        }
+        let mut reports = Vec::new();
+        for each in &folders {
+            match StoredReport::open(each) {
+                Ok(report) => reports.push(report),
+                Err(error) if folders.len() == 1 => return Err(error.into()),
+                Err(error) => self.observer.notice(&Notice::UnreadableReport(error)),
+            }
+        }
+        Ok(reports)
     }
 
     /// Compiles the campaign of a report again, from the files that it holds and the settings of its manifest.

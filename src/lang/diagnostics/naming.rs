@@ -188,7 +188,7 @@ pub fn bare_argument(span: Span, written: &str, keys: &[&str]) -> Diagnostic {
 }
 
 /// Arguments of a function have keys; `call` is the call without them.
-pub fn named_argument(keys: &[Name], place: Span, call: &str) -> Diagnostic {
+pub fn named_argument(keys: &[&Name], place: Span, call: &str) -> Diagnostic {
     let (first, others) = keys.split_first().expect("a key is named");
     let message = format!("functions take no keys such as `{}`", first.text);
     let diagnostic = Diagnostic::error("named-argument", first.span, message);

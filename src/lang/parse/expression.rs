@@ -7,7 +7,7 @@ use pest::iterators::{Pair, Pairs};
 use super::rules::Rule;
 use super::{Reader, inner_text, read_number};
 use crate::diagnostic::Span;
-use crate::lang::ast::{Entry, Expression, ExpressionKind, Operator};
+use crate::lang::ast::{Entry, Expression, ExpressionKind, Name, Operator};
 use crate::lang::diagnostics;
 use crate::lang::formula::is_function;
 use crate::lang::value::distributions;
@@ -145,9 +145,12 @@ impl Reader {
                 let text = list.get_input();
                 for argument in self.arguments(list, false) {
                     match argument {
-                        Entry::Bare(value) => arguments.push(value),
+                        Entry::Bare(value) => {
+                            keys.push(None);
+                            arguments.push(value);
+                        }
                         Entry::Property(property) => {
-                            keys.push(property.key);
+                            keys.push(Some(property.key));
                             arguments.push(property.value);
                         }
                         Entry::Clause(_) | Entry::Child(_) | Entry::Unread(_) => {
@@ -155,18 +158,19 @@ impl Reader {
                         }
                     }
                 }
-                if keys.is_empty() {
+                let named: Vec<&Name> = keys.iter().flatten().collect();
+                if named.is_empty() {
                     self.ask_about_commas(text, &arguments);
                 }
-                // A kind with keys is reported where a name is expected.
+                // Kinds have keys; they may be in place of a name.
                 let is_function = is_function(&function.text) || distributions().any(|name| name == function.text);
-                if !keys.is_empty() && is_function {
+                if !named.is_empty() && is_function {
                     let written = |value: &Expression| &text[value.span.start..value.span.end];
                     let values: Vec<&str> = arguments.iter().map(written).collect();
                     let call = format!("{}({})", function.text, values.join(", "));
-                    self.diagnostics.push(diagnostics::named_argument(&keys, span, &call));
+                    self.diagnostics.push(diagnostics::named_argument(&named, span, &call));
                 }
-                return Expression { kind: ExpressionKind::Call { function, arguments }, span };
+                return Expression { kind: ExpressionKind::Call { function, arguments, keys }, span };
             }
             Rule::group => ExpressionKind::Group(self.members(pair)),
             Rule::list => ExpressionKind::List(self.members(pair)),

@@ -181,7 +181,7 @@ impl Reader {
         let form = names.next().expect("a declaration begins with a name");
         let name = names.next();
         let last = kind.as_ref().or(name.as_ref()).unwrap_or(&form);
-        Declaration { docs, head: form.span.to(last.span), span, form, name, kind, entries }
+        Declaration { docs, head: form.span.to(last.span), span, form, name, kind, entries, is_inline: false }
     }
 
     /// The arguments in the parentheses of a kind (`keyed`) or of a function.

@@ -43,7 +43,7 @@ pub(super) fn distribution(
             }
             Some(known.clone())
         }
-        ExpressionKind::Call { function, arguments } if !is_function(&function.text) => {
+        ExpressionKind::Call { function, arguments, .. } if !is_function(&function.text) => {
             let Some((name, takes)) = DISTRIBUTIONS.iter().find(|(name, _)| *name == function.text) else {
                 let known: Vec<&str> = DISTRIBUTIONS.iter().map(|(name, _)| *name).collect();
                 said.push(diagnostics::unknown_distribution(function.span, &function.text, &known));

@@ -43,6 +43,8 @@ pub struct Cell {
     pub front: Spread,
     /// Collisions with a moving ego of all episodes.
     pub moving: Spread,
+    /// Wilson's interval of that, over all episodes.
+    pub moving_interval: (f64, f64),
     /// Reward of an episode.
     pub reward_sum: Spread,
     /// Length of an episode (s).
@@ -285,6 +287,7 @@ impl Metrics {
                 interval: interval(metric::COLLISION_RATE, row)?,
                 front: spread(metric::FRONT_RATE.name, row)?,
                 moving: spread(metric::MOVING_RATE.name, row)?,
+                moving_interval: interval(metric::MOVING_RATE, row)?,
                 reward_sum: spread(metric::EPISODE_REWARD.name, row)?,
                 length: spread(metric::EPISODE_LENGTH.name, row)?,
                 impact_speed: spread(metric::IMPACT_SPEED.name, row)?,

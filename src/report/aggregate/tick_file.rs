@@ -7,8 +7,9 @@ use rayon::prelude::*;
 use super::ticks::TICKS;
 use super::{Episodes, ticks};
 use crate::campaign::{Finished, watch};
-use crate::compile::{ControllerKind, Evaluation};
+use crate::compile::{Campaign, ControllerKind, Evaluation, Search};
 use crate::env::{Outcome, Trace};
+use crate::falsifier::{Failure, follow};
 use crate::record::EpisodeTable;
 use crate::report::parquet::ParquetFile;
 use crate::report::{ReportFolder, WriteError};
@@ -20,23 +21,35 @@ const MOST: usize = 100;
 /// Approximate number of rows in a row group of the file.
 const ROWS: usize = 1 << 17;
 
-/// Episodes of an evaluation that are written tick by tick.
+/// Episodes that are written tick by tick.
 #[derive(Debug, Clone)]
 pub struct Wanted<'a> {
-    /// The evaluation.
-    pub evaluation: &'a Evaluation,
-    /// The result of its training; none for untrained controllers.
-    pub trained: Option<&'a ActorCritic>,
-    /// The numbers of the episodes, in order.
-    pub episodes: Vec<u32>,
+    of: Repeatable<'a>,
+    /// The numbers of the episodes, or of the failures of a search, in order.
+    numbers: Vec<u32>,
+}
+
+/// What can be repeated.
+#[derive(Debug, Clone, Copy)]
+enum Repeatable<'a> {
+    /// An evaluation, with the result of its training; none for untrained controllers.
+    Evaluation(&'a Evaluation, Option<&'a ActorCritic>),
+    /// A search with all failures that it found.
+    Search(&'a Search, &'a [Failure]),
 }
 
 impl<'a> Wanted<'a> {
-    /// The collisions of a campaign, or all of its episodes except those that were not run.
+    /// The collisions of a campaign, or all of its episodes except those that were not run; then the failures that its searches found. Of
+    /// the other episodes of a search nothing is stored.
     ///
     /// # Errors
     /// A table of episodes that is damaged.
-    pub fn of(episodes: &Episodes<'a>, finished: &'a Finished, all: bool) -> Result<Vec<Self>, WriteError> {
+    pub fn of(
+        campaign: &'a Campaign,
+        episodes: &Episodes<'a>,
+        finished: &'a Finished,
+        all: bool,
+    ) -> Result<Vec<Self>, WriteError> {
         let mut wanted = Vec::new();
         for run in episodes.runs() {
             let evaluation = run.evaluation;
@@ -45,28 +58,56 @@ impl<'a> Wanted<'a> {
                 trained.and_then(|training| training.result.as_ref().ok()).map(|trained| &trained.actor_critic);
             let learnt = matches!(evaluation.controller, ControllerKind::Trained(_) | ControllerKind::Sampled(_));
             let chosen = run.parts().map(|part| chosen(&part?, all)).collect::<PolarsResult<Vec<_>>>();
-            let episodes = chosen.map_err(|source| WriteError::Table { name: TICKS.into(), source })?.concat();
-            if !episodes.is_empty() && (trained.is_some() || !learnt) {
-                wanted.push(Self { evaluation, trained: trained.filter(|_| learnt), episodes });
+            let numbers = chosen.map_err(|source| WriteError::Table { name: TICKS.into(), source })?.concat();
+            if !numbers.is_empty() && (trained.is_some() || !learnt) {
+                wanted.push(Self { of: Repeatable::Evaluation(evaluation, trained.filter(|_| learnt)), numbers });
+            }
+        }
+        for result in &finished.searches {
+            let failures = result.spent.failures.as_slice();
+            if let Some(search) = campaign.searches.iter().find(|search| search.key == result.key) {
+                let numbers = (0..).zip(failures).map(|(number, _)| number).collect();
+                wanted.push(Self { of: Repeatable::Search(search, failures), numbers });
             }
         }
         Ok(wanted)
     }
 
     /// Repeats some of the episodes.
-    fn repeat(&self, episodes: &[u32], seed: &Seed) -> Vec<DataFrame> {
-        let (evaluation, mut tables) = (self.evaluation, Vec::with_capacity(episodes.len()));
-        // Consecutive episodes run together, which is faster for drivers with batches.
-        for row in episodes.chunk_by(|one, next| one + 1 == *next) {
-            let (Some(first), Some(last)) = (row.first(), row.last()) else { continue };
-            let note = &mut |_: &Outcome, trace: &Trace| trace.clone();
-            let go_on = &mut |_| ControlFlow::Continue(());
-            let traces = watch(evaluation, self.trained, *first..*last + 1, seed, note, go_on);
-            let table = |(episode, trace)| ticks(evaluation.id, episode, &evaluation.scenario, &trace);
-            tables.extend((*first..).zip(traces).map(table));
+    fn repeat(&self, numbers: &[u32], seed: &Seed) -> Vec<DataFrame> {
+        match self.of {
+            Repeatable::Evaluation(evaluation, trained) => repeat_episodes(evaluation, trained, numbers, seed),
+            Repeatable::Search(search, failures) => {
+                let starts = search.starts(seed);
+                let table = |number: &u32| {
+                    let failure = &failures[*number as usize];
+                    // A driver that is not deterministic may not meet the end of the commands again.
+                    let (_, trace) = follow(&search.scenario, starts, failure.start, &failure.commands)?;
+                    Some(ticks(search.key.id, *number, &search.scenario, &trace))
+                };
+                numbers.iter().filter_map(table).collect()
+            }
         }
-        tables
     }
+}
+
+fn repeat_episodes(
+    evaluation: &Evaluation,
+    trained: Option<&ActorCritic>,
+    episodes: &[u32],
+    seed: &Seed,
+) -> Vec<DataFrame> {
+    let mut tables = Vec::with_capacity(episodes.len());
+    // Consecutive episodes run together, which is faster for drivers with batches.
+    for row in episodes.chunk_by(|one, next| one + 1 == *next) {
+        let (Some(first), Some(last)) = (row.first(), row.last()) else { continue };
+        let note = &mut |_: &Outcome, trace: &Trace| trace.clone();
+        let go_on = &mut |_| ControlFlow::Continue(());
+        let traces = watch(evaluation, trained, *first..*last + 1, seed, note, go_on);
+        let table = |(episode, trace)| ticks(evaluation.id, episode, &evaluation.scenario, &trace);
+        tables.extend((*first..).zip(traces).map(table));
+    }
+    tables
 }
 
 /// The numbers of the collisions, or of all episodes that were run.
@@ -82,9 +123,9 @@ fn chosen(part: &DataFrame, all: bool) -> PolarsResult<Vec<u32>> {
 /// The file cannot be written.
 pub fn write_ticks(folder: &ReportFolder, seed: &Seed, wanted: &[Wanted<'_>]) -> Result<(), WriteError> {
     let pieces: Vec<(&Wanted<'_>, &[u32])> =
-        wanted.iter().flat_map(|wanted| wanted.episodes.chunks(MOST).map(move |piece| (wanted, piece))).collect();
+        wanted.iter().flat_map(|wanted| wanted.numbers.chunks(MOST).map(move |piece| (wanted, piece))).collect();
     let mut tables = pieces.chunks(rayon::current_num_threads()).flat_map(|pieces| {
-        let repeat = |(wanted, episodes): &(&Wanted<'_>, &[u32])| wanted.repeat(episodes, seed);
+        let repeat = |(wanted, numbers): &(&Wanted<'_>, &[u32])| wanted.repeat(numbers, seed);
         let together: Vec<Vec<DataFrame>> = pieces.par_iter().with_max_len(1).map(repeat).collect();
         together.into_iter().flatten()
     });

@@ -137,12 +137,21 @@ fn figure(overview: &Overview<'_>, place: usize) -> Option<Figure> {
     let x = (all().fold(f64::MAX, f64::min), all().fold(f64::MIN, f64::max));
     let name = overview.parameters[place];
     let label = if unit.is_empty() { name.to_string() } else { format!("{name}, {unit}") };
-    let panels = OverviewRow::RATES.iter().enumerate().map(|(rate, title)| panel(&lines, rate, title, x, &label));
+    // Campaigns without evaluations have no rates of episodes, and those without searches none of starts.
+    let titles = OverviewRow::RATES.into_iter().chain([OverviewRow::SEARCHED]).enumerate();
+    let known = |rate: usize| lines.iter().flat_map(|line| &line.points).any(|(_, row)| row.rate(rate).is_some());
+    let panels: Vec<Panel> =
+        titles.filter(|(rate, _)| known(*rate)).map(|(rate, title)| panel(&lines, rate, title, x, &label)).collect();
+    if panels.is_empty() {
+        return None;
+    }
     Some(Figure {
         name: String::new(),
-        title: format!("Highest rates over {name}, with Wilson's 95 % intervals over episodes."),
+        title: format!(
+            "Highest rates over {name}, with 95 % intervals: Wilson's over episodes, Student's over the runs of searches."
+        ),
         legend: lines.iter().enumerate().map(|(number, line)| (class(number), line.label.clone())).collect(),
-        panels: panels.collect(),
+        panels,
         ..Figure::default()
     })
 }
@@ -157,7 +166,7 @@ fn panel(lines: &[Line<'_>], rate: usize, title: &str, x: (f64, f64), label: &st
     let mut says = Vec::new();
     let mut drawn = Vec::new();
     for (number, line) in lines.iter().enumerate() {
-        let known = || line.points.iter().filter_map(|(x, row)| Some((*x, row.rates[rate].as_ref()?)));
+        let known = || line.points.iter().filter_map(|(x, row)| Some((*x, row.rate(rate)?)));
         most = known().fold(most, |most, (_, found)| most.max(found.interval.1));
         let texts: Vec<String> = known().map(|(x, found)| format!("{} at {}", percent(found.rate), short(x))).collect();
         says.push(format!("{}: {}", line.label, texts.join(", ")));

@@ -42,11 +42,13 @@ fn table(results: &[&DriverResult], cells: &[Cell], link: &impl Fn(&FoundFailure
     let mut head = vec![Column::text("driver"), Column::text("worst failure"), Column::text("episode").page_only()];
     if evaluated {
         head.extend([Column::text("highest rates").page_only(), Column::number("n").page_only()]);
-        head.extend(["attributable (95 %)", "preventable (95 %)", "moving"].map(Column::number));
+        head.extend(["attributable (95 %)", "preventable (95 %)", "moving (95 %)"].map(Column::number));
         head.push(Column::number("collision").page_only());
     }
     if searched {
-        head.push(Column::text("found by searches"));
+        // A terminal shows the searches in a table of their own.
+        let found = Column::text("found by searches");
+        head.push(if evaluated { found.page_only() } else { found });
     }
     let row = |result: &&DriverResult| {
         let mut row =
@@ -68,7 +70,7 @@ fn table(results: &[&DriverResult], cells: &[Cell], link: &impl Fn(&FoundFailure
                     cell.map(|cell| cell.preventable_interval),
                     2,
                 ),
-                Value::Number(cell.and_then(|cell| cell.moving.mean), 2),
+                Value::Estimate(cell.and_then(|cell| cell.moving.mean), cell.map(|cell| cell.moving_interval), 2),
                 Value::Number(cell.and_then(|cell| cell.collision.mean), 2),
             ]);
         }
@@ -90,10 +92,7 @@ fn table(results: &[&DriverResult], cells: &[Cell], link: &impl Fn(&FoundFailure
 fn worst(result: &DriverResult) -> String {
     match &result.worst {
         None => "no collision".into(),
-        Some(found) if found.class.is_preventable() => {
-            format!("{}, {:.1} m/s", found.class.name(), found.impact_speed)
-        }
-        Some(found) => format!("none preventable; {}, {:.1} m/s", found.class.name(), found.impact_speed),
+        Some(found) => format!("{}, {:.1} m/s", found.class.name(), found.impact_speed),
     }
 }
 
