@@ -81,7 +81,52 @@ fn joined(diagnostics: &[Diagnostic]) -> Vec<Diagnostic> {
     joined
 }
 
+/// The width of text for people (columns).
+const WIDTH: usize = 80;
+
+/// Breaks long lines between words. Lines that continue one are indented as it is, and by two columns more.
+pub fn wrapped(text: &str) -> String {
+    let mut all = String::new();
+    for line in text.lines() {
+        let indent = line.len() - line.trim_start().len();
+        let mut column = 0;
+        for word in line[indent..].split(' ') {
+            let width = word.chars().count();
+            if column == 0 {
+                all.push_str(&line[..indent]);
+                column = indent;
+            } else if column + 1 + width > WIDTH {
+                all.push('\n');
+                all.push_str(&" ".repeat(indent + 2));
+                column = indent + 2;
+            } else {
+                all.push(' ');
+                column += 1;
+            }
+            all.push_str(word);
+            column += width;
+        }
+        all.push('\n');
+    }
+    all
+}
+
 /// A number of things: `1 file`, `2 files`.
 pub fn count(number: usize, thing: &str) -> String {
     format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_lines_are_broken_between_words_and_others_stay_as_they_are() {
+        let short = "key: a  b\n    its meaning\n\nend";
+        assert_eq!(wrapped(short), format!("{short}\n"));
+        let word = "1234567890";
+        let long = format!("    {}", [word; 12].join(" "));
+        let (first, second) = (format!("    {}", [word; 6].join(" ")), format!("      {}", [word; 6].join(" ")));
+        assert_eq!(wrapped(&long), format!("{first}\n{second}\n"));
+    }
 }

@@ -26,7 +26,7 @@ pub struct ExplainOptions {
 pub fn explain(options: &ExplainOptions) -> ExitCode {
     match Catalog::builtin().explain(&options.words) {
         Ok(text) => {
-            console::say(text.trim_end());
+            console::say(console::wrapped(&text).trim_end());
             ExitCode::Done
         }
         Err(message) => {

@@ -96,11 +96,11 @@ fn tell(replay: &Replay, narrative: &Narrative) {
     console::say(&format!("{}  {}", repeated.name, repeated.title));
     console::say(&format!("of {}, seed {}{smoke}\n", report.folder().display(), manifest.seed));
     for (time, text) in &narrative.events {
-        console::say(&format!("{time:7.2} s  {text}"));
+        console::say(console::wrapped(&format!("{time:7.2} s  {text}")).trim_end());
     }
     if !narrative.verdict.is_empty() {
         console::say("");
-        narrative.verdict.iter().for_each(|line| console::say(line));
+        narrative.verdict.iter().for_each(|line| console::say(console::wrapped(line).trim_end()));
     }
     console::say("");
     if repeated.differences.is_empty() {

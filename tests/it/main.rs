@@ -33,7 +33,6 @@ mod doubts;
 mod drivers;
 mod editors;
 mod explanations;
-mod every_key;
 mod exports;
 mod first_steps;
 mod format;

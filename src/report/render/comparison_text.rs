@@ -55,14 +55,13 @@ pub fn title(cell: &ComparedCell) -> String {
     format!("{drivers} in {}, {who}", before.town)
 }
 
-/// How many failures are new, fixed and the same.
+/// How many failures are new, fixed and the same, and how many attributable ones: a collision on both sides can be attributable on one.
 pub fn headline(comparison: &ReportComparison) -> String {
-    let count = |word: &str, attributable: bool| {
-        let of = |change: &&FailureChange| change.word() == word && (!attributable || change.failure().attributable);
-        comparison.changes.iter().filter(of).count()
+    let part = |of: fn(&ComparedCell) -> Changed| {
+        let sum = |part: fn(Changed) -> u64| comparison.cells.iter().map(|cell| part(of(cell))).sum::<u64>();
+        format!("{} new, {} fixed, {} same", sum(|all| all.new), sum(|all| all.fixed), sum(|all| all.same))
     };
-    let part = |word: &str| format!("{} {word} ({} attributable)", count(word, false), count(word, true));
-    format!("failures: {}, {}, {}", part("new"), part("fixed"), part("same"))
+    format!("failures: {}; attributable: {}", part(|cell| cell.collisions), part(|cell| cell.attributable))
 }
 
 /// The rates of a cell on both sides.
