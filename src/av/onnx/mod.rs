@@ -15,7 +15,9 @@
 //! A [`Network`] is a network of plain numbers, without the meaning that a driver's have: a pedestrian is one.
 
 mod model;
+mod cost;
 mod vetting;
+mod trial;
 mod engine;
 mod driver;
 mod network;

@@ -1,7 +1,8 @@
-use rten::{Dimension, ModelOptions, NodeId, RunOptions, ValueOrView};
+use rten::{Dimension, ModelOptions, NodeId, RunOptions, Value, ValueOrView};
 use rten_tensor::prelude::*;
 use rten_tensor::{Tensor, TensorView};
 
+use super::trial::evaluate;
 use super::vetting::vet;
 use crate::av::Fault;
 use crate::av::view::View;
@@ -84,9 +85,24 @@ impl Model {
     }
 
     fn read_and_try(bytes: Vec<u8>) -> Result<Self, ModelError> {
-        vet(&bytes).map_err(ModelError::Unreadable)?;
-        let network =
-            ModelOptions::with_all_ops().load(bytes).map_err(|error| ModelError::Unreadable(error.to_string()))?;
+        let operators = vet(&bytes).map_err(ModelError::Unreadable)?;
+        let load = |bytes: Vec<u8>, optimized: bool| {
+            let mut options = ModelOptions::with_all_ops();
+            let loaded = options.enable_optimization(optimized).load(bytes);
+            loaded.map_err(|error| ModelError::Unreadable(error.to_string()))
+        };
+        // To optimize a network, the runtime evaluates the operators on constants. So it is evaluated with bounds before that.
+        let mut this = Self::of(load(bytes.clone(), false)?)?;
+        let empty = this.encode(&View::default());
+        evaluate(&this.network, &operators, this.values(&empty)).map_err(ModelError::Unrunnable)?;
+        this = Self::of(load(bytes, true)?)?;
+        let answer = this.answer(&empty, RunOptions::default()).map_err(ModelError::Unrunnable)?;
+        this.numbers = answer.len();
+        if [2, 3].contains(&answer.len()) { Ok(this) } else { Err(ModelError::Output(answer.len())) }
+    }
+
+    /// A network whose inputs and output have the names and shapes of the contract.
+    fn of(network: rten::Model) -> Result<Self, ModelError> {
         let (ids, outputs) = (network.input_ids().to_vec(), network.output_ids().to_vec());
         let &[output] = outputs.as_slice() else {
             return Err(ModelError::Count { inputs: ids.len(), outputs: outputs.len() });
@@ -95,11 +111,7 @@ impl Model {
             return Err(ModelError::Count { inputs: 0, outputs: 1 });
         }
         let inputs = ids.iter().map(|id| Ok((*id, input(&network, *id)?))).collect::<Result<Vec<_>, _>>()?;
-        let mut this = Self { network, inputs, output, numbers: 0 };
-        let empty = this.encode(&View::default());
-        let answer = this.answer(&empty, RunOptions::default()).map_err(ModelError::Unrunnable)?;
-        this.numbers = answer.len();
-        if [2, 3].contains(&answer.len()) { Ok(this) } else { Err(ModelError::Output(answer.len())) }
+        Ok(Self { network, inputs, output, numbers: 0 })
     }
 
     /// The greatest number of actors and of points of the route that it receives.
@@ -133,13 +145,18 @@ impl Model {
         }
     }
 
-    fn answer(&self, inputs: &[Vec<f32>], options: RunOptions) -> Result<Vec<f32>, String> {
-        let tensor = |((id, input), numbers): (&(NodeId, Input), &Vec<f32>)| {
+    /// The inputs of the network.
+    fn values(&self, inputs: &[Vec<f32>]) -> Vec<(NodeId, Value)> {
+        let value = |((id, input), numbers): (&(NodeId, Input), &Vec<f32>)| {
             let (shape, rank) = input.shape();
             let view: TensorView<f32> = TensorView::from_data(&shape[..rank], numbers.as_slice());
-            (*id, ValueOrView::from(view.to_tensor()))
+            (*id, Value::from(view.to_tensor()))
         };
-        let inputs = self.inputs.iter().zip(inputs).map(tensor).collect();
+        self.inputs.iter().zip(inputs).map(value).collect()
+    }
+
+    fn answer(&self, inputs: &[Vec<f32>], options: RunOptions) -> Result<Vec<f32>, String> {
+        let inputs = self.values(inputs).into_iter().map(|(id, value)| (id, ValueOrView::from(value))).collect();
         let [answer] = self.network.run_n(inputs, [self.output], Some(options)).map_err(|error| error.to_string())?;
         let answer: Tensor<f32> = answer.into_tensor().ok_or("its output is not in 32-bit floats")?;
         Ok(answer.iter().copied().collect())
