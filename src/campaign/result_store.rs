@@ -26,7 +26,7 @@ pub trait ResultStore: Sync {
         None
     }
 
-    /// The state of an unfinished training, as [`TrainingRun::state`] wrote it.
+    /// The state of an unfinished training, or of a finished one that this one continues with more steps, as [`TrainingRun::state`] wrote it.
     fn begun(&self, training: usize) -> Option<Vec<u8>> {
         let _ = training;
         None
@@ -38,8 +38,8 @@ pub trait ResultStore: Sync {
     }
 
     /// Stores a finished training.
-    fn keep_training(&self, training: usize, trained: &Trained) {
-        let _ = (training, trained);
+    fn keep_training(&self, training: usize, run: &TrainingRun) {
+        let _ = (training, run);
     }
 
     /// Counts the stored episodes of a chunk, its first ones.

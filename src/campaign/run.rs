@@ -197,9 +197,6 @@ impl Work<'_> {
         }
         self.observer.training_begun(index);
         let result = self.carry_out(index, training);
-        if let Ok(trained) = &result {
-            self.results.keep_training(index, trained);
-        }
         let result = TrainingResult { key, result };
         self.observer.training_ended(index, &result);
         result
@@ -251,6 +248,7 @@ impl Work<'_> {
                 return Err(TaskError::Training(rl::TrainError::Stopped { update }.into()));
             }
         }
+        self.results.keep_training(index, &run);
         Ok(run.finish())
     }
 

@@ -11,13 +11,14 @@ Examples:
   falsify explain missing-unit               a diagnostic, with a bad and a good example
   falsify explain policy idm                 the keys of a kind, with types, units and defaults
   falsify explain training ppo gamma         one key
-  falsify explain matrix                     a word of the language, with an example";
+  falsify explain matrix                     a word of the language, with an example
+  falsify explain state                      what the controller of a pedestrian gets, with units and bounds";
 
 /// Options of `falsify explain`.
 #[derive(Debug, Args)]
 pub struct ExplainOptions {
     /// A code; a form, a form and a kind, and a key of it; a word such as `param` or `normal`; an event, a variable; or `events`,
-    /// `variables`, `units`.
+    /// `variables`, `units`, `state`, `action`.
     #[arg(value_name = "WORD")]
     pub words: Vec<String>,
 }

@@ -97,6 +97,9 @@ pub struct RunOptions {
     /// Which episodes are also written tick by tick, as ticks.parquet; they are simulated once more for it.
     #[arg(long, value_enum, default_value_t = TickChoice::None, value_name = "WHICH", help_heading = "Output")]
     pub ticks: TickChoice,
+    /// Also write the learning curves as event files for TensorBoard, a folder in DIR/CAMPAIGN for each training.
+    #[arg(long, value_name = "DIR", help_heading = "Output")]
+    pub tensorboard: Option<PathBuf>,
     /// Conditions under which it fails.
     #[command(flatten)]
     pub gate: GateOptions,
@@ -167,6 +170,7 @@ impl RunOptions {
                 TickChoice::Failures => Ticks::Failures,
                 TickChoice::All => Ticks::All,
             },
+            tensorboard: self.tensorboard.clone(),
             gates: self.gate.gates()?,
             command: command_line(),
         })

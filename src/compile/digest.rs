@@ -19,10 +19,31 @@ impl Lowering<'_> {
         Fingerprint(*digest.finalize().as_bytes())
     }
 
+    /// The fingerprint of a training that depends on these declarations and on its own, whatever its number of steps. The empty
+    /// fingerprint when none is wanted.
+    pub fn lineage(&mut self, parts: &[DeclarationId], training: DeclarationId) -> Fingerprint {
+        if !self.read.wanted() {
+            return Fingerprint::default();
+        }
+        let mut digest = blake3::Hasher::new();
+        for part in parts {
+            digest.update(&self.digest(*part));
+        }
+        digest.update(&self.digest_without(training, Some("steps")));
+        Fingerprint(*digest.finalize().as_bytes())
+    }
+
     fn digest(&mut self, id: DeclarationId) -> [u8; 32] {
         if let Some(known) = self.digests.get(&id) {
             return *known;
         }
+        let digest = self.digest_without(id, None);
+        self.digests.insert(id, digest);
+        digest
+    }
+
+    /// The digest of a declaration without one of its keys.
+    fn digest_without(&mut self, id: DeclarationId, left_out: Option<&str>) -> [u8; 32] {
         let declaration = self.program.get(id);
         let mut out = Vec::new();
         for word in [declaration.form, declaration.kind, &declaration.name] {
@@ -31,16 +52,14 @@ impl Lowering<'_> {
         if let Some(map) = self.maps.get(&declaration.name).filter(|_| declaration.form == "town") {
             out.extend_from_slice(&self.read.seen(map).unwrap_or_default());
         }
-        self.block(&mut out, declaration, &declaration.block);
-        let digest = *blake3::hash(&out).as_bytes();
-        self.digests.insert(id, digest);
-        digest
+        self.block(&mut out, declaration, &declaration.block, left_out);
+        *blake3::hash(&out).as_bytes()
     }
 
-    fn block(&mut self, out: &mut Vec<u8>, declaration: &Declaration, block: &Block) {
+    fn block(&mut self, out: &mut Vec<u8>, declaration: &Declaration, block: &Block, left_out: Option<&str>) {
         text(out, block.word);
         text(out, block.name.as_deref().unwrap_or_default());
-        for (key, value) in block.arguments.iter() {
+        for (key, value) in block.arguments.iter().filter(|(key, _)| left_out != Some(*key)) {
             text(out, key);
             self.value(out, declaration, value);
         }
@@ -51,7 +70,7 @@ impl Lowering<'_> {
         }
         for child in &block.children {
             out.push(b'{');
-            self.block(out, declaration, child);
+            self.block(out, declaration, child, None);
             out.push(b'}');
         }
     }

@@ -1,6 +1,6 @@
 use std::fmt::Write;
 
-use super::Catalog;
+use super::{Catalog, interface_pages};
 use crate::lang::error_index::{Mistake, mistakes};
 use crate::lang::keywords::{WORDS, Word};
 use crate::lang::nearest;
@@ -29,6 +29,8 @@ impl Catalog {
                 "events" => return Ok(self.events()),
                 "variables" => return Ok(self.variables()),
                 "units" => return Ok(units()),
+                "state" | "states" => return Ok(interface_pages::state()),
+                "action" | "actions" => return Ok(interface_pages::action()),
                 "functions" => return Ok(all_functions()),
                 "forms" | "form" => return Ok(self.topics()),
                 "types" | "type" => return self.word(&["param"]).ok_or_else(String::new),
@@ -70,7 +72,7 @@ impl Catalog {
             return Ok(found.join("\n"));
         }
         let mut known: Vec<&str> = mistakes.iter().map(|mistake| mistake.code).collect();
-        known.extend(["events", "variables", "functions", "units"]);
+        known.extend(["events", "variables", "functions", "units", "state", "action"]);
         known.extend(functions().map(|(name, _)| name));
         known.extend(WORDS.iter().map(|word| word.name));
         known.extend(self.vocabulary.events.iter().map(|event| event.name));
@@ -139,7 +141,8 @@ impl Catalog {
         let words: Vec<&str> = WORDS.iter().map(|word| word.name).collect();
         let _ = writeln!(page, "\nWords; `falsify explain WORD`:\n\n  {}", words.join(", "));
         page.push_str("\n  events      what rewards answer to\n  variables   what formulas can name\n");
-        page.push_str("  functions   what formulas can call\n  units       what quantities are written in\n\n");
+        page.push_str("  functions   what formulas can call\n  units       what quantities are written in\n");
+        page.push_str("  state       what the controller of a pedestrian gets\n  action      what it chooses\n\n");
         page.push_str("Diagnostics; `falsify explain CODE`:\n\n");
         for mistake in mistakes() {
             let _ = writeln!(page, "  {:22}  {}", mistake.code, first_sentence(mistake.text));

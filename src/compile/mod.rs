@@ -8,6 +8,7 @@ mod catalog;
 mod builtin;
 mod reference;
 mod explain;
+mod interface_pages;
 mod town;
 mod vehicle;
 mod policy_kind;

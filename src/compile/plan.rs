@@ -206,6 +206,9 @@ pub struct Training {
     pub environments: usize,
     /// The digest of what the files say about it.
     pub fingerprint: Fingerprint,
+    /// The digest without the number of steps: a training with more steps continues a shorter one with the same lineage, bit for bit. None
+    /// when the first steps depend on the number of all: with a schedule or a curriculum.
+    pub lineage: Option<Fingerprint>,
 }
 
 /// The controller of the pedestrian of an evaluation.

@@ -20,6 +20,7 @@ mod cast;
 mod reference_frame;
 mod observation;
 mod action;
+mod component;
 mod spawn;
 mod test_oracle;
 mod reward;
@@ -36,6 +37,7 @@ mod pair;
 
 pub use action::ActionSpec;
 pub use cast::{Cast, Controller, FirstHeading, PedestrianRole, Placed, PolicyMaker, VehicleRole};
+pub use component::Component;
 pub use failure_cell::{Course, FailureCell, Zone};
 pub use observation::{Observation, ObservationSpec, ObservedSpeed};
 pub use outcome::{Ending, Outcome};

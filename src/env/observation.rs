@@ -1,5 +1,4 @@
-use std::f64::consts::PI;
-
+use super::component::UNITS;
 use super::{ReferenceFrame, Scaling};
 use crate::geometry::{Point, Pose, Vector, wrap_angle};
 
@@ -75,7 +74,10 @@ impl ObservationSpec {
         let state = [first, seen.distance, wrap_angle(seen.relative_heading + turn), seen.speed];
         match self.scaling {
             Scaling::Natural => state,
-            Scaling::Unit => [state[0] / PI, state[1] / 30.0, state[2] / PI, state[3] / 8.0],
+            Scaling::Unit => {
+                let (turn, distance, speed) = UNITS;
+                [state[0] / turn, state[1] / distance, state[2] / turn, state[3] / speed]
+            }
         }
     }
 }

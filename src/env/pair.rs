@@ -1,5 +1,6 @@
+use super::pursuit::meeting_heading;
 use super::trace::VehicleFrame;
-use super::{Scenario, Trace};
+use super::{ActionSpec, Observation, ObservationSpec, PedestrianRole, ReferenceFrame, Scenario, Trace};
 use crate::av::DrivingMode;
 use crate::geometry::{OrientedBox, Point, Vector};
 use crate::sim::{
@@ -28,6 +29,7 @@ pub struct Pair<'a> {
     scenario: &'a Scenario,
     blueprint: &'a VehicleBlueprint,
     body: &'a PedestrianBody,
+    role: &'a PedestrianRole,
     driving: &'a [VehicleFrame],
     walking: &'a [PedestrianState],
     decisions: &'a [WalkCommand],
@@ -42,6 +44,7 @@ impl<'a> Pair<'a> {
             scenario,
             blueprint: &scenario.cast.vehicle(vehicle).blueprint,
             body: &scenario.cast.pedestrian(pedestrian).body,
+            role: scenario.cast.pedestrian(pedestrian),
             driving: trace.vehicle(vehicle),
             walking: trace.pedestrian(pedestrian),
             decisions: trace.decisions(pedestrian),
@@ -82,6 +85,37 @@ impl<'a> Pair<'a> {
     /// The decisions of the pedestrian.
     pub fn decisions(&self) -> &'a [WalkCommand] {
         self.decisions
+    }
+
+    /// The decision that the pedestrian takes after this number of ticks; none where it keeps its command, and at the end.
+    pub fn decision(&self, tick: usize) -> Option<WalkCommand> {
+        let hold = self.scenario.episode.hold as usize;
+        tick.is_multiple_of(hold).then(|| self.decisions.get(tick / hold).copied()).flatten()
+    }
+
+    /// The state that the controller of the pedestrian gets in a frame, in the frame and units of its adversary.
+    pub fn state(&self, frame: &Frame) -> [f64; ObservationSpec::DIM] {
+        let (walking, ego, observation) = (&frame.pedestrian, &frame.ego, &self.role.observation);
+        let seen = Observation::new(&walking.pose, walking.speed(), &ego.pose, ego.speed, observation.speed);
+        observation.encode(&seen, &walking.pose, self.first_heading(), ego.pose.position())
+    }
+
+    /// The action of the controller for a decision in a frame, in the frame and units of its adversary, up to rounding.
+    pub fn action(&self, frame: &Frame, decision: WalkCommand) -> [f64; ActionSpec::DIM] {
+        let (pose, ego, action) = (&frame.pedestrian.pose, &frame.ego, &self.role.action);
+        let origin = |speed: f64| match action.frame {
+            ReferenceFrame::Meeting => {
+                let bumper = ego.pose.to_world(Vector::new(self.blueprint.half_length, 0.0));
+                meeting_heading(pose.position(), ego, bumper, speed, 1.0)
+            }
+            other => other.origin(pose, self.first_heading(), ego.pose.position()),
+        };
+        action.action_for(decision, origin)
+    }
+
+    /// The heading of the pedestrian at the start (rad).
+    fn first_heading(&self) -> f64 {
+        self.walking.first().map_or(0.0, |first| first.pose.yaw)
     }
 
     /// The number of frames: one at the start and one for each tick.

@@ -2,7 +2,7 @@
 
 use super::PedestrianEnv;
 use crate::geometry::{Point, Vector, wrap_angle};
-use crate::sim::WalkCommand;
+use crate::sim::{VehicleState, WalkCommand};
 
 impl PedestrianEnv {
     /// The command of a homing pedestrian: straight at the ego, at its greatest speed.
@@ -23,10 +23,7 @@ impl PedestrianEnv {
     /// straight at it.
     pub fn meeting(&self, pedestrian: usize, point: Point, speed: f64, lead: f64) -> WalkCommand {
         let (pose, ego) = (&self.world().pedestrians[pedestrian].state.pose, &self.world().ego().state);
-        let offset = point - pose.position();
-        let velocity = ego.pose.forward() * ego.speed;
-        let place = offset + velocity * (lead * meeting_time(offset, velocity, speed).unwrap_or(0.0));
-        WalkCommand { heading: wrap_angle(libm::atan2(place.y, place.x)), speed }
+        WalkCommand { heading: meeting_heading(pose.position(), ego, point, speed, lead), speed }
     }
 
     /// The middle of the ego's bumper.
@@ -38,6 +35,14 @@ impl PedestrianEnv {
     fn greatest_speed(&self, pedestrian: usize) -> f64 {
         self.scenario().cast.pedestrian(pedestrian).action.speed.1
     }
+}
+
+/// The heading (rad) in which a pedestrian here meets a point of the ego at this speed (m/s). See [`PedestrianEnv::meeting`].
+pub(super) fn meeting_heading(here: Point, ego: &VehicleState, point: Point, speed: f64, lead: f64) -> f64 {
+    let offset = point - here;
+    let velocity = ego.pose.forward() * ego.speed;
+    let place = offset + velocity * (lead * meeting_time(offset, velocity, speed).unwrap_or(0.0));
+    wrap_angle(libm::atan2(place.y, place.x))
 }
 
 /// The least time (s) after which a pedestrian at the origin can reach a car at `offset` with `velocity`.

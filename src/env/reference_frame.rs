@@ -17,6 +17,30 @@ pub enum ReferenceFrame {
 }
 
 impl ReferenceFrame {
+    /// Its word in scenarios.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Heading => "heading",
+            Self::Initial => "initial",
+            Self::LineOfSight => "line_of_sight",
+            Self::World => "world",
+            Self::Meeting => "meeting",
+        }
+    }
+
+    /// The direction of angle 0, for people.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Self::Heading => "the pedestrian's present heading",
+            Self::Initial => "the pedestrian's heading at the start of the episode",
+            Self::LineOfSight => "the line from the pedestrian to the middle of the car",
+            Self::World => "the world's x axis, which points east",
+            Self::Meeting => {
+                "the direction in which the pedestrian meets the middle of the car's bumper at the chosen speed, if the car keeps its velocity"
+            }
+        }
+    }
+
     /// The direction from which angles are measured, in the world (rad), for a pedestrian that had this heading (rad) at the start.
     pub(super) fn origin(self, pedestrian: &Pose, initial_heading: f64, ego: Point) -> f64 {
         match self {

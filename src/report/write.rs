@@ -55,6 +55,7 @@ pub fn write(
         let key = &training.key;
         let planned = campaign.trainings.iter().find(|planned| planned.key == *key).expect("it was planned");
         let bounds = planned.scenario.cast.action_bounds();
+        let interface = planned.scenario.cast.interface(&planned.scenario.episode);
         let metadata: BTreeMap<String, String> = [
             ("falsify", manifest.version.clone()),
             ("campaign", campaign.name.clone()),
@@ -67,8 +68,10 @@ pub fn write(
             ("action_low", format!("{:?}", bounds.iter().map(|bound| bound.0).collect::<Vec<_>>())),
             ("action_high", format!("{:?}", bounds.iter().map(|bound| bound.1).collect::<Vec<_>>())),
         ]
+        .into_iter()
+        .chain(interface)
         .map(|(name, value)| (name.to_string(), value))
-        .into();
+        .collect();
         folder.file(&pedestrian_file(key, "safetensors"), &trained.actor_critic.to_safetensors(&metadata))?;
         folder.file(&pedestrian_file(key, "onnx"), &trained.actor_critic.to_onnx(&bounds, &metadata))?;
     }

@@ -114,6 +114,13 @@ impl PpoConfig {
         (self.curriculum > 0.0).then(|| (steps as f64 / whole).min(1.0))
     }
 
+    /// Returns whether the first updates depend on the number of all steps, so that a longer training is not a continuation of a
+    /// shorter one.
+    pub fn depends_on_total_steps(&self) -> bool {
+        let schedules = [self.learning_rate_schedule, self.clip_schedule];
+        self.curriculum > 0.0 || schedules.iter().any(|schedule| *schedule != Schedule::Constant)
+    }
+
     /// Writes the settings as a JSON object.
     pub(super) fn to_json(&self) -> String {
         serde_json::to_string(self).expect("settings have a form in JSON")

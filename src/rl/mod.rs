@@ -50,11 +50,13 @@ mod minibatch;
 mod loss;
 mod adam;
 mod log;
+mod event_file;
 
 pub use actor_critic::{ActorCritic, Scratch};
 pub use checkpoint::CheckpointError;
 pub use config::PpoConfig;
 pub use env::{Env, Step};
+pub use event_file::{event_file_start, event_of_update};
 pub use frame_stack::FrameStack;
 pub use log::{FinishedEpisode, UpdateLog};
 pub use moments::RunningMoments;

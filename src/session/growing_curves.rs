@@ -57,7 +57,7 @@ impl GrowingCurves {
     }
 
     fn path(&self, key: &TrainingKey) -> PathBuf {
-        self.folder.join(file_name(key))
+        self.folder.join(format!("{}.csv", training_name(key)))
     }
 
     /// Reports an error once for each training.
@@ -73,9 +73,9 @@ impl GrowingCurves {
     }
 }
 
-/// `r1-harbour-careful-0.csv`: reward, town, driver and run.
-fn file_name(key: &TrainingKey) -> String {
-    format!("{}-{}-{}-{}.csv", key.reward, key.town, key.policy, key.run)
+/// The name of a training in files: `r1-harbour-careful-0`, that is reward, town, driver and run.
+pub(super) fn training_name(key: &TrainingKey) -> String {
+    format!("{}-{}-{}-{}", key.reward, key.town, key.policy, key.run)
 }
 
 /// Gives a file this content. What is equal at its start is not written again.

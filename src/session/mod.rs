@@ -19,6 +19,7 @@ mod campaign_report;
 mod manifest;
 mod other_report;
 mod growing_curves;
+mod event_files;
 mod run;
 mod overview;
 mod shard;

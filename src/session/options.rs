@@ -30,6 +30,8 @@ pub struct RunOptions {
     pub limits: Limits,
     /// Episodes that a report also holds tick by tick.
     pub ticks: Ticks,
+    /// Folder for TensorBoard's event files of the trainings, `CAMPAIGN/TRAINING` below it; none without it.
+    pub tensorboard: Option<PathBuf>,
     /// Conditions under which a campaign fails.
     pub gates: Vec<Gate>,
     /// The command that continues this run, for `falsify status`; may be empty.
@@ -51,6 +53,7 @@ impl Default for RunOptions {
             replace: false,
             limits: Limits { checkpoint: Duration::from_secs(5), seconds: None, ticks: None },
             ticks: Ticks::None,
+            tensorboard: None,
             gates: Vec::new(),
             command: String::new(),
         }

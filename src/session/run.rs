@@ -1,7 +1,7 @@
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::event_files::EventFiles;
 use super::growing_curves::GrowingCurves;
 use super::manifest::{Times, hold};
 use super::other_report::check_place;
@@ -103,10 +103,11 @@ impl Session {
         }
         index.write(store, &name, campaign, options.seed).map_err(|error| options.keep(error))?;
         let results = CampaignStore::new(store, campaign, options.seed, options.limits);
+        let results = if options.fresh { results } else { results.continuing(&index, options.seed) };
         let finished = match work {
             Work::All => {
                 let tasks: Vec<Task> = campaign::tasks(campaign).collect();
-                campaign::run(campaign, &seed, &results, &self.listener(campaign, &tasks, store.learning(&name)))
+                campaign::run(campaign, &seed, &results, &self.listener(campaign, &tasks, store, options))
             }
             Work::None => campaign::collect(campaign, &results),
         };
@@ -179,9 +180,21 @@ impl Session {
     }
 
     /// The observer of a campaign's tasks, which the stop flag stops.
-    pub(super) fn listener<'a>(&self, campaign: &'a Campaign, tasks: &[Task], curves: PathBuf) -> Listener<'a> {
-        let curves = GrowingCurves::new(curves, self.observer.clone());
-        Listener { inner: self.observer.campaign(campaign, tasks), curves, stop: self.stop.clone() }
+    pub(super) fn listener<'a>(
+        &self,
+        campaign: &'a Campaign,
+        tasks: &[Task],
+        store: &Store,
+        options: &RunOptions,
+    ) -> Listener<'a> {
+        let name = options.report_name(campaign);
+        let event_files = options.tensorboard.as_ref().map(|folder| folder.join(&name));
+        Listener {
+            inner: self.observer.campaign(campaign, tasks),
+            curves: GrowingCurves::new(store.learning(&name), self.observer.clone()),
+            event_files: event_files.map(|folder| EventFiles::new(folder, self.observer.clone())),
+            stop: self.stop.clone(),
+        }
     }
 
     /// Reports errors of episodes to the observer.
@@ -224,6 +237,7 @@ fn has_failed(finished: &Finished) -> bool {
 pub(super) struct Listener<'a> {
     inner: Box<dyn campaign::Observer + 'a>,
     curves: GrowingCurves,
+    event_files: Option<EventFiles>,
     stop: Arc<Stop>,
 }
 
@@ -237,6 +251,9 @@ impl campaign::Observer for Listener<'_> {
             self.inner.curves_grow(folder);
         }
         self.curves.restart(plan, curve);
+        if let Some(files) = &self.event_files {
+            files.restart(plan, curve);
+        }
         self.inner.curve_before(training, plan, curve);
     }
 
@@ -246,6 +263,9 @@ impl campaign::Observer for Listener<'_> {
 
     fn trained(&self, training: usize, plan: &Training, curve: &[UpdateLog]) {
         self.curves.grow(plan, curve);
+        if let Some(files) = &self.event_files {
+            files.grow(plan, curve);
+        }
         self.inner.trained(training, plan, curve);
     }
 

@@ -48,8 +48,9 @@ impl Session {
         let mut index = Index::read(store, &name).map_err(|error| options.keep(error))?;
         index.command.clone_from(&options.command);
         index.write(store, &name, campaign, options.seed).map_err(|error| options.keep(error))?;
-        let results = CampaignStore::new(store, campaign, options.seed, options.limits);
-        let listener = self.listener(campaign, &tasks, store.learning(&name));
+        let results =
+            CampaignStore::new(store, campaign, options.seed, options.limits).continuing(&index, options.seed);
+        let listener = self.listener(campaign, &tasks, store, options);
         campaign::run_tasks(campaign, &tasks, &Seed::root(options.seed), &results, &listener);
         drop(listener);
         if let Some(error) = results.take_failure() {

@@ -5,7 +5,8 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Found, Header, Id, Ids, State, Store, StoreError, task_name};
+use super::index::continues;
+use super::{Found, Header, Id, Ids, Index, State, Store, StoreError, task_name};
 use crate::campaign::{Claim, Evaluated, Progress, ResultStore, SearchResult, Task, TaskError};
 use crate::compile::Campaign;
 use crate::falsifier::{SearchOutcome, TrainingRun};
@@ -39,6 +40,8 @@ pub struct CampaignStore<'a> {
     /// Wall time of every training (s).
     seconds: Mutex<Vec<f64>>,
     failed: Mutex<Option<StoreError>>,
+    /// The names of finished trainings that trainings of the campaign continue.
+    shorter: BTreeMap<usize, String>,
 }
 
 /// A task that is being worked on.
@@ -73,7 +76,15 @@ impl<'a> CampaignStore<'a> {
             unread: Mutex::default(),
             seconds: Mutex::new(vec![0.0; campaign.trainings.len()]),
             failed: Mutex::default(),
+            shorter: BTreeMap::new(),
         }
+    }
+
+    /// Lets trainings continue finished ones that differ from them in nothing but fewer steps.
+    pub fn continuing(mut self, index: &Index, seed: u64) -> Self {
+        let shorter = |training| Some((training, index.shorter(self.campaign, training, seed)?.to_string()));
+        self.shorter = (0..self.campaign.trainings.len()).filter_map(shorter).collect();
+        self
     }
 
     /// Wall time of every training (s), also of earlier runs.
@@ -175,10 +186,16 @@ impl ResultStore for CampaignStore<'_> {
 
     fn begun(&self, training: usize) -> Option<Vec<u8>> {
         let task = Task::Training(training);
-        let Found::Whole(header, bytes) = self.read(task) else { return None };
-        if header.state != State::Begun {
-            return None;
-        }
+        let own = match self.read(task) {
+            Found::Whole(header, bytes) => Some((header, bytes)).filter(|(header, _)| header.state == State::Begun),
+            _ => None,
+        };
+        let shorter = || {
+            let name = self.shorter.get(&training)?;
+            let Ok(Found::Whole(header, bytes)) = self.store.read_named(name) else { return None };
+            continues(&header, self.campaign, task).then_some((header, bytes))
+        };
+        let (header, bytes) = own.or_else(shorter)?;
         self.take_over(task, header.seconds, Vec::new());
         Some(bytes)
     }
@@ -191,10 +208,10 @@ impl ResultStore for CampaignStore<'_> {
         }
     }
 
-    fn keep_training(&self, training: usize, trained: &Trained) {
-        let updates = trained.learning_curve.len() as u64;
-        let task = Task::Training(training);
-        self.write(task, State::Finished, updates, String::new(), &trained.to_safetensors());
+    fn keep_training(&self, training: usize, run: &TrainingRun) {
+        let updates = run.learning_curve().len() as u64;
+        // The whole state, from which a training with more steps continues. The networks and the curve are read from it, too.
+        self.write(Task::Training(training), State::Finished, updates, String::new(), &run.state(&BTreeMap::new()));
     }
 
     fn episodes(&self, evaluation: usize, chunk: u32) -> Tally {

@@ -108,19 +108,25 @@ impl Store {
     /// # Errors
     /// Its file is there and cannot be read, for example without permission or when too many files are open.
     pub fn read(&self, id: Id) -> Result<Found, StoreError> {
-        let path = self.path(id);
+        let found = self.read_named(&id.to_string())?;
+        if found == Found::Damaged {
+            self.damaged(id);
+        }
+        Ok(found)
+    }
+
+    /// Reads the task with this name.
+    ///
+    /// # Errors
+    /// As [`Store::read`].
+    pub(super) fn read_named(&self, name: &str) -> Result<Found, StoreError> {
+        let path = self.path_of(name);
         let bytes = match files::bytes(&path) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Found::Nothing),
             Err(source) => return Err(StoreError::Unread { path, source }),
         };
-        Ok(match task_file::decode(bytes) {
-            Some((header, bytes)) => Found::Whole(header, bytes),
-            None => {
-                self.damaged(id);
-                Found::Damaged
-            }
-        })
+        Ok(task_file::decode(bytes).map_or(Found::Damaged, |(header, bytes)| Found::Whole(header, bytes)))
     }
 
     /// Reports once that a task is damaged.

@@ -2,7 +2,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 
-use super::{CODE, Ids, State, Store, StoreError};
+use super::{CODE, Header, Ids, State, Store, StoreError, vector_instructions};
 use crate::campaign::{CHUNK, Task, tasks};
 use crate::compile::Campaign;
 use crate::record::RunKey;
@@ -33,6 +33,9 @@ struct Made {
     fingerprint: String,
     code: String,
     seed: u64,
+    /// The lineage of a training; empty for other tasks and for trainings without one.
+    #[serde(default)]
+    lineage: String,
 }
 
 /// What is known of a task before a run.
@@ -69,13 +72,22 @@ impl Index {
             let id = ids.get(task);
             if store.head(id).is_some_and(|head| head.is_ok_and(|header| header.state == State::Finished)) {
                 let (fingerprint, code) = (fingerprint(campaign, task), CODE.to_string());
-                let made = Made { id: id.to_string(), fingerprint, code, seed };
+                let made = Made { id: id.to_string(), fingerprint, code, seed, lineage: lineage(campaign, task) };
                 self.done.insert(task_name(campaign, task), made);
             }
         }
         self.out = store.place().out().to_string_lossy().into_owned();
         let text = serde_json::to_string(self).expect("strings and numbers have a form in JSON");
         store.put_campaign_text(name, &text)
+    }
+
+    /// The name of the training that was finished last under the names of this one, if this one differs from it only in its steps.
+    pub(super) fn shorter(&self, campaign: &Campaign, training: usize, seed: u64) -> Option<&str> {
+        let task = Task::Training(training);
+        let made = self.done.get(&task_name(campaign, task))?;
+        let lineage = lineage(campaign, task);
+        let same = !lineage.is_empty() && made.lineage == lineage && made.seed == seed && made.code == CODE;
+        same.then_some(made.id.as_str())
     }
 
     /// What is known of a task and, if it must be run, why.
@@ -92,6 +104,13 @@ impl Index {
             },
             Some(Err(reason)) => return Known::Missing(reason),
             None => {}
+        }
+        if let Task::Training(training) = task
+            && let Some(Ok(header)) =
+                self.shorter(campaign, training, seed).and_then(|name| store.head_of(&store.path_of(name)))
+            && continues(&header, campaign, task)
+        {
+            return Known::Begun(header.done, wanted);
         }
         let Some(made) = self.done.get(&task_name(campaign, task)) else { return Known::Missing("new") };
         Known::Missing(match made {
@@ -120,6 +139,19 @@ fn amount(campaign: &Campaign, task: Task) -> u64 {
         Task::Chunk { evaluation, chunk } => campaign.evaluations[evaluation].chunk(chunk).len() as u64,
         Task::Search(index) => campaign.searches[index].budget,
     }
+}
+
+/// Whether a training can continue from a finished one of its lineage: it has at most as many updates.
+pub(super) fn continues(header: &Header, campaign: &Campaign, task: Task) -> bool {
+    header.state == State::Finished && header.done <= amount(campaign, task)
+}
+
+/// What a training must share with one that it continues; empty where there is none.
+fn lineage(campaign: &Campaign, task: Task) -> String {
+    let Task::Training(index) = task else { return String::new() };
+    let training = &campaign.trainings[index];
+    let bits = if training.config.portable_bits { "portable" } else { vector_instructions() };
+    training.lineage.map_or(String::new(), |lineage| format!("{lineage} {bits}"))
 }
 
 fn fingerprint(campaign: &Campaign, task: Task) -> String {

@@ -145,6 +145,7 @@ const DOORS: &[(&str, &str)] = &[
     ("prost", "rl, export"),
     ("gif", "export"),
     ("font8x8", "export"),
+    ("crc32c", "rl"),
     ("polars", "record, report"),
     ("polars_io", "record, report"),
     ("maud", "report"),

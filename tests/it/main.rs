@@ -24,6 +24,7 @@ mod controllers;
 mod command_line;
 mod determinism;
 mod external;
+mod interfaces;
 mod interfuser_driving;
 mod interfuser_reference;
 mod interruptions;

@@ -159,3 +159,137 @@ campaign curves {
         assert!(event["rate_per_s"].is_null() && event["reused"] == event["total"], "{event}");
     }
 }
+
+#[test]
+fn a_training_with_more_steps_continues_a_finished_one_bit_for_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let with = |steps: u32, more: &str| {
+        write(
+            here,
+            &SCENARIO
+                .replace("steps: 240", &format!("steps: {steps}"))
+                .replace("hidden: [8]", &format!("hidden: [8]{more}")),
+        );
+    };
+    // How many decisions each training found.
+    let run = |out: &str, more: &[&str]| -> Vec<u64> {
+        let output =
+            falsify(&[&["run", "curves.scn", "--format", "json", "--replace", "--out", out], more].concat(), here);
+        assert!(output.status.success(), "{}", error(&output));
+        let events = said(&output);
+        let events = events.lines().map(|line| serde_json::from_str::<serde_json::Value>(line).unwrap());
+        let ended = events.filter(|event| event["event"] == "task_finished");
+        ended.map(|event| event["reused"].as_u64().unwrap()).collect()
+    };
+    let whole = |out: &str| (report(&here.join(out).join("curves")), curves(&here.join(out)));
+    let timeless = |out: &str| {
+        let (mut files, curves) = whole(out);
+        files.remove(Path::new("manifest.toml"));
+        files.remove(Path::new("report.html"));
+        (files, curves)
+    };
+    with(120, "");
+    assert_eq!(run("grown", &[]), [0, 0]);
+    with(240, "");
+    let listed = said(&falsify(&["run", "curves.scn", "--list", "--out", "grown"], here));
+    assert!(listed.contains("unfinished, 6 of 12 updates"), "{listed}");
+    assert_eq!(run("grown", &[]), [120, 120]);
+    assert_eq!(run("whole", &[]), [0, 0]);
+    assert_eq!(timeless("grown"), timeless("whole"));
+    // A shorter training is the one that was stored.
+    with(120, "");
+    assert_eq!(run("grown", &[]), [120, 120]);
+    // Nothing of it is used by a fresh run, with another setting, or where a schedule depends on the number of steps.
+    with(360, "");
+    assert_eq!(run("grown", &["--fresh"]), [0, 0]);
+    with(380, ", gamma: 0.9");
+    assert_eq!(run("grown", &[]), [0, 0]);
+    for (steps, found) in [(120, 0), (160, 0), (160, 160)] {
+        with(steps, ", learning_rate_schedule: linear");
+        assert_eq!(run("linear", &[]), [found, found]);
+    }
+}
+
+/// The steps and values of a tag in an event file. The test of the format itself is in `rl::event_file`; this one reads wire types by hand.
+fn scalars(file: &[u8], tag: &str) -> Vec<(u64, f32)> {
+    fn varint(bytes: &mut &[u8]) -> u64 {
+        let mut value = 0;
+        for shift in (0..).step_by(7) {
+            let byte = *bytes.split_off_first().unwrap();
+            value |= u64::from(byte & 0x7f) << shift;
+            if byte < 0x80 {
+                break;
+            }
+        }
+        value
+    }
+    fn fields<'a>(bytes: &mut &'a [u8]) -> Vec<(u64, u64, &'a [u8])> {
+        let mut all = Vec::new();
+        while !bytes.is_empty() {
+            let key = varint(bytes);
+            let (number, content) = match key & 7 {
+                0 => (varint(bytes), &[][..]),
+                1 => (0, bytes.split_off(..8).unwrap()),
+                5 => (0, bytes.split_off(..4).unwrap()),
+                _ => {
+                    let length = varint(bytes) as usize;
+                    (0, bytes.split_off(..length).unwrap())
+                }
+            };
+            all.push((key >> 3, number, content));
+        }
+        all
+    }
+    let (mut rest, mut found) = (file, Vec::new());
+    while !rest.is_empty() {
+        let length = u64::from_le_bytes(*rest.first_chunk().unwrap()) as usize;
+        let mut event = &rest[12..12 + length];
+        rest = &rest[12 + length + 4..];
+        let event = fields(&mut event);
+        let step = event.iter().find(|field| field.0 == 2).map_or(0, |field| field.1);
+        for (_, _, summary) in event.iter().filter(|field| field.0 == 5) {
+            for (_, _, value) in fields(&mut &**summary) {
+                let value = fields(&mut &*value);
+                let is_wanted = value.iter().any(|field| field.0 == 1 && field.2 == tag.as_bytes());
+                let number = value.iter().find(|field| field.0 == 2);
+                found.extend(
+                    number.filter(|_| is_wanted).map(|field| (step, f32::from_le_bytes(field.2.try_into().unwrap()))),
+                );
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn event_files_have_the_curve_of_the_report_once_also_after_another_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    write(here, SCENARIO);
+    let events = here.join("events/curves/r1-harbour-blind-1");
+    let foreign = events.join("events.out.tfevents.0.of_another_program");
+    std::fs::create_dir_all(&events).unwrap();
+    std::fs::write(&foreign, "kept").unwrap();
+    for _ in 0..2 {
+        let output = falsify(&["run", "curves.scn", "--tensorboard", "events"], here);
+        assert!(output.status.success(), "{}", error(&output));
+        let files: Vec<PathBuf> = std::fs::read_dir(&events).unwrap().map(|file| file.unwrap().path()).collect();
+        let files: Vec<&PathBuf> = files.iter().filter(|path| **path != foreign).collect();
+        assert_eq!(files.len(), 1, "{files:?}");
+        let name = files[0].file_name().unwrap().to_str().unwrap();
+        assert!(name.starts_with("events.out.tfevents.") && name.ends_with(".falsify"), "{name}");
+        let read = scalars(&std::fs::read(files[0]).unwrap(), "train/value_loss");
+        let table = std::fs::read_to_string(here.join("reports/curves/learning_curve.csv")).unwrap();
+        let head: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+        let column = |name: &str| head.iter().position(|column| *column == name).unwrap();
+        let rows = table.lines().skip(1).map(|line| line.split(',').collect::<Vec<_>>());
+        let rows = rows.filter(|row| row[column("run")] == "1");
+        let number = |row: &[&str], name: &str| row[column(name)].parse::<f64>().unwrap();
+        let expected: Vec<(u64, f32)> =
+            rows.map(|row| (number(&row, "steps") as u64, number(&row, "value_loss") as f32)).collect();
+        assert_eq!(expected.len(), 12);
+        assert_eq!(read, expected);
+    }
+    assert_eq!(std::fs::read_to_string(&foreign).unwrap(), "kept");
+}

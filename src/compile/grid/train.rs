@@ -34,6 +34,8 @@ impl Lowering<'_> {
                 let scenario = place.scenario(car, walker, &usual.rule.value, &reward.value);
                 let ground = place.declarations(&usual.car, &usual.walker, &usual.rule);
                 let fingerprint = self.fingerprint(&[ground.as_slice(), &[reward.id, training.id]].concat());
+                let lineage = (!config.depends_on_total_steps())
+                    .then(|| self.lineage(&[ground.as_slice(), &[reward.id]].concat(), training.id));
                 campaign.trainings.extend((0..runs).map(|run| Training {
                     key: TrainingKey {
                         town: place.town.name.to_string(),
@@ -45,6 +47,7 @@ impl Lowering<'_> {
                     config: config.clone(),
                     environments: *environments,
                     fingerprint,
+                    lineage,
                 }));
             }
         }

@@ -1,7 +1,7 @@
 use polars::prelude::DataFrame;
 
 use crate::compile::RunId;
-use crate::env::{Frame, Pair, Scenario, Trace};
+use crate::env::{ActionSpec, Frame, ObservationSpec, Pair, Scenario, Trace};
 use crate::record::columns::{
     DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW, EPISODE, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, RUN_ID,
 };
@@ -17,6 +17,40 @@ pub struct Tick<'a> {
     number: u32,
     pair: &'a Pair<'a>,
     frame: Frame,
+}
+
+/// The columns of the state, with the number of the component.
+const STATE: [(&str, &str, usize); ObservationSpec::DIM] = [
+    (
+        "state_bearing",
+        "first number of the state that the pedestrian's controller gets for a decision here, in the frame and units of its adversary \
+         (`falsify explain state`); missing where it takes no decision",
+        0,
+    ),
+    ("state_distance", "second number of that state", 1),
+    ("state_relative_heading", "third number of that state", 2),
+    ("state_speed", "fourth number of that state", 3),
+];
+
+/// The columns of the action.
+const ACTION: [(&str, &str, usize); ActionSpec::DIM] = [
+    (
+        "action_heading",
+        "first number of the action that the controller takes here, within its bounds (`falsify explain action`); missing where it keeps \
+         its command",
+        0,
+    ),
+    ("action_speed", "second number of that action", 1),
+];
+
+impl Tick<'_> {
+    fn state(&self) -> Option<[f64; ObservationSpec::DIM]> {
+        self.pair.decision(self.number as usize).map(|_| self.pair.state(&self.frame))
+    }
+
+    fn action(&self) -> Option<[f64; ActionSpec::DIM]> {
+        self.pair.decision(self.number as usize).map(|decision| self.pair.action(&self.frame, decision))
+    }
 }
 
 /// An episode tick by tick as a table, the start first.
@@ -75,4 +109,10 @@ pub fn tick_table<'a>() -> Table<'a, Tick<'a>> {
             number("gap_m", "m", "distance from the pedestrian's disc to the car's box; 0 in a touch")
                 .of(|row: &Tick<'_>| row.pair.gap(&row.frame)),
         )
+        .columns(STATE.map(|(name, meaning, number)| {
+            Column::<f64>::new(name, "as the state", meaning).of(move |row: &Tick<'_>| row.state().map(|state| state[number]))
+        }))
+        .columns(ACTION.map(|(name, meaning, number)| {
+            Column::<f64>::new(name, "as the action", meaning).of(move |row: &Tick<'_>| row.action().map(|action| action[number]))
+        }))
 }
