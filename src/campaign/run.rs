@@ -203,12 +203,13 @@ impl Work<'_> {
     }
 
     fn carry_out(&self, index: usize, training: &Training) -> Result<Trained, TaskError> {
-        let (key, scenario) = (&training.key, &training.scenario);
+        let (key, scenario, scenarios) = (&training.key, &training.scenario, training.scenarios());
         let seed =
             self.seed.child("train").child(&key.town).child(&key.policy).child(&key.reward).index(key.run.into());
-        let begin = || TrainingRun::begin(scenario, training.environments, &training.config, &seed);
-        let resume =
-            |state: Vec<u8>| TrainingRun::resume(&state, scenario, training.environments, &training.config, &seed).ok();
+        let begin = || TrainingRun::begin_among(&scenarios, training.environments, &training.config, &seed);
+        let resume = |state: Vec<u8>| {
+            TrainingRun::resume_among(&state, &scenarios, training.environments, &training.config, &seed).ok()
+        };
         // A state that does not fit counts as missing: the training restarts.
         let mut run = match self.results.begun(index).and_then(resume) {
             Some(run) => run,

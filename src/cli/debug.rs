@@ -109,7 +109,7 @@ fn show_plan(plan: &Plan) -> String {
         for training in &campaign.trainings {
             let environments = console::count(training.environments, "environment");
             text.push_str(&format!("  training: {}, {environments}\n", training.key));
-            text.push_str(&show_scenario(&training.scenario));
+            training.scenarios().iter().for_each(|scenario| text.push_str(&show_scenario(scenario)));
             text.push_str(&indented(&outline(&training.config)));
         }
         for evaluation in &campaign.evaluations {

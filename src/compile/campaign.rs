@@ -19,6 +19,11 @@ pub fn form() -> Form {
             Param::required("policies", names("policy"), "Drivers to train against."),
             Param::required("rewards", names("reward"), "Rewards to train for."),
             Param::with_default("runs", count(10_000), "5", "Trainings of each, with different seeds."),
+            Param::optional(
+                "together",
+                Type::Choice(&["policies", "towns", "all"]),
+                "Trains one pedestrian against all `policies`, in all `towns`, or both, whose episodes alternate; without it each pair of town and driver has a pedestrian of its own.",
+            ),
             spawn(),
         ],
     );

@@ -45,7 +45,7 @@ impl Plan {
 impl Campaign {
     /// One scenario for every spawn rule in every town, with the town's name, each once.
     pub fn starts(&self) -> Vec<(&str, &Arc<Scenario>)> {
-        let trained = self.trainings.iter().map(|training| (training.key.town.as_str(), &training.scenario));
+        let trained = self.trainings.iter().flat_map(Training::places);
         let tried = self.evaluations.iter().map(|evaluation| (&*evaluation.town, &evaluation.scenario));
         let searched = self.searches.iter().map(|search| (search.key.town.as_str(), &search.scenario));
         let mut all: Vec<(&str, &Arc<Scenario>)> = Vec::new();
@@ -169,9 +169,9 @@ impl Driver {
 /// The names that distinguish a training from the others of its campaign.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct TrainingKey {
-    /// Name of the town.
+    /// Name of the town; names of several that are trained in together, joined by `+`.
     pub town: String,
-    /// Name of the driving policy.
+    /// Name of the driving policy; names of several, joined by `+`.
     pub policy: String,
     /// Name of the reward.
     pub reward: String,
@@ -198,8 +198,10 @@ impl fmt::Display for TrainingKey {
 pub struct Training {
     /// Its names.
     pub key: TrainingKey,
-    /// The scenario of the training.
+    /// The scenario of the training, or the first of several.
     pub scenario: Arc<Scenario>,
+    /// The towns and scenarios of a training in several of them, whose episodes alternate, the first included; empty for one alone.
+    pub together: Vec<(String, Arc<Scenario>)>,
     /// Its settings.
     pub config: PpoConfig,
     /// The number of environments.
@@ -209,6 +211,19 @@ pub struct Training {
     /// The digest without the number of steps: a training with more steps continues a shorter one with the same lineage, bit for bit. None
     /// when the first steps depend on the number of all: with a schedule or a curriculum.
     pub lineage: Option<Fingerprint>,
+}
+
+impl Training {
+    /// All its scenarios with the names of their towns.
+    pub fn places(&self) -> impl Iterator<Item = (&str, &Arc<Scenario>)> {
+        let alone = self.together.is_empty().then_some((self.key.town.as_str(), &self.scenario));
+        alone.into_iter().chain(self.together.iter().map(|(town, scenario)| (town.as_str(), scenario)))
+    }
+
+    /// All its scenarios, in the order in which episodes alternate.
+    pub fn scenarios(&self) -> Vec<Arc<Scenario>> {
+        self.places().map(|(_, scenario)| scenario.clone()).collect()
+    }
 }
 
 /// The controller of the pedestrian of an evaluation.

@@ -6,6 +6,7 @@
 
 mod walk_policy;
 mod training;
+mod training_ground;
 mod training_run;
 mod trained;
 mod random;

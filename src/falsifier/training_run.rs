@@ -4,7 +4,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::TrainError;
-use crate::env::{PedestrianEnv, Scenario};
+use super::training_ground::TrainingGround;
+use crate::env::Scenario;
 use crate::rl::{self, CheckpointError, Env, PpoConfig, Step, Trained, Trainer, UpdateLog};
 use crate::seed::Seed;
 
@@ -34,7 +35,7 @@ use crate::seed::Seed;
 /// }
 /// ```
 pub struct TrainingRun {
-    envs: Vec<PedestrianEnv>,
+    envs: Vec<TrainingGround>,
     trainer: Trainer,
 }
 
@@ -49,7 +50,23 @@ impl TrainingRun {
         config: &PpoConfig,
         seed: &Seed,
     ) -> Result<Self, TrainError> {
-        let mut envs = environments_of(scenario, environments, seed);
+        Self::begin_among(std::slice::from_ref(scenario), environments, config, seed)
+    }
+
+    /// As [`TrainingRun::begin`], in several scenarios whose episodes alternate.
+    ///
+    /// # Errors
+    /// As [`TrainingRun::begin`].
+    ///
+    /// # Panics
+    /// When there is no scenario.
+    pub fn begin_among(
+        scenarios: &[Arc<Scenario>],
+        environments: usize,
+        config: &PpoConfig,
+        seed: &Seed,
+    ) -> Result<Self, TrainError> {
+        let mut envs = environments_of(scenarios, environments, seed);
         Ok(Self { trainer: Trainer::new(&mut envs, config, &seed.child("ppo"))?, envs })
     }
 
@@ -67,7 +84,24 @@ impl TrainingRun {
         config: &PpoConfig,
         seed: &Seed,
     ) -> Result<Self, CheckpointError> {
-        let mut envs = environments_of(scenario, environments, seed);
+        Self::resume_among(state, std::slice::from_ref(scenario), environments, config, seed)
+    }
+
+    /// As [`TrainingRun::resume`], for [`TrainingRun::begin_among`].
+    ///
+    /// # Errors
+    /// As [`TrainingRun::resume`].
+    ///
+    /// # Panics
+    /// When there is no scenario.
+    pub fn resume_among(
+        state: &[u8],
+        scenarios: &[Arc<Scenario>],
+        environments: usize,
+        config: &PpoConfig,
+        seed: &Seed,
+    ) -> Result<Self, CheckpointError> {
+        let mut envs = environments_of(scenarios, environments, seed);
         Ok(Self { trainer: Trainer::from_state(state, &mut envs, config)?, envs })
     }
 
@@ -92,7 +126,7 @@ impl TrainingRun {
             true => rl::TrainError::Stopped { update },
             false => error,
         })?;
-        match self.envs.iter().find_map(PedestrianEnv::hopeless) {
+        match self.envs.iter().find_map(TrainingGround::hopeless) {
             Some(fault) => Err(TrainError::Driver { update: log.update, fault }),
             None => Ok(log),
         }
@@ -140,7 +174,7 @@ impl TrainingRun {
 
 /// An environment in which a rollout ends early: its next reward is not a number, which ends the update.
 struct Stoppable<'a> {
-    env: &'a mut PedestrianEnv,
+    env: &'a mut TrainingGround,
     stop: &'a (dyn Fn() -> bool + Sync),
     given_up: &'a AtomicBool,
 }
@@ -193,7 +227,7 @@ impl std::fmt::Debug for TrainingRun {
     }
 }
 
-fn environments_of(scenario: &Arc<Scenario>, environments: usize, seed: &Seed) -> Vec<PedestrianEnv> {
+fn environments_of(scenarios: &[Arc<Scenario>], environments: usize, seed: &Seed) -> Vec<TrainingGround> {
     let episodes = seed.child("episodes");
-    (0..environments as u64).map(|env| PedestrianEnv::new(scenario.clone(), episodes.index(env))).collect()
+    (0..environments).map(|env| TrainingGround::new(scenarios, env, &episodes.index(env as u64))).collect()
 }

@@ -79,6 +79,7 @@ mod suite;
 mod tables_elsewhere;
 mod tidy;
 mod sarif;
+mod together;
 mod tools;
 mod unbreakable;
 mod watching;

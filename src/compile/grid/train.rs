@@ -1,12 +1,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::axis::{Axis, Usual};
-use super::ground::note_towns;
+use super::ground::{Place, note_towns};
 use crate::compile::lowering::Lowering;
 use crate::compile::plan::{Campaign, Training, TrainingKey};
 use crate::env::RewardRule;
 use crate::lang::diagnostics;
 use crate::lang::hir::Block;
+use crate::signature::DeclarationId;
 
 impl Lowering<'_> {
     /// The trainings of a `train` block; its rewards are recorded for the controllers that are evaluated later.
@@ -29,21 +30,27 @@ impl Lowering<'_> {
         }
         note_towns(&mut campaign.towns, &ground.towns);
         let (config, environments) = &training.value;
-        for place in ground.places() {
+        for places in groups(ground.places().collect(), together(block)) {
             for reward in &paid {
-                let scenario = place.scenario(car, walker, &usual.rule.value, &reward.value);
-                let ground = place.declarations(&usual.car, &usual.walker, &usual.rule);
+                let scenario_of = |place: &Place<'_>| place.scenario(car, walker, &usual.rule.value, &reward.value);
+                let scenarios: Vec<_> =
+                    places.iter().map(|place| (place.town.name.to_string(), scenario_of(place))).collect();
+                let ground: Vec<DeclarationId> = places
+                    .iter()
+                    .flat_map(|place| place.declarations(&usual.car, &usual.walker, &usual.rule))
+                    .collect();
                 let fingerprint = self.fingerprint(&[ground.as_slice(), &[reward.id, training.id]].concat());
                 let lineage = (!config.depends_on_total_steps())
                     .then(|| self.lineage(&[ground.as_slice(), &[reward.id]].concat(), training.id));
                 campaign.trainings.extend((0..runs).map(|run| Training {
                     key: TrainingKey {
-                        town: place.town.name.to_string(),
-                        policy: place.policy.name.to_string(),
+                        town: joined(places.iter().map(|place| &*place.town.name)),
+                        policy: joined(places.iter().map(|place| &*place.policy.name)),
                         reward: reward.name.to_string(),
                         run,
                     },
-                    scenario: scenario.clone(),
+                    scenario: scenarios[0].1.clone(),
+                    together: if scenarios.len() > 1 { scenarios.clone() } else { Vec::new() },
                     config: config.clone(),
                     environments: *environments,
                     fingerprint,
@@ -65,4 +72,38 @@ impl Lowering<'_> {
             }
         }
     }
+}
+
+/// What a `train` block trains one pedestrian for.
+fn together(block: &Block) -> Option<&str> {
+    block.arguments.has("together").then(|| block.arguments.choice("together"))
+}
+
+/// The places of each training: one each, or all that share what is not trained together.
+fn groups<'a>(places: Vec<Place<'a>>, together: Option<&str>) -> Vec<Vec<Place<'a>>> {
+    let mut groups: Vec<Vec<Place<'a>>> = Vec::new();
+    for place in places {
+        let joins = |group: &&mut Vec<Place<'a>>| match together {
+            Some("policies") => group[0].town.id == place.town.id,
+            Some("towns") => group[0].policy.id == place.policy.id,
+            Some(_) => true,
+            None => false,
+        };
+        match groups.iter_mut().find(joins) {
+            Some(group) => group.push(place),
+            None => groups.push(vec![place]),
+        }
+    }
+    groups
+}
+
+/// Names joined by `+`, each once.
+fn joined<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    let mut all: Vec<&str> = Vec::new();
+    for name in names {
+        if !all.contains(&name) {
+            all.push(name);
+        }
+    }
+    all.join("+")
 }
