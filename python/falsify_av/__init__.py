@@ -2,14 +2,16 @@
 
 ``make`` and ``make_vec`` give Gymnasium environments of a scenario file, ``falsify_av.sb3.make_vec`` one for stable-baselines3, and
 ``falsify_av.pettingzoo.parallel_env`` one for PettingZoo. ``check`` returns what is wrong with scenario files. ``evaluate`` runs episodes of a
-pedestrian that is a Python callable. ``program`` calls the program ``falsify``, if it is installed.
+pedestrian that is a Python callable. ``run``, ``replay``, ``compare``, ``failures`` and ``export``
+start the program ``falsify``, if it is installed. ``drivers`` has drivers under test that are Python objects.
 """
 
 from gymnasium import register as _register
 
-from . import program
+from . import drivers, pedestrians, program
 from .environments import PedestrianEnv, PedestrianVectorEnv, make, make_vec
 from .evaluation import evaluate, onnx
+from .program import compare, export, failures, replay, run
 from .scenarios import Diagnostic, ScenarioError, check, scenarios
 
 __all__ = [
@@ -18,11 +20,18 @@ __all__ = [
     "PedestrianVectorEnv",
     "ScenarioError",
     "check",
+    "compare",
+    "drivers",
     "evaluate",
+    "export",
+    "failures",
     "make",
     "make_vec",
     "onnx",
+    "pedestrians",
     "program",
+    "replay",
+    "run",
     "scenarios",
 ]
 

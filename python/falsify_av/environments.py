@@ -9,91 +9,19 @@ the left) and ``speed`` (m/s). It is kept for the ticks that the scenario's ``ho
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import gymnasium
 import numpy as np
-from gymnasium import spaces
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from . import _core
-from .scenarios import load
-
-#: The numbers of an observation of one pedestrian, in order.
-OBSERVATION = ("bearing", "distance", "relative_heading", "speed")
-#: The numbers of an action of one pedestrian, in order.
-ACTION = ("heading", "speed")
-
-# Bounds that no episode reaches: a car of 1,000 km/h drives 28 km in 100 s.
-_FARTHEST, _FASTEST = 1e5, 1e3
-_SIZE = 256
+from .worlds import SIZE, Closable, action_space, checked_seed, episode_option, numbers_of, observation_space, started
 
 
-def observation_space(worlds: _core.Worlds, pedestrians: int) -> spaces.Box:
-    """The states of some pedestrians, one after another."""
-    high = np.array([np.pi, _FARTHEST, np.pi, _FASTEST], np.float32)
-    if worlds.scaled[0]:
-        high = (high / np.array([np.pi, 30.0, np.pi, 8.0])).astype(np.float32)
-    low = high * np.array([-1, 0, -1, 0], np.float32)
-    return spaces.Box(np.tile(low, pedestrians), np.tile(high, pedestrians), dtype=np.float32)
-
-
-def action_space(worlds: _core.Worlds, pedestrians: int) -> spaces.Box:
-    """The actions of some pedestrians, one after another."""
-    bounds = np.array(worlds.action_bounds()[: 2 * pedestrians], np.float32)
-    return spaces.Box(bounds[:, 0], bounds[:, 1], dtype=np.float32)
-
-
-def make_worlds(count: int, scenario: Any, seed: int, options: Mapping[str, Any]) -> _core.Worlds:
-    """Worlds of one scenario of the files; ``options`` are those of :func:`make`."""
-    options = dict(options)
-    loaded = load(scenario, options.pop("settings", ()), options.pop("maps", None), options.pop("allow_external", False))
-    unknown = set(options) - {"campaign", "town", "policy", "reward", "task", "block"}
-    if unknown:
-        raise TypeError(f"there is no option {', '.join(sorted(unknown))}")
-    return loaded.worlds(count, checked_seed(seed), **options)
-
-
-def checked_seed(seed: Any) -> int:
-    """A seed from 0 to 2^63 - 1."""
-    seed = int(seed)
-    if not 0 <= seed < 2**63:
-        raise ValueError(f"the seed is {seed}; give one from 0 to 2^63 - 1")
-    return seed
-
-
-def _episode(options: Mapping[str, Any] | None) -> int:
-    """The number of the episode in the options of a reset; -1 for the next one."""
-    if not options:
-        return -1
-    unknown = set(options) - {"episode"}
-    if unknown:
-        raise ValueError(f"reset has no option {', '.join(sorted(map(str, unknown)))}; there is `episode`")
-    episode = int(options["episode"])
-    if episode < 0:
-        raise ValueError(f"the number of the episode is {episode}; episodes count from 0")
-    return episode
-
-
-def _numbers(action: Any, shape: tuple[int, ...]) -> NDArray[Any]:
-    """An action as an array of 32 or 64 bits a number."""
-    try:
-        numbers = np.asarray(action)
-    except ValueError as error:
-        raise ValueError(f"the action is no array of numbers: {error}") from error
-    if numbers.dtype not in (np.float32, np.float64):
-        if numbers.dtype.kind not in "iuf":
-            raise TypeError(f"the action has elements of type {numbers.dtype}; this needs float32 or float64")
-        numbers = numbers.astype(np.float64)
-    if numbers.shape != shape:
-        raise ValueError(f"the action has the shape {numbers.shape}; this needs {shape}")
-    return numbers
-
-
-class PedestrianEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
+class PedestrianEnv(Closable, gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
     """One scenario as a Gymnasium environment.
 
     ``reset(seed=s)`` starts episode 0 of the seed ``s``, and every further ``reset()`` the next one. Episode *k* of a seed has the start that
@@ -115,38 +43,29 @@ class PedestrianEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
     def __init__(
         self, scenario: Any = None, campaign: str | None = None, *, seed: int = 1, render_mode: str | None = None, **options: Any
     ) -> None:
-        if render_mode not in (None, "rgb_array"):
-            raise ValueError(f"there is no render mode {render_mode!r}; there is 'rgb_array'")
-        self.core = make_worlds(1, scenario, seed, {"campaign": campaign, **options})
-        self.render_mode = render_mode
+        self._make(1, scenario, campaign, seed, render_mode, options)
         self.observation_space = observation_space(self.core, self.core.pedestrians)
         self.action_space = action_space(self.core, self.core.pedestrians)
         tick, hold, _ = self.core.timing
         self.metadata = {**type(self).metadata, "render_fps": max(1, round(1 / (tick * hold)))}
-        self._closed = False
-
-    def _open(self) -> _core.Worlds:
-        if self._closed:
-            raise RuntimeError("the environment is closed")
-        return self.core
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
         """Start an episode. See the class for the meaning of ``seed`` and ``options``."""
-        core, episode = self._open(), _episode(options)
+        core, episode = self._open(), episode_option(options)
         if seed is not None:
             seed = checked_seed(seed)
         super().reset(seed=seed)
         if seed is not None:
             core.reseed(np.array([seed], np.int64))
         states = core.reset(np.ones(1, np.bool_), np.array([episode], np.int64))
-        return states[0], _started(core, 0)
+        return states[0], started(core, 0)
 
     def step(self, action: Any) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
         """Take one decision. At the end of an episode the info has its outcome and the verdict of the reference drivers."""
         core = self._open()
-        numbers = _numbers(action, self.action_space.shape)
+        numbers = numbers_of(action, self.action_space.shape)
         states, rewards, terminated, truncated, _ = core.step(numbers[None], "never")
         over = bool(terminated[0] or truncated[0])
         info = core.end(0) if over else {}
@@ -155,7 +74,7 @@ class PedestrianEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
     def render(self) -> NDArray[np.uint8] | None:
         """The view from above, if the environment was made with ``render_mode="rgb_array"``."""
         core = self._open()
-        return core.picture(0, _SIZE) if self.render_mode == "rgb_array" else None
+        return core.picture(0, SIZE) if self.render_mode == "rgb_array" else None
 
     def suggested(self, controller: str) -> NDArray[np.float64]:
         """The action that the built-in controller ``"homing"`` or ``"intercept"`` would take now."""
@@ -171,12 +90,7 @@ class PedestrianEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         super().close()
 
 
-def _started(core: _core.Worlds, world: int) -> dict[str, Any]:
-    place = core.place(world)
-    return {} if place is None else {"seed": place[0], "episode": place[1]}
-
-
-class PedestrianVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[Any]]):
+class PedestrianVectorEnv(Closable, VectorEnv[NDArray[np.float32], NDArray[np.float32], NDArray[Any]]):
     """Several worlds of one scenario, stepped on all cores. World *i* behaves as a :class:`PedestrianEnv` with the seed ``seed + i``.
 
     Args:
@@ -199,8 +113,6 @@ class PedestrianVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], ND
         render_mode: str | None = None,
         **options: Any,
     ) -> None:
-        if render_mode not in (None, "rgb_array"):
-            raise ValueError(f"there is no render mode {render_mode!r}; there is 'rgb_array'")
         self._autoreset = {
             AutoresetMode.NEXT_STEP: "next_step",
             AutoresetMode.SAME_STEP: "same_step",
@@ -208,20 +120,14 @@ class PedestrianVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], ND
         }.get(autoreset_mode)
         if self._autoreset is None:
             raise ValueError(f"there is no autoreset mode {autoreset_mode!r}; give a gymnasium.vector.AutoresetMode")
-        self.core = make_worlds(num_envs, scenario, seed, {"campaign": campaign, **options})
+        self._make(num_envs, scenario, campaign, seed, render_mode, options)
         self.num_envs = num_envs
-        self.render_mode = render_mode
         self.single_observation_space = observation_space(self.core, self.core.pedestrians)
         self.single_action_space = action_space(self.core, self.core.pedestrians)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.metadata = {**type(self).metadata, "autoreset_mode": autoreset_mode}
         self._over = np.zeros(num_envs, np.bool_)
-
-    def _open(self) -> _core.Worlds:
-        if self.closed:
-            raise RuntimeError("the environment is closed")
-        return self.core
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
@@ -234,7 +140,7 @@ class PedestrianVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], ND
             raise ValueError(f"reset_mask needs {self.num_envs} booleans; it has the shape {mask.shape} and the type {mask.dtype}")
         if not mask.any():
             raise ValueError("reset_mask selects no world")
-        episode = _episode(options)
+        episode = episode_option(options)
         if seed is None:
             seeds: list[int | None] = [None] * self.num_envs
         elif isinstance(seed, (int, np.integer)):
@@ -250,7 +156,7 @@ class PedestrianVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], ND
         self._over = self._over & ~mask
         infos: dict[str, Any] = {}
         for world in np.flatnonzero(mask):
-            infos = self._add_info(infos, _started(core, int(world)), int(world))
+            infos = self._add_info(infos, started(core, int(world)), int(world))
         return states, infos
 
     def step(
@@ -258,18 +164,18 @@ class PedestrianVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], ND
     ) -> tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
         """Take one decision in each world."""
         core = self._open()
-        numbers = _numbers(actions, self.action_space.shape)
+        numbers = numbers_of(actions, self.action_space.shape)
         states, rewards, terminated, truncated, last = core.step(numbers, self._autoreset)
         over, infos = terminated | truncated, {}
         if last is None:
             begun = self._over if self._autoreset == "next_step" else np.zeros_like(over)
             for world in np.flatnonzero(over | begun):
-                info = core.end(int(world)) if over[world] else _started(core, int(world))
+                info = core.end(int(world)) if over[world] else started(core, int(world))
                 infos = self._add_info(infos, info or {}, int(world))
         else:
             for world in np.flatnonzero(over):
                 ended = {"final_obs": last[world].copy(), "final_info": core.end(int(world)) or {}}
-                infos = self._add_info(infos, {**ended, **_started(core, int(world))}, int(world))
+                infos = self._add_info(infos, {**ended, **started(core, int(world))}, int(world))
         self._over = over
         return states, rewards, terminated, truncated, infos
 
@@ -278,7 +184,11 @@ class PedestrianVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.float32], ND
         core = self._open()
         if self.render_mode != "rgb_array":
             return None
-        return tuple(core.picture(world, _SIZE) for world in range(self.num_envs))
+        return tuple(core.picture(world, SIZE) for world in range(self.num_envs))
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """End the use of the environment; further calls raise ``RuntimeError``."""
+        self._closed = True
 
     def trace(self, world: int) -> dict[str, Any]:
         """The present episode of a world from tick to tick, as :meth:`PedestrianEnv.trace` has it."""

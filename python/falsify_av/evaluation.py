@@ -9,7 +9,9 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
-from .environments import PedestrianVectorEnv, checked_seed
+from .environments import PedestrianVectorEnv
+from .progress import Progress, shown
+from .worlds import checked_seed
 
 #: Takes the states of some worlds, one a row, and returns an action for each.
 Pedestrian = Callable[[NDArray[np.float32]], NDArray[np.floating[Any]]]
@@ -23,6 +25,7 @@ def evaluate(
     episodes: int,
     seed: int = 1,
     num_envs: int = 64,
+    progress: bool | Progress = False,
     **options: Any,
 ) -> list[dict[str, Any]]:
     """Run episodes 0, 1, ... of a seed with a pedestrian, and return what each ended with, in their order.
@@ -36,6 +39,7 @@ def evaluate(
         episodes: The number of episodes.
         seed: The seed of the campaign.
         num_envs: The most episodes that run at once.
+        progress: ``True`` for a bar in a terminal or a notebook, or a function that is called with the episodes done and all episodes.
     """
     if episodes < 1:
         raise ValueError(f"the number of episodes is {episodes}; give at least 1")
@@ -50,6 +54,7 @@ def evaluate(
     rows: dict[int, dict[str, Any]] = {}
     following = worlds
     left = episodes
+    tell = shown(progress, "episodes")
     while left:
         actions = np.asarray(pedestrian(states))
         states, _, terminated, truncated, _ = env.step(actions)
@@ -61,6 +66,7 @@ def evaluate(
             number[world] = following
             following += 1
         if over.any():
+            tell(episodes - left, episodes)
             # A world without an episode of its own starts another one all the same; its row is not used.
             states = core.reset(over, number)
     return [rows[episode] for episode in range(episodes)]

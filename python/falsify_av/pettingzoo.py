@@ -7,11 +7,10 @@ from typing import Any, ClassVar
 import numpy as np
 from pettingzoo import ParallelEnv
 
-from . import _core
-from .environments import _SIZE, _episode, _numbers, _started, action_space, checked_seed, make_worlds, observation_space
+from .worlds import SIZE, Closable, action_space, checked_seed, episode_option, numbers_of, observation_space, started
 
 
-class PedestriansEnv(ParallelEnv):
+class PedestriansEnv(Closable, ParallelEnv):
     """One scenario in which each controlled pedestrian is an agent, ``pedestrian_0`` and so on. All agents get the reward of the episode.
 
     An episode ends for all agents at once. Seeds and options are those of :class:`falsify_av.PedestrianEnv`.
@@ -26,21 +25,12 @@ class PedestriansEnv(ParallelEnv):
     def __init__(
         self, scenario: Any = None, campaign: str | None = None, *, seed: int = 1, render_mode: str | None = None, **options: Any
     ) -> None:
-        if render_mode not in (None, "rgb_array"):
-            raise ValueError(f"there is no render mode {render_mode!r}; there is 'rgb_array'")
-        self.core = make_worlds(1, scenario, seed, {"campaign": campaign, **options})
-        self.render_mode = render_mode
+        self._make(1, scenario, campaign, seed, render_mode, options)
         self.possible_agents = [f"pedestrian_{number}" for number in range(self.core.pedestrians)]
         self.agents: list[str] = []
         # One object for each agent: spaces have generators of their own.
         self.observation_spaces = {agent: observation_space(self.core, 1) for agent in self.possible_agents}
         self.action_spaces = {agent: action_space(self.core, 1) for agent in self.possible_agents}
-        self._closed = False
-
-    def _open(self) -> _core.Worlds:
-        if self._closed:
-            raise RuntimeError("the environment is closed")
-        return self.core
 
     def observation_space(self, agent: str) -> Any:
         """The observations of an agent."""
@@ -58,12 +48,12 @@ class PedestriansEnv(ParallelEnv):
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, np.ndarray], dict[str, dict[str, Any]]]:
         """Start an episode. Of the options only ``episode`` has a meaning; PettingZoo's own test passes others."""
-        core, episode = self._open(), _episode({name: options[name] for name in options or {} if name == "episode"})
+        core, episode = self._open(), episode_option({name: options[name] for name in options or {} if name == "episode"})
         if seed is not None:
             core.reseed(np.array([checked_seed(seed)], np.int64))
         states = core.reset(np.ones(1, np.bool_), np.array([episode], np.int64))
         self.agents = self.possible_agents[:]
-        return self._observations(states[0]), {agent: _started(core, 0) for agent in self.agents}
+        return self._observations(states[0]), {agent: started(core, 0) for agent in self.agents}
 
     def step(self, actions: dict[str, np.ndarray]) -> tuple[dict, dict, dict, dict, dict]:
         """Take one decision for each agent."""
@@ -73,7 +63,7 @@ class PedestriansEnv(ParallelEnv):
         missing = [agent for agent in self.agents if agent not in actions]
         if missing:
             raise ValueError(f"there is no action for {', '.join(missing)}")
-        joint = np.concatenate([_numbers(actions[agent], self.action_spaces[agent].shape) for agent in self.agents])
+        joint = np.concatenate([numbers_of(actions[agent], self.action_spaces[agent].shape) for agent in self.agents])
         states, rewards, terminated, truncated, _ = core.step(joint[None], "never")
         over = bool(terminated[0] or truncated[0])
         agents, self.agents = self.agents, [] if over else self.agents
@@ -88,7 +78,7 @@ class PedestriansEnv(ParallelEnv):
     def render(self) -> np.ndarray | None:
         """The view from above, if the environment was made with ``render_mode="rgb_array"``."""
         core = self._open()
-        return core.picture(0, _SIZE) if self.render_mode == "rgb_array" else None
+        return core.picture(0, SIZE) if self.render_mode == "rgb_array" else None
 
     def close(self) -> None:
         """End the use of the environment."""

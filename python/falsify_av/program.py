@@ -1,7 +1,7 @@
 """The program ``falsify`` from Python: it runs campaigns, repeats episodes and writes reports; here are its calls and its tables.
 
 The wheel of environments has no table library and no command line. These functions start the program, which
-``cargo install --locked --path .`` in a clone installs; ``FALSIFY_BIN`` may name it. Ctrl-C ends it as in a terminal, and finished work is kept.
+``cargo install --locked --path .`` in a clone installs; ``FALSIFY_BIN`` may name another one.
 """
 
 from __future__ import annotations
@@ -9,13 +9,17 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import sysconfig
-from collections.abc import Mapping, Sequence
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from .progress import Progress, shown
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -48,24 +52,72 @@ def find() -> str:
     return found
 
 
-def call(*arguments: str | os.PathLike[str], show: bool = False) -> str:
-    """Call the program with these arguments and return what it prints. With ``show`` its messages go to the terminal as it runs.
+def call(*arguments: str | os.PathLike[str], show: bool = False, each_line: Callable[[str], None] | None = None) -> str:
+    """Call the program with these arguments and return what it prints.
+
+    Ctrl-C ends the program after the work in hand, which is kept, and a second one at once; then ``KeyboardInterrupt`` is raised.
+
+    Args:
+        arguments: Those of the command line.
+        show: Whether its messages go to the terminal as it runs.
+        each_line: Is called with each line of its output as it comes.
 
     Raises:
         ProgramError: It ended with an error.
     """
     command = [find(), *map(os.fspath, arguments)]
-    stderr = sys.__stderr__ if show else subprocess.PIPE
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=stderr, text=True, encoding="utf-8") as process:
-        try:
-            out, text = process.communicate()
-        except KeyboardInterrupt:
-            # The terminal has sent the signal to the program, too: it ends after the work in hand.
-            process.wait()
-            raise
+    with tempfile.TemporaryFile("w+", encoding="utf-8") as messages:
+        stderr = sys.__stderr__ if show else messages
+        # A session of its own: a Ctrl-C on the terminal reaches Python alone, which passes on one.
+        with subprocess.Popen(
+            command, stdout=subprocess.PIPE, stderr=stderr, text=True, encoding="utf-8", start_new_session=os.name == "posix"
+        ) as process:
+            try:
+                out = ""
+                for line in process.stdout or ():
+                    out += line
+                    if each_line is not None:
+                        each_line(line)
+                process.wait()
+            except BaseException:
+                _interrupt(process)
+                raise
+        messages.seek(0)
+        text = messages.read()
     if process.returncode:
-        raise ProgramError(process.returncode, text or "")
+        raise ProgramError(process.returncode, text)
     return out
+
+
+def _interrupt(process: subprocess.Popen[str]) -> None:
+    """End the program, as Ctrl-C in a terminal does."""
+    for _ in range(2):
+        try:
+            if os.name == "posix":
+                process.send_signal(signal.SIGINT)
+            else:
+                process.terminate()
+            process.wait()
+        except KeyboardInterrupt:
+            continue
+        return
+    process.kill()
+
+
+class _Tasks:
+    """Counts the tasks of a run by the events that `--format json` prints, for a progress bar."""
+
+    def __init__(self, tell: Progress) -> None:
+        self._tell = tell
+        self._done = self._total = 0
+
+    def __call__(self, line: str) -> None:
+        event = json.loads(line)
+        if event["event"] == "campaign_begun":
+            self._total += event["trainings"] + event["evaluations"] + event["searches"]
+        elif event["event"] == "task_finished":
+            self._done += 1
+            self._tell(self._done, self._total)
 
 
 @dataclass(frozen=True)
@@ -85,7 +137,10 @@ class Report:
         return sorted({path.stem for kind in ("parquet", "csv") for path in self.folder.glob(f"*.{kind}")})
 
     def table(self, name: str) -> pyarrow.Table:
-        """A table as Arrow, from Parquet if the report has it, else from CSV. ``polars.from_arrow`` takes it without a copy.
+        """A table as Arrow, from Parquet if the report has it, else from CSV.
+
+        It has Arrow's interface of capsules, so ``polars.from_arrow`` takes it without a copy, and
+        ``table.to_pandas(types_mapper=pandas.ArrowDtype)`` gives columns that are Arrow's own.
 
         It needs ``pip install falsify-av[tables]``.
         """
@@ -107,6 +162,7 @@ def run(
     allow_external: bool = False,
     arguments: Sequence[str] = (),
     show: bool = False,
+    progress: bool | Progress = False,
 ) -> dict[str, Report]:
     """Run the campaigns of scenario files and return their reports by the names of their folders.
 
@@ -118,6 +174,7 @@ def run(
         allow_external: Whether the files may start programs as drivers.
         arguments: Further arguments of ``falsify run``.
         show: Whether messages go to the terminal as it runs.
+        progress: ``True`` for a bar, or a function that is called with the finished tasks and all tasks of the campaigns begun.
     """
     named = [files] if isinstance(files, (str, os.PathLike)) else list(files)
     command = ["run", *map(os.fspath, named), "--out", os.fspath(out), "--seed", str(seed)]
@@ -125,7 +182,10 @@ def run(
         command += ["--set", f"{name}={value}"]
     if allow_external:
         command.append("--allow-external")
-    call(*command, *arguments, show=show)
+    if progress:
+        call(*command, "--format", "json", *arguments, show=show, each_line=_Tasks(shown(progress, "tasks")))
+    else:
+        call(*command, *arguments, show=show)
     return reports(out)
 
 
@@ -133,6 +193,54 @@ def reports(out: str | os.PathLike[str] = "reports") -> dict[str, Report]:
     """The reports in a folder, by the names of their folders."""
     found = sorted(Path(out).glob("*/manifest.toml"))
     return {path.parent.name: Report(path.parent) for path in found}
+
+
+def failures(report: str | os.PathLike[str] = "reports", *, arguments: Sequence[str] = ()) -> list[dict[str, Any]]:
+    """The failures of a report or of a folder of reports, those that count most against a driver first.
+
+    ``arguments`` are further ones of ``falsify failures``, such as ``["--verdict", "attributable", "--top", "5"]``.
+    """
+    return [json.loads(line) for line in call("failures", os.fspath(report), "--format", "json", *arguments).splitlines()]
+
+
+def compare(
+    before: str | os.PathLike[str],
+    after: str | os.PathLike[str] | None = None,
+    *,
+    drivers: tuple[str, str] | None = None,
+    page: str | os.PathLike[str] | None = None,
+    arguments: Sequence[str] = (),
+) -> dict[str, Any]:
+    """Compare two reports start by start, or two drivers of one report: rates with paired intervals, failures that are new, fixed or the same.
+
+    Args:
+        before, after: Two reports, or one and ``drivers``.
+        drivers: The driving policy before and the one after.
+        page: A file for a page with both episodes of the worst changes side by side.
+        arguments: Further arguments of ``falsify compare``.
+    """
+    command = ["compare", os.fspath(before)]
+    if after is not None:
+        command.append(os.fspath(after))
+    if drivers is not None:
+        command += ["--drivers", *drivers]
+    if page is not None:
+        command += ["--page", os.fspath(page)]
+    return json.loads(call(*command, "--format", "json", *arguments))
+
+
+def export(
+    name: str, form: str, *, report: str | os.PathLike[str] = "reports", to: str | os.PathLike[str] = ".", arguments: Sequence[str] = ()
+) -> list[Path]:
+    """Write an episode ``RUN:EPISODE`` for another program and return the new and the changed files.
+
+    ``form`` is a format of ``falsify export --formats``, such as ``"xosc-1.3"``.
+    """
+    folder = Path(to)
+    folder.mkdir(parents=True, exist_ok=True)
+    before = {path: path.stat().st_mtime_ns for path in folder.iterdir()}
+    call("export", name, "--as", form, "--report", os.fspath(report), "--out", os.fspath(folder), *arguments)
+    return sorted(path for path in folder.iterdir() if before.get(path) != path.stat().st_mtime_ns)
 
 
 def replay(name: str, *, out: str | os.PathLike[str] = "reports", arguments: Sequence[str] = ()) -> dict[str, Any]:

@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 from stable_baselines3.common.vec_env import VecEnv
 
-from . import _core
-from .environments import _numbers, _SIZE, action_space, checked_seed, make_worlds, observation_space
+from .worlds import SIZE, Closable, action_space, checked_seed, numbers_of, observation_space
 
 
-class PedestrianVecEnv(VecEnv):
+class PedestrianVecEnv(Closable, VecEnv):
     """Several worlds of one scenario. World *i* behaves as a :class:`falsify_av.PedestrianEnv` with the seed ``seed + i``.
 
     A world whose episode is over starts the next one in the same step. Its info then has ``terminal_observation``,
@@ -29,21 +28,12 @@ class PedestrianVecEnv(VecEnv):
         render_mode: str | None = None,
         **options: Any,
     ) -> None:
-        if render_mode not in (None, "rgb_array"):
-            raise ValueError(f"there is no render mode {render_mode!r}; there is 'rgb_array'")
-        self.core = make_worlds(num_envs, scenario, seed, {"campaign": campaign, **options})
-        self.render_mode = render_mode
-        self._closed = False
+        self._make(num_envs, scenario, campaign, seed, render_mode, options)
         self._actions: np.ndarray | None = None
         self._lengths = np.zeros(num_envs, np.int64)
         super().__init__(
             num_envs, observation_space(self.core, self.core.pedestrians), action_space(self.core, self.core.pedestrians)
         )
-
-    def _open(self) -> _core.Worlds:
-        if self._closed:
-            raise RuntimeError("the environment is closed")
-        return self.core
 
     def reset(self) -> np.ndarray:
         """Start an episode in every world: with the seeds of ``seed`` if it was called since the last reset."""
@@ -62,7 +52,7 @@ class PedestrianVecEnv(VecEnv):
     def step_async(self, actions: np.ndarray) -> None:
         """Take the actions of the next step."""
         self._open()
-        self._actions = _numbers(actions, (self.num_envs, *self.action_space.shape))
+        self._actions = numbers_of(actions, (self.num_envs, *self.action_space.shape))
 
     def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:
         """Step all worlds."""
@@ -93,7 +83,7 @@ class PedestrianVecEnv(VecEnv):
     def get_images(self) -> Sequence[np.ndarray | None]:
         """A view from above of each world."""
         core = self._open()
-        return [core.picture(world, _SIZE) for world in range(self.num_envs)]
+        return [core.picture(world, SIZE) for world in range(self.num_envs)]
 
     def _chosen(self, indices: None | int | Iterable[int]) -> list[int]:
         return list(self._get_indices(indices))

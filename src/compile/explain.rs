@@ -109,8 +109,10 @@ impl Catalog {
     fn choosing(&self, word: &str) -> Vec<String> {
         fn gather(head: &str, signature: &Signature, word: &str, found: &mut Vec<String>) {
             let takes = |ty: &Type| match ty {
-                Type::Choice(words) => words.contains(&word),
-                Type::List(item) => matches!(&**item, Type::Choice(words) if words.contains(&word)),
+                Type::Choice(words) | Type::WordOrReference(words, _) => words.contains(&word),
+                Type::List(item) => {
+                    matches!(&**item, Type::Choice(words) | Type::WordOrReference(words, _) if words.contains(&word))
+                }
                 _ => false,
             };
             let params = signature.params.iter().filter(|param| takes(&param.ty));

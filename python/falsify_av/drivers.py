@@ -1,0 +1,120 @@
+"""Drivers under test that are Python objects: a class of one's own, or a network in an ONNX file.
+
+A driver has one method ``drive(world)``. It gets what a driver in a separate program gets (``scenarios/external/README.md``): ``ego``,
+``speed_limit``, ``light``, ``actors`` and ``route``, in the world's frame, in m, s and rad. It returns ``throttle`` and ``brake`` (0 to 1) or
+``acceleration`` (m/s^2), and ``steer`` (-1 to 1, positive to the left). A method ``reset(hello, seed)`` is called before each episode, if there is
+one: ``hello`` describes the car, and ``seed`` is the only source of random numbers.
+
+``serve(MyDriver)`` makes a program of it that campaigns and environments name: ``policy mine = external(command: "python3 mine.py")``. Each world
+has a driver of its own.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+_GREETING = {"protocol": "falsify-av/1", "name": "falsify_av"}
+_LIGHTS = {"green": 1.0, "yellow": 2.0, "red": 3.0}
+
+
+class Driver(Protocol):
+    """A driver under test. ``reset(hello, seed)`` may be there, too."""
+
+    def drive(self, world: dict[str, Any]) -> Mapping[str, Any]:
+        """Choose the control of the next tick."""
+        ...
+
+
+class _Answers:
+    """The messages of a program, answered by drivers: one for each world."""
+
+    def __init__(self, make: Callable[[], Driver]) -> None:
+        self._make = make
+        self._hello: dict[str, Any] = {}
+        self._drivers: dict[int, Driver] = {}
+
+    def __call__(self, message: bytes) -> bytes:
+        request = json.loads(message)
+        if request["type"] == "hello":
+            self._hello = request
+            return json.dumps(_GREETING).encode()
+        return json.dumps({"actions": [self._drive(world) for world in request["worlds"]]}).encode()
+
+    def _drive(self, world: dict[str, Any]) -> dict[str, Any]:
+        number = world["id"]
+        if number not in self._drivers:
+            self._drivers[number] = self._make()
+        driver = self._drivers[number]
+        reset = getattr(driver, "reset", None)
+        if "seed" in world and reset is not None:
+            reset(self._hello, world["seed"])
+        control = driver.drive(world)
+        if not isinstance(control, Mapping):
+            raise TypeError(f"drive returned {type(control).__name__}; return a dict with throttle and brake or acceleration, and steer")
+        return {"id": number, **{key: value if isinstance(value, str) else float(value) for key, value in control.items() if key != "id"}}
+
+
+def serve(make: Callable[[], Driver]) -> None:
+    """Answer the messages on the standard input until it ends, as a program that a scenario names."""
+    answer = _Answers(make)
+    for line in sys.stdin.buffer:
+        sys.stdout.buffer.write(answer(line) + b"\n")
+        sys.stdout.buffer.flush()
+
+
+class OnnxDriver:
+    """A network with the inputs ``ego``, ``actors`` and ``route`` as `scenarios/external/README.md` describes them.
+
+    It runs in onnxruntime: ``serve(lambda: OnnxDriver("net.onnx"))``, or with a session of one's own. A scenario's ``policy p = onnx(model: …)``
+    needs no onnxruntime.
+    """
+
+    def __init__(self, model: Any) -> None:
+        if hasattr(model, "get_inputs"):
+            self.session = model
+        else:
+            import onnxruntime
+
+            self.session = onnxruntime.InferenceSession(str(model), providers=["CPUExecutionProvider"])
+        self._rows = {each.name: each.shape for each in self.session.get_inputs()}
+
+    def drive(self, world: dict[str, Any]) -> dict[str, float]:
+        """Run the network."""
+        numbers = self.session.run(None, {name: self._input(name, shape, world) for name, shape in self._rows.items()})[0].ravel()
+        names = ("acceleration", "steer") if len(numbers) == 2 else ("throttle", "brake", "steer")
+        return {name: float(number) for name, number in zip(names, numbers)}
+
+    def _input(self, name: str, shape: list[Any], world: dict[str, Any]) -> NDArray[np.float32]:
+        ego = world["ego"]
+        sin, cos = math.sin(ego["yaw"]), math.cos(ego["yaw"])
+
+        def turned(x: float, y: float) -> tuple[float, float]:
+            return cos * x + sin * y, cos * y - sin * x
+
+        def place(x: float, y: float, yaw: float) -> tuple[float, float, float]:
+            return (*turned(x - ego["x"], y - ego["y"]), math.remainder(yaw - ego["yaw"], 2 * math.pi))
+
+        if name == "ego":
+            light = world["light"]
+            seen = (_LIGHTS[light["colour"]], light["distance"]) if light else (0.0, 0.0)
+            return np.array([[ego["speed"], world["speed_limit"], *seen]], np.float32)
+        if name == "actors":
+            rows = [
+                [1.0, *place(each["x"], each["y"], each["yaw"]), *turned(each["vx"], each["vy"]), each["length"], each["width"]]
+                for each in world["actors"]
+            ]
+            empty = [0.0] * 8
+        elif name == "route":
+            rows = [list(place(*point)) for point in world["route"]]
+            empty = rows[-1] if rows else [0.0] * 3
+        else:
+            raise ValueError(f"the network has the input {name!r}; there are ego, actors, route")
+        count = shape[1]
+        return np.array([(rows + [empty] * count)[:count]], np.float32)

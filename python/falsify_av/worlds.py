@@ -1,0 +1,109 @@
+"""The worlds that every environment of this package steps: how they are made, what their numbers mean, and when they are closed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from . import _core
+from .scenarios import load
+
+#: The numbers of an observation of one pedestrian, in order.
+OBSERVATION = ("bearing", "distance", "relative_heading", "speed")
+#: The numbers of an action of one pedestrian, in order.
+ACTION = ("heading", "speed")
+
+# Bounds that no episode reaches: a car of 1,000 km/h drives 28 km in 100 s.
+_FARTHEST, _FASTEST = 1e5, 1e3
+#: Pixels of a picture from side to side.
+SIZE = 256
+
+
+def observation_space(worlds: _core.Worlds, pedestrians: int) -> spaces.Box:
+    """The states of some pedestrians, one after another."""
+    high = np.array([np.pi, _FARTHEST, np.pi, _FASTEST], np.float32)
+    if worlds.scaled[0]:
+        high = (high / np.array([np.pi, 30.0, np.pi, 8.0])).astype(np.float32)
+    low = high * np.array([-1, 0, -1, 0], np.float32)
+    return spaces.Box(np.tile(low, pedestrians), np.tile(high, pedestrians), dtype=np.float32)
+
+
+def action_space(worlds: _core.Worlds, pedestrians: int) -> spaces.Box:
+    """The actions of some pedestrians, one after another."""
+    bounds = np.array(worlds.action_bounds()[: 2 * pedestrians], np.float32)
+    return spaces.Box(bounds[:, 0], bounds[:, 1], dtype=np.float32)
+
+
+def make_worlds(count: int, scenario: Any, seed: int, options: Mapping[str, Any]) -> _core.Worlds:
+    """Worlds of one scenario of the files; ``options`` are those of :func:`make`."""
+    options = dict(options)
+    loaded = load(scenario, options.pop("settings", ()), options.pop("maps", None), options.pop("allow_external", False))
+    unknown = set(options) - {"campaign", "town", "policy", "reward", "task", "block"}
+    if unknown:
+        raise TypeError(f"there is no option {', '.join(sorted(unknown))}")
+    return loaded.worlds(count, checked_seed(seed), **options)
+
+
+def checked_seed(seed: Any) -> int:
+    """A seed from 0 to 2^63 - 1."""
+    seed = int(seed)
+    if not 0 <= seed < 2**63:
+        raise ValueError(f"the seed is {seed}; give one from 0 to 2^63 - 1")
+    return seed
+
+
+def episode_option(options: Mapping[str, Any] | None) -> int:
+    """The number of the episode in the options of a reset; -1 for the next one."""
+    if not options:
+        return -1
+    unknown = set(options) - {"episode"}
+    if unknown:
+        raise ValueError(f"reset has no option {', '.join(sorted(map(str, unknown)))}; there is `episode`")
+    episode = int(options["episode"])
+    if episode < 0:
+        raise ValueError(f"the number of the episode is {episode}; episodes count from 0")
+    return episode
+
+
+def numbers_of(action: Any, shape: tuple[int, ...]) -> NDArray[Any]:
+    """An action as an array of 32 or 64 bits a number."""
+    try:
+        numbers = np.asarray(action)
+    except ValueError as error:
+        raise ValueError(f"the action is no array of numbers: {error}") from error
+    if numbers.dtype not in (np.float32, np.float64):
+        if numbers.dtype.kind not in "iuf":
+            raise TypeError(f"the action has elements of type {numbers.dtype}; this needs float32 or float64")
+        numbers = numbers.astype(np.float64)
+    if numbers.shape != shape:
+        raise ValueError(f"the action has the shape {numbers.shape}; this needs {shape}")
+    return numbers
+
+
+def started(core: _core.Worlds, world: int) -> dict[str, Any]:
+    place = core.place(world)
+    return {} if place is None else {"seed": place[0], "episode": place[1]}
+
+
+class Closable:
+    """The compiled worlds of an environment, until it is closed."""
+
+    core: _core.Worlds
+    _closed = False
+
+    def _make(
+        self, count: int, scenario: Any, campaign: str | None, seed: int, render_mode: str | None, options: Mapping[str, Any]
+    ) -> None:
+        if render_mode not in (None, "rgb_array"):
+            raise ValueError(f"there is no render mode {render_mode!r}; there is 'rgb_array'")
+        self.core = make_worlds(count, scenario, seed, {"campaign": campaign, **options})
+        self.render_mode = render_mode
+
+    def _open(self) -> _core.Worlds:
+        if self._closed:
+            raise RuntimeError("the environment is closed")
+        return self.core
