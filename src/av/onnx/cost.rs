@@ -23,7 +23,7 @@ impl Operator {
         self.numbers.get(name)?.first().copied()
     }
 
-    /// The first input whose numbers set the size of the results, by its place, and all after it that do, too.
+    /// The places of the inputs whose numbers set the size of the results.
     pub fn sizing(&self) -> &'static [usize] {
         match self.kind.as_str() {
             "ConstantOfShape" | "NonZero" => &[0],
@@ -170,11 +170,9 @@ pub(super) fn cost(operator: &Operator, inputs: &[Option<Known>]) -> Cost {
                 .collect();
             let all = margins.iter().fold(0_u64, |sum, margin| sum.saturating_add(*margin));
             let rank = data.shape.len();
-            let margin = |axis: usize| match margins.len() == 2 * rank {
-                true => margins[axis].saturating_add(margins[axis + rank]),
-                // Which axes the margins belong to is another input.
-                false => all,
-            };
+            // Without a pair for each axis, another input says which axes the margins belong to.
+            let paired = margins.len() == 2 * rank;
+            let margin = |axis: usize| if paired { margins[axis].saturating_add(margins[axis + rank]) } else { all };
             Cost::linear(product(data.shape.iter().enumerate().map(|(axis, size)| size.saturating_add(margin(axis)))))
         }
         "Resize" | "Upsample" => {

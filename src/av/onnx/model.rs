@@ -1,8 +1,8 @@
-use rten::{Dimension, ModelOptions, NodeId, RunOptions, Value, ValueOrView};
+use rten::{Dimension, NodeId, RunOptions, Value, ValueOrView};
 use rten_tensor::prelude::*;
 use rten_tensor::{Tensor, TensorView};
 
-use super::trial::evaluate;
+use super::trial::{evaluate, load};
 use super::vetting::vet;
 use crate::av::Fault;
 use crate::av::view::View;
@@ -86,12 +86,7 @@ impl Model {
 
     fn read_and_try(bytes: Vec<u8>) -> Result<Self, ModelError> {
         let operators = vet(&bytes).map_err(ModelError::Unreadable)?;
-        let load = |bytes: Vec<u8>, optimized: bool| {
-            let mut options = ModelOptions::with_all_ops();
-            let loaded = options.enable_optimization(optimized).load(bytes);
-            loaded.map_err(|error| ModelError::Unreadable(error.to_string()))
-        };
-        // To optimize a network, the runtime evaluates the operators on constants. So it is evaluated with bounds before that.
+        let load = |bytes, optimized| load(bytes, optimized).map_err(ModelError::Unreadable);
         let mut this = Self::of(load(bytes.clone(), false)?)?;
         let empty = this.encode(&View::default());
         evaluate(&this.network, &operators, this.values(&empty)).map_err(ModelError::Unrunnable)?;

@@ -1,10 +1,11 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
-use rten::{DataType, Dimension, ModelOptions, NodeId, RunOptions, ValueOrView, ValueType};
+use rten::{DataType, Dimension, NodeId, RunOptions, Value, ValueOrView, ValueType};
 use rten_tensor::prelude::*;
 use rten_tensor::{Tensor, TensorView};
 
 use super::engine::{Batch, Engine};
+use super::trial::{evaluate, load};
 use super::vetting::vet;
 use crate::av::Fault;
 use crate::contained::contained;
@@ -55,17 +56,26 @@ impl Network {
     }
 
     fn read_and_try(bytes: Vec<u8>) -> Result<Self, NetworkError> {
-        vet(&bytes).map_err(NetworkError::Unreadable)?;
-        let network =
-            ModelOptions::with_all_ops().load(bytes).map_err(|error| NetworkError::Unreadable(error.to_string()))?;
+        let operators = vet(&bytes).map_err(NetworkError::Unreadable)?;
+        let load = |bytes, optimized| load(bytes, optimized).map_err(NetworkError::Unreadable);
+        let mut this = Self::of(load(bytes.clone(), false)?)?;
+        let zeros = vec![0.0; this.inputs];
+        let row: TensorView<f32> = TensorView::from_data(&[1, this.inputs], zeros.as_slice());
+        let values = vec![(this.input, Value::from(row.to_tensor()))];
+        evaluate(&this.network, &operators, values).map_err(NetworkError::Unrunnable)?;
+        this = Self::of(load(bytes, true)?)?;
+        this.outputs = this.answer(&zeros, RunOptions::default()).map_err(NetworkError::Unrunnable)?.len();
+        Ok(this)
+    }
+
+    /// A network with one row as input and one output.
+    fn of(network: rten::Model) -> Result<Self, NetworkError> {
         let (&[input], &[output]) = (network.input_ids(), network.output_ids()) else {
             let (inputs, outputs) = (network.input_ids().len(), network.output_ids().len());
             return Err(NetworkError::Count { inputs, outputs });
         };
         let inputs = width(&network, input).ok_or(NetworkError::Input)?;
-        let mut this = Self { network, input, output, inputs, outputs: 0 };
-        this.outputs = this.answer(&vec![0.0; inputs], RunOptions::default()).map_err(NetworkError::Unrunnable)?.len();
-        Ok(this)
+        Ok(Self { network, input, output, inputs, outputs: 0 })
     }
 
     /// The number of numbers that it takes.

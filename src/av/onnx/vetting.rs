@@ -10,7 +10,7 @@ const DEEPEST: u32 = 4;
 const MOST_OPERATORS: u32 = 20_000;
 
 /// Operators that have graphs of their own, or make lists of tensors.
-const ENDLESS: [&str; 8] = [
+const UNBOUNDED: [&str; 8] = [
     "If",
     "Loop",
     "Scan",
@@ -54,7 +54,7 @@ enum Content<'a> {
 /// Checks a file, and returns its operators in the order of the file.
 ///
 /// # Errors
-/// A length that does not fit, a tensor without its data, or an operator that may run without end.
+/// A length that does not fit, a tensor without its data, or an operator whose work has no bound.
 ///
 /// # Source
 /// `onnx.proto` of the ONNX project; the encoding of protocol buffers.
@@ -114,8 +114,8 @@ impl Vetting {
             }
             Ok(())
         })?;
-        if ENDLESS.contains(&operator.kind.as_str()) {
-            return Err(format!("its operator {} may run without end", operator.kind));
+        if UNBOUNDED.contains(&operator.kind.as_str()) {
+            return Err(format!("its operator {} has graphs or lists inside; export it without", operator.kind));
         }
         self.operators.push(operator);
         Ok(())
@@ -315,6 +315,9 @@ mod tests {
         );
         let node =
             |operator: &[u8], input: &[u8]| field(1, &[field(1, input), field(2, b"y"), field(4, operator)].concat());
-        assert_eq!(vet(&model(&[node(b"Loop", b"x")])).unwrap_err(), "its operator Loop may run without end");
+        assert_eq!(
+            vet(&model(&[node(b"Loop", b"x")])).unwrap_err(),
+            "its operator Loop has graphs or lists inside; export it without"
+        );
     }
 }
