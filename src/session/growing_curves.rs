@@ -1,12 +1,13 @@
 use std::collections::BTreeSet;
 use std::fs::{self, File};
-use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::{Notice, Observer};
 use crate::compile::{Training, TrainingKey};
+use crate::files;
 use crate::report::learning_curve_lines;
 use crate::rl::UpdateLog;
 
@@ -81,9 +82,11 @@ pub(super) fn training_name(key: &TrainingKey) -> String {
 /// Gives a file this content. What is equal at its start is not written again.
 fn begin(path: &Path, content: &[u8]) -> io::Result<()> {
     fs::create_dir_all(path.parent().expect("a curve is in a folder"))?;
-    let mut file = File::options().read(true).write(true).create(true).truncate(false).open(path)?;
-    let mut there = Vec::new();
-    file.read_to_end(&mut there)?;
+    let there = match files::bytes(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
+        read => read?,
+    };
+    let mut file = File::options().write(true).create(true).truncate(false).open(path)?;
     let equal = there.iter().zip(content).take_while(|(one, other)| one == other).count();
     file.set_len(equal as u64)?;
     file.seek(SeekFrom::Start(equal as u64))?;
