@@ -164,3 +164,48 @@ fn the_page_of_commands_has_every_command() {
         assert!(page.lines().any(|line| line.starts_with(&name)), "docs/src/reference/commands.md has no row `{name}`");
     }
 }
+
+/// The page of options: every command with its arguments, as `--help` has them.
+fn options_page() -> String {
+    let mut page = String::from(
+        "# Options of all commands\n\nThe options of each command, generated from the program. `falsify COMMAND --help` has the same with examples.\n",
+    );
+    let mut program = Arguments::command();
+    program.build();
+    for command in program.get_subcommands().filter(|command| command.get_name() != "help") {
+        let inner: Vec<&Command> = command.get_subcommands().filter(|each| each.get_name() != "help").collect();
+        let named = if inner.is_empty() { vec![(String::new(), command)] } else { Vec::new() };
+        let named = inner.into_iter().map(|each| (format!(" {}", each.get_name()), each)).chain(named);
+        for (suffix, each) in named {
+            let about = each.get_about().map(ToString::to_string).unwrap_or_default();
+            page += &format!("\n## falsify {}{suffix}\n\n{about}.\n", command.get_name());
+            let shown = |arg: &&clap::Arg| !arg.is_hide_set() && !["help", "color"].contains(&arg.get_id().as_str());
+            let arguments: Vec<&clap::Arg> = each.get_arguments().filter(shown).collect();
+            if !arguments.is_empty() {
+                page += "\n| option | meaning | default |\n|---|---|---|\n";
+            }
+            for arg in arguments {
+                let help = arg.get_help().map(ToString::to_string).unwrap_or_default();
+                let help =
+                    help.split_whitespace().collect::<Vec<_>>().join(" ").replace('|', "\\|").replace('<', "&lt;");
+                let defaults = if arg.get_action().takes_values() { arg.get_default_values() } else { &[] };
+                let values: Vec<String> =
+                    defaults.iter().map(|value| format!("`{}`", value.to_string_lossy())).collect();
+                let name = arg.to_string().replace('|', "\\|");
+                page += &format!("| `{name}` | {help} | {} |\n", values.join(", "));
+            }
+        }
+    }
+    page
+}
+
+#[test]
+fn the_page_of_options_is_that_of_the_program() {
+    let place = source().join("reference/options.md");
+    let page = options_page();
+    if std::env::var_os("UPDATE_REFERENCE").is_some() {
+        std::fs::write(&place, &page).unwrap();
+    }
+    let written = std::fs::read_to_string(&place).unwrap_or_default();
+    assert!(written == page, "docs/src/reference/options.md is outdated; run this test with UPDATE_REFERENCE=1");
+}
