@@ -1,4 +1,4 @@
-use super::{DrivingMode, DrivingPolicy, Path, Perception, lane_keeping};
+use super::{DrivingMode, DrivingPolicy, Path, Perception, crosswalks, lane_keeping};
 use crate::geometry::{Point, wrap_angle};
 use crate::seed::Stream;
 use crate::signature::{Arguments, Param, Signature, Type};
@@ -30,6 +30,8 @@ pub struct Idm {
     hardest: f64,
     reaction_allowance: f64,
     margin: f64,
+    /// Whether it yields to pedestrians at crosswalks.
+    yields: bool,
     path: Path,
     mode: DrivingMode,
 }
@@ -37,12 +39,24 @@ pub struct Idm {
 /// Lateral acceleration in bends (m/s²).
 const LATERAL: f64 = 2.0;
 
-/// The first road user or red light in the corridor.
+/// How far before a crosswalk it stops, if its gap at rest were 0 (m): there is the line of a stop.
+const STOP_LINE: f64 = 1.0;
+
+/// The first road user, red light or crosswalk in the corridor.
 #[derive(Debug, Clone, Copy)]
 struct Leader {
     gap: f64,
     speed: f64,
-    light: bool,
+    kind: LeaderKind,
+}
+
+/// What a driver follows or stops for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum LeaderKind {
+    RoadUser,
+    RedLight,
+    /// With a pedestrian on it or about to use it.
+    Crosswalk,
 }
 
 impl Idm {
@@ -91,6 +105,12 @@ impl Idm {
                     "0.5 m",
                     "How far beside its body its corridor reaches.",
                 ),
+                Param::with_default(
+                    "crosswalks",
+                    Type::Choice(&["ignore", "yield"]),
+                    "ignore",
+                    "Whether it stops before a crosswalk on which it sees a pedestrian, or one within 1.5 m of it that has not crossed yet.",
+                ),
             ],
         )
     }
@@ -106,6 +126,7 @@ impl Idm {
             hardest: arguments.number("hardest_braking"),
             reaction_allowance: arguments.number("reaction_allowance"),
             margin: arguments.number("margin"),
+            yields: arguments.choice("crosswalks") == "yield",
             path: Path::default(),
             mode: DrivingMode::Cruise,
         }
@@ -124,7 +145,7 @@ impl Idm {
         self.acceleration * (1.0 - free - near)
     }
 
-    /// The first of the actors and red lights in the corridor.
+    /// The first of the actors, red lights and crosswalks in the corridor.
     fn leader(&self, perception: &Perception<'_>) -> Option<Leader> {
         let ego = &perception.ego;
         let corridor = ego.half.y + self.margin;
@@ -137,7 +158,11 @@ impl Idm {
             let (along, heading) = self.place(here, actor.pose.position(), corridor + actor.half.y)?;
             let gap = along - ego.half.x - actor.half.x;
             let speed = actor.velocity.dot(&crate::geometry::Vector::new(libm::cos(heading), libm::sin(heading)));
-            (gap > -ego.half.x).then_some(Leader { gap: gap.max(0.0), speed: speed.max(0.0), light: false })
+            (gap > -ego.half.x).then_some(Leader {
+                gap: gap.max(0.0),
+                speed: speed.max(0.0),
+                kind: LeaderKind::RoadUser,
+            })
         });
         let lights = perception.lights.iter().filter(|light| light.colour == LightColour::Red).filter_map(|light| {
             let line = light.trigger.position();
@@ -149,10 +174,16 @@ impl Idm {
             (same_way && along > 0.0).then_some(Leader {
                 gap: (along - ego.half.x + 1.0).max(0.0),
                 speed: 0.0,
-                light: true,
+                kind: LeaderKind::RedLight,
             })
         });
-        bodies.chain(lights).min_by(|a, b| a.gap.total_cmp(&b.gap))
+        let yielding = self.yields.then(|| crosswalks::to_yield_at(perception, &self.path)).flatten();
+        let crosswalk = yielding.map(|along| Leader {
+            gap: (along - ego.half.x - STOP_LINE).max(0.0),
+            speed: 0.0,
+            kind: LeaderKind::Crosswalk,
+        });
+        bodies.chain(lights).chain(crosswalk).min_by(|a, b| a.gap.total_cmp(&b.gap))
     }
 
     /// How far along the path from abeam the ego a place is, and the path's heading there; none if it is more than `beside` (m) from the path.
@@ -196,7 +227,7 @@ impl DrivingPolicy for Idm {
         let wanted = lane_keeping::speed_for_bends(&self.path, limit, LATERAL, self.comfortable);
         let leader = self.leader(perception);
         let steer = lane_keeping::steer(&self.path, perception);
-        if let Some(leader) = leader.filter(|leader| !leader.light) {
+        if let Some(leader) = leader.filter(|leader| leader.kind == LeaderKind::RoadUser) {
             let stopping = (speed * speed - leader.speed * leader.speed).max(0.0) / (2.0 * self.hardest);
             if speed > 0.1 && leader.gap <= stopping + speed * self.reaction_allowance + 0.3 {
                 self.mode = DrivingMode::EmergencyStop;
@@ -206,7 +237,7 @@ impl DrivingPolicy for Idm {
         let acceleration = self.follow(speed, wanted, leader);
         self.mode = match leader {
             Some(leader) if acceleration < -0.2 || speed < 0.1 => {
-                if leader.light {
+                if leader.kind == LeaderKind::RedLight {
                     DrivingMode::RedLight
                 } else {
                     DrivingMode::Yield

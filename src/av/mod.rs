@@ -12,6 +12,7 @@ mod path;
 mod view;
 mod lane_keeping;
 mod cruise;
+mod crosswalks;
 mod idm;
 mod route_trace;
 mod lane_follower;

@@ -2,10 +2,12 @@ use std::f64::consts::PI;
 
 use crate::env::EpisodeRule;
 use crate::signature::{Arguments, Form, Param, Signature, Type};
+use crate::sim::LightCycle;
 use crate::units::Dimension;
 
 /// The form `episode`.
 pub fn form() -> Form {
+    let seconds = || Type::Quantity { dimension: Dimension::TIME, min: 0.1, max: 3600.0 };
     let params = vec![
         Param::with_default(
             "tick",
@@ -43,6 +45,24 @@ pub fn form() -> Form {
             "Friction of the road: no car brakes, accelerates or turns with more than this times 9.81 m/s^2. Without it the figures of the `vehicle` alone hold, which are those of a dry road.",
         ),
         Param::with_default("traffic_lights", Type::Boolean, "true", "Whether the town's traffic lights work."),
+        Param::with_default(
+            "light_green",
+            seconds(),
+            "10 s",
+            "Green of each turn of the traffic lights (CARLA's, as the next two).",
+        ),
+        Param::with_default("light_yellow", seconds(), "3 s", "Yellow of each turn."),
+        Param::with_default(
+            "light_red",
+            seconds(),
+            "2 s",
+            "Time after a turn in which all lights of a junction are red.",
+        ),
+        Param::optional(
+            "light_phase",
+            Type::Distribution { dimension: Dimension::TIME, min: 0.0, max: 36_000.0 },
+            "Time within the cycle of all junctions when the car sets off: at the start of the episode, or of its run-up. Any time without it. At 0 s the first turn becomes green.",
+        ),
     ];
     Form {
         name: "episode",
@@ -64,5 +84,11 @@ pub fn lower(arguments: &Arguments) -> EpisodeRule {
         moving_above: arguments.number("moving_above"),
         friction: arguments.has("friction").then(|| arguments.number("friction")),
         traffic_lights: arguments.boolean("traffic_lights"),
+        light_cycle: LightCycle {
+            green: arguments.number("light_green"),
+            yellow: arguments.number("light_yellow"),
+            red: arguments.number("light_red"),
+        },
+        light_phase: arguments.has("light_phase").then(|| arguments.distribution("light_phase").clone()),
     }
 }

@@ -109,9 +109,9 @@ impl Catalog {
     fn choosing(&self, word: &str) -> Vec<String> {
         fn gather(head: &str, signature: &Signature, word: &str, found: &mut Vec<String>) {
             let takes = |ty: &Type| match ty {
-                Type::Choice(words) | Type::WordOrReference(words, _) => words.contains(&word),
+                Type::Choice(words) | Type::Step(words) | Type::WordOrReference(words, _) => words.contains(&word),
                 Type::List(item) => {
-                    matches!(&**item, Type::Choice(words) | Type::WordOrReference(words, _) if words.contains(&word))
+                    matches!(&**item, Type::Choice(words) | Type::Step(words) | Type::WordOrReference(words, _) if words.contains(&word))
                 }
                 _ => false,
             };

@@ -1,3 +1,4 @@
+use super::spawn::{ego_route, ego_route_param};
 use super::target_walk::numbers;
 use crate::diagnostic::Diagnostic;
 use crate::env::{Constraint, EgoSpeed, EgoStart, GivenPath, Measure, PathPoint, RoadShape, SpawnRule};
@@ -27,6 +28,7 @@ pub fn signature() -> Signature {
                 Type::positive(Dimension::SPEED),
                 "Speed that the driver holds before the start, instead of its own.",
             ),
+            ego_route_param(),
             Param::required(
                 "through",
                 Type::List(Box::new(Type::Point)),
@@ -131,6 +133,7 @@ pub fn lower(declaration: &Declaration, said: &mut Vec<Diagnostic>) -> Option<Sp
         distance: Distribution::Constant(apart),
         measure: Measure::Range,
         ego_start: EgoStart::Poses(egos),
+        ego_route: ego_route(arguments),
         road_shape: RoadShape::Any,
         ego_speed: speed.map_or(EgoSpeed::Steady, EgoSpeed::Drawn),
         heading: None,

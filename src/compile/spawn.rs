@@ -7,6 +7,7 @@ use crate::env::{Constraint, EgoSpeed, EgoStart, Ground, LanePiece, Measure, Roa
 use crate::geometry::Pose;
 use crate::lang::diagnostics;
 use crate::lang::hir::{Block, Declaration};
+use crate::road::RoadOption;
 use crate::signature::{Arguments, Distribution, Form, Param, Signature, Type, Value, Vocabulary};
 use crate::units::Dimension;
 
@@ -69,6 +70,7 @@ pub fn form() -> Form {
             Type::Distribution { dimension: Dimension::SPEED, min: 0.0, max: 60.0 },
             "Speed of the ego at the start, such as `0 m/s`. Without it the driver is in its steady state: it has driven its lane alone up to there.",
         ),
+        ego_route_param(),
         Param::optional(
             "require",
             Type::List(Box::new(Type::Condition("begin"))),
@@ -161,6 +163,7 @@ pub fn lower(
         distance,
         measure: if area { Measure::Area } else { Measure::Range },
         ego_start,
+        ego_route: ego_route(arguments),
         road_shape: match arguments.choice("ego_road") {
             "straight" => RoadShape::Straight,
             "bend" => RoadShape::Bend,
@@ -172,6 +175,26 @@ pub fn lower(
         target_walk: None,
         given_path: None,
     })
+}
+
+/// The key `ego_route`.
+pub(super) fn ego_route_param() -> Param {
+    Param::optional(
+        "ego_route",
+        Type::List(Box::new(Type::Step(&["left", "straight", "right"]))),
+        "Turns that the driver takes at the next forks of its road, in order, whatever driver it is. Afterwards, and without it, the driver finds its own way.",
+    )
+}
+
+/// The turns of the ego.
+pub(super) fn ego_route(arguments: &Arguments) -> Vec<RoadOption> {
+    let turn = |word: &str| match word {
+        "left" => RoadOption::Left,
+        "right" => RoadOption::Right,
+        _ => RoadOption::Straight,
+    };
+    let words = if arguments.has("ego_route") { arguments.words("ego_route") } else { Vec::new() };
+    words.into_iter().map(turn).collect()
 }
 
 fn ego_start(block: &Block, said: &mut Vec<Diagnostic>) -> EgoStart {

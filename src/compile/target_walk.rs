@@ -166,6 +166,7 @@ pub fn lower(declaration: &Declaration, said: &mut Vec<Diagnostic>) -> Option<Sp
         distance: Distribution::Constant((slow * walk.headway).max(8.0)),
         measure: Measure::Range,
         ego_start: EgoStart::Poses(starts),
+        ego_route: Vec::new(),
         road_shape: RoadShape::Any,
         ego_speed: EgoSpeed::Steady,
         heading: None,

@@ -6,7 +6,7 @@ use crate::geometry::{OrientedBox, Point, Pose, Vector};
 use crate::lang::diagnostics;
 use crate::lang::hir::{Block, Declaration};
 use crate::road::design::{BuildingRow, DesignError, Node, Street, StreetProfile, TownDesign};
-use crate::road::{LaneFilter, Road, Shape, SpeedSign, Town, TownParts, opendrive};
+use crate::road::{LaneFilter, Road, Shape, SpeedSign, Town, TownParts, crosswalk, opendrive};
 use crate::signature::{Form, Param, Signature, Type, Value, short};
 use crate::units::Dimension;
 
@@ -111,6 +111,12 @@ fn designed() -> Signature {
                     "false",
                     "Whether all junctions have traffic lights.",
                 ),
+                Param::with_default(
+                    "light_turns",
+                    Type::Choice(&["each_leg", "opposite_legs"]),
+                    "each_leg",
+                    "Which approaches of a junction have green at once: one, or those opposite to each other. The `episode` has the durations.",
+                ),
             ],
         )
     }
@@ -188,6 +194,19 @@ fn obstacles() -> Vec<Signature> {
             ],
         ),
         Signature::new(
+            "crosswalk",
+            "A marked crosswalk over the whole carriageway, at a right angle to the street.",
+            vec![
+                Param::required("at", Type::Point, "Its middle, on a street outside junctions."),
+                Param::with_default(
+                    "width",
+                    Type::Quantity { dimension: Dimension::LENGTH, min: 1.0, max: 20.0 },
+                    "4 m",
+                    "Its extent along the street.",
+                ),
+            ],
+        ),
+        Signature::new(
             "speed_sign",
             "A limit that a car takes over when it passes.",
             vec![
@@ -255,7 +274,18 @@ pub fn lower(
         parts.obstacles.retain(|own| road_under(&roads, own).is_none());
         return Some(Town::new(parts));
     }
-    let town = Town::new(parts);
+    let mut town = Town::new(parts);
+    let mut crosswalks = Vec::new();
+    for walk in block.nested("crosswalk") {
+        let (x, y) = walk.arguments.point("at");
+        match crosswalk::across(&town, Point::new(x, y), walk.arguments.number("width")) {
+            Ok(corners) => crosswalks.push(corners),
+            Err(error) => {
+                said.push(diagnostics::unbuildable_town(walk.head, &format!("no crosswalk fits here: {error}")))
+            }
+        }
+    }
+    town.crosswalks.extend(crosswalks);
     let drawn = declaration.kind != "opendrive";
     // The first look-up of a lane is expensive, and in a described town most objects stand far from every street.
     let reach = UNDER_SLACK + if drawn { profile(block).half_width() } else { f64::INFINITY };
@@ -546,6 +576,7 @@ fn design(declaration: &Declaration) -> TownDesign {
         bend_radius: number("bend_radius"),
         corner_radius: number("corner_radius"),
         block_buildings: row,
+        opposite_lights: block.arguments.choice("light_turns") == "opposite_legs",
         ..TownDesign::default()
     }
 }

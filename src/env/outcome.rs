@@ -50,6 +50,8 @@ pub struct Outcome {
     pub duration: f64,
     /// Least distance from the pedestrian's disc to the ego's box (m); 0 at a collision.
     pub least_gap: f64,
+    /// Whether the pedestrian was on a crosswalk at the touch; false without a touch.
+    pub on_crosswalk: bool,
     /// The driver's action at the pedestrians' last decision.
     pub last_mode: DrivingMode,
     /// A digest of every state of the episode: equal digests mean equal episodes.

@@ -16,7 +16,7 @@ use crate::av::{DrivingMode, DrivingPolicy, Fault, Path, Perception, PerfectSens
 use crate::geometry::{Point, Pose, wrap_angle};
 use crate::rl::{Env, Step};
 use crate::seed::Seed;
-use crate::sim::{ActorStart, Contact, Control, LightCycle, PedestrianState, WalkCommand, World};
+use crate::sim::{ActorStart, Contact, Control, PedestrianState, WalkCommand, World};
 
 /// A runnable logical scenario: it draws concrete episodes, one after another.
 ///
@@ -153,7 +153,7 @@ impl PedestrianEnv {
 
     fn with_policies(scenario: Arc<Scenario>, seed: Seed, policies: Vec<Box<dyn DrivingPolicy>>) -> Self {
         let cast = &scenario.cast;
-        let lights = scenario.episode.traffic_lights.then(LightCycle::default);
+        let lights = scenario.episode.traffic_lights.then_some(scenario.episode.light_cycle);
         // Prepared here, so that no tick waits for it.
         scenario.town.prepare();
         let world = World::new(
@@ -559,7 +559,7 @@ impl PedestrianEnv {
     }
 }
 
-/// What the driver of a vehicle perceives: in the run-up no pedestrians, and the ego has the way to take.
+/// What the driver of a vehicle perceives: in the run-up no pedestrians, and the ego has the way to take; afterwards the stated turns.
 #[inline]
 fn perceive<'a>(
     sensors: &'a mut PerfectSensors,
@@ -577,6 +577,7 @@ fn perceive<'a>(
         let route = if vehicle == 0 { run_up.lanes() } else { &[] };
         return Perception { pedestrians: &[], route, ..perception };
     }
+    perception.route = if vehicle == 0 { run_up.lanes_after_goal() } else { &[] };
     perception
 }
 

@@ -1,7 +1,7 @@
 use crate::geometry::{OrientedBox, Pose, wrap_angle};
-use crate::road::{LaneFilter, Town, Waypoint};
+use crate::road::{LaneFilter, RoadOption, Town, Waypoint, lane_route};
 use crate::seed::Stream;
-use crate::sim::{VehicleBlueprint, VehicleState};
+use crate::sim::{LightCycle, VehicleBlueprint, VehicleState};
 use rand::RngExt;
 
 /// The way on which the driver reaches its steady state before an episode starts: a stretch of road that ends at the pose of the ego's
@@ -14,8 +14,10 @@ pub(super) struct RunUp {
     /// The length of the way (m).
     length: f64,
     goal: Pose,
-    /// The lanes from the start of the way to the goal, each as a place on it.
+    /// The lanes from the start of the way to the goal and, with turns, those of the route after it; each as a place on it.
     lanes: Vec<Waypoint>,
+    /// The index of the goal's place among them.
+    at_goal: usize,
     limit: Option<f64>,
     speed: f64,
     /// Memory for branches.
@@ -32,9 +34,9 @@ pub(super) struct RunUp {
 pub(super) const LENGTH: f64 = 80.0;
 /// The ego reaches the goal when it passes it at most this far aside (m).
 const ASIDE: f64 = 5.0;
-/// Time for the run-up (s), and the time that is added where traffic lights work: a whole cycle of four turns.
+/// Time for the run-up (s), and the number of turns of traffic lights that are added where they work: a whole cycle of a crossing.
 const PATIENCE: f64 = 60.0;
-const LIGHTS: f64 = 60.0;
+const TURNS: f64 = 4.0;
 /// The greatest number of ticks of a run-up.
 const MOST_TICKS: f64 = 20_000.0;
 /// The greatest number of lanes of the way, a guard against lanes without length.
@@ -52,7 +54,15 @@ impl RunUp {
     /// Makes one with a length (m).
     pub fn new(length: f64) -> Self {
         let room = || Vec::with_capacity(16);
-        Self { length, goal: Pose::default(), lanes: room(), limit: None, speed: f64::INFINITY, branches: room() }
+        Self {
+            length,
+            goal: Pose::default(),
+            lanes: room(),
+            at_goal: 0,
+            limit: None,
+            speed: f64::INFINITY,
+            branches: room(),
+        }
     }
 
     /// Finds the way to a goal on a driving lane.
@@ -69,7 +79,35 @@ impl RunUp {
         }
         self.lanes.push(here);
         self.lanes.reverse();
+        self.at_goal = self.lanes.len() - 1;
         self.look_back(town, here, blueprint, stream);
+    }
+
+    /// Adds the turns that the ego takes at the forks after the goal. Turns that a fork does not have end the route.
+    pub fn lead_on(&mut self, town: &Town, goal: &Pose, turns: &[RoadOption]) {
+        if turns.is_empty() {
+            return;
+        }
+        if self.lanes.is_empty() {
+            self.lanes.extend(town.nearest_lane(goal.position(), LaneFilter::Driving));
+            self.at_goal = 0;
+        }
+        let Some(here) = self.lanes.last().copied() else { return };
+        if let Ok(route) = lane_route(town, here, turns) {
+            self.lanes.extend(route.into_iter().skip(1));
+        }
+    }
+
+    /// Forgets the way, for a start without a run-up.
+    pub fn clear(&mut self) {
+        self.lanes.clear();
+        self.at_goal = 0;
+    }
+
+    /// The lanes from the goal on; empty where the driver finds its own way from there.
+    pub fn lanes_after_goal(&self) -> &[Waypoint] {
+        let after = self.lanes.get(self.at_goal..).unwrap_or_default();
+        if after.len() > 1 { after } else { &[] }
     }
 
     /// Finds the limit and the bends on the road that leads to the start of the way.
@@ -151,8 +189,8 @@ impl RunUp {
 }
 
 /// The greatest number of ticks of this length (s) that a run-up takes, with or without traffic lights.
-pub(super) fn most_ticks(dt: f64, lights: bool) -> u32 {
-    ((PATIENCE + if lights { LIGHTS } else { 0.0 }) / dt).ceil().min(MOST_TICKS) as u32
+pub(super) fn most_ticks(dt: f64, lights: Option<LightCycle>) -> u32 {
+    ((PATIENCE + lights.map_or(0.0, |cycle| TURNS * cycle.turn())) / dt).ceil().min(MOST_TICKS) as u32
 }
 
 /// The limit of the speed sign that a vehicle obeys at a pose.

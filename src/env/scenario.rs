@@ -3,7 +3,8 @@ use std::sync::Arc;
 use super::{Cast, EgoSpeed, RewardRule, SpawnRule, TestOracle, run_up};
 use crate::geometry::Obstacles;
 use crate::road::Town;
-use crate::signature::Formula;
+use crate::signature::{Distribution, Formula};
+use crate::sim::LightCycle;
 
 /// The duration of an episode, and the conditions that end it.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,6 +25,10 @@ pub struct EpisodeRule {
     pub friction: Option<f64>,
     /// Whether the town's traffic lights work.
     pub traffic_lights: bool,
+    /// The durations of their colours.
+    pub light_cycle: LightCycle,
+    /// The time within the cycle when the car sets off, at the start of its run-up (s); none for any time, drawn evenly.
+    pub light_phase: Option<Distribution>,
 }
 
 /// A logical scenario: everything that all its episodes share.
@@ -49,7 +54,10 @@ impl Scenario {
     /// The greatest number of ticks of an episode's run-up; 0 where episodes have none.
     pub fn most_run_up(&self) -> u32 {
         match self.spawn.ego_speed {
-            EgoSpeed::Steady => run_up::most_ticks(self.episode.tick, self.episode.traffic_lights),
+            EgoSpeed::Steady => {
+                let rule = &self.episode;
+                run_up::most_ticks(rule.tick, rule.traffic_lights.then_some(rule.light_cycle))
+            }
             EgoSpeed::Drawn(_) => 0,
         }
     }

@@ -280,7 +280,7 @@ impl<'a> Params<'a> {
     fn is_choice(&self, word: &str) -> bool {
         fn offers(ty: &Type, word: &str) -> bool {
             match ty {
-                Type::Choice(words) | Type::WordOrReference(words, _) => words.contains(&word),
+                Type::Choice(words) | Type::Step(words) | Type::WordOrReference(words, _) => words.contains(&word),
                 Type::List(item) => offers(item, word),
                 _ => false,
             }

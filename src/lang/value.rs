@@ -151,7 +151,7 @@ pub(super) fn value(
         (Type::Boolean, ExpressionKind::Name(word)) if word == "true" || word == "false" => {
             Some(Value::Boolean(word == "true"))
         }
-        (Type::Choice(words), ExpressionKind::Name(word) | ExpressionKind::Text(word)) => {
+        (Type::Choice(words) | Type::Step(words), ExpressionKind::Name(word) | ExpressionKind::Text(word)) => {
             match words.iter().find(|known| *known == word) {
                 Some(known) => Some(Value::Choice(known)),
                 None => {

@@ -57,7 +57,7 @@ pub fn fits(word: &str, ty: &Type) -> bool {
         Type::WordOrReference(_, form) => matches!(word, "word" | "text") || word == *form,
         Type::Boolean => word == "boolean",
         Type::Text | Type::Path => word == "text",
-        Type::Choice(_) => matches!(word, "word" | "text"),
+        Type::Choice(_) | Type::Step(_) => matches!(word, "word" | "text"),
         Type::Integer { .. } => matches!(word, "integer" | "number"),
         Type::Condition(_) | Type::Formula(_) => dimension(word).is_some(),
         Type::Point | Type::Pose => matches!(dimension(word), Some(Dimension::LENGTH | Dimension::ANGLE)),

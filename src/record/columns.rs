@@ -86,6 +86,9 @@ pub const TICKS: Column<u32> = Column::new("ticks", "", "simulator ticks");
 /// Least gap.
 pub const LEAST_GAP: Column<f64> =
     Column::new("least_gap_m", "m", "least distance from the pedestrian's disc to the car's box; 0 at a collision");
+/// Whether the pedestrian was on a crosswalk.
+pub const ON_CROSSWALK: Column<bool> =
+    Column::new("on_crosswalk", "", "whether the pedestrian was on a crosswalk at the collision; missing without one");
 /// Least time to collision.
 pub const MIN_TTC: Column<f64> = Column::new(
     "min_ttc_s",

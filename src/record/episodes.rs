@@ -3,10 +3,10 @@ use polars::prelude::{Column as Values, DataFrame};
 use super::columns::{
     ADVERSARY, ATTRIBUTABLE, BLOCK, COLLISION, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW,
     EPISODE, EPISODE_LENGTH, EPISODE_REWARD, ERROR, FALSE_BRAKE, FALSE_STOP, FATALITY_RISK, FORESEEABLE, FRONT, HARD,
-    IMPACT_BEARING, IMPACT_SPEED, LEAST_GAP, MIN_TTC, MOVING, OUTCOME, PEAK_ACCELERATION, PEAK_SPEED, PEDESTRIAN_X,
-    PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, PLACED, POLICY, PREVENTABLE_PROBABILITY, REWARD, RUN, RUN_ID, RUN_UP,
-    SEVERE_INJURY_RISK, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VELOCITY_CHANGE, VERDICT,
-    WALKED_INTO,
+    IMPACT_BEARING, IMPACT_SPEED, LEAST_GAP, MIN_TTC, MOVING, ON_CROSSWALK, OUTCOME, PEAK_ACCELERATION, PEAK_SPEED,
+    PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, PLACED, POLICY, PREVENTABLE_PROBABILITY, REWARD, RUN, RUN_ID,
+    RUN_UP, SEVERE_INJURY_RISK, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VELOCITY_CHANGE,
+    VERDICT, WALKED_INTO,
 };
 use super::metric::{self, Metric};
 use super::{CellKey, ColumnReference, Entry, EpisodeRow, RunKey, Table, verdict_columns};
@@ -117,6 +117,7 @@ pub(super) fn outcome_table() -> Table<'static, EpisodeRow> {
         .column(EPISODE_LENGTH.of(|row: &EpisodeRow| row.outcome.duration).aggregated([metric::EPISODE_LENGTH.at(9)]))
         .column(TICKS.of(|row: &EpisodeRow| row.outcome.ticks))
         .column(LEAST_GAP.of(|row: &EpisodeRow| row.outcome.least_gap).aggregated([metric::LEAST_GAP.at(11)]))
+        .column(ON_CROSSWALK.of(|row| hit(row).map(|_| row.outcome.on_crosswalk)))
         .column(MIN_TTC.of(|row| near_miss(row).min_ttc))
         .column(PET.of(|row| near_miss(row).pet))
         .column(PEAK_SPEED.of(|row| motion(row).map(|motion| motion.peak_speed)))

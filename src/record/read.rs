@@ -5,8 +5,8 @@ use polars::prelude::{BooleanChunked, DataFrame, Float64Chunked, PolarsResult, S
 use super::columns::{
     ADVERSARY, ATTRIBUTABLE, AVOIDS, BLOCK, CONTROLLER, DIGEST, DRIVING_MODE, EGO_SPEED, EGO_X, EGO_Y, EGO_YAW,
     EPISODE, EPISODE_LENGTH, EPISODE_REWARD, ERROR, FRONT, IMPACT_BEARING, IMPACT_SPEED, IN_SIGHT, LEAST_GAP, MARGIN,
-    MIN_TTC, MOVING, OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, REWARD, RUN, RUN_ID, RUN_UP,
-    START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT, WEIGHT,
+    MIN_TTC, MOVING, ON_CROSSWALK, OUTCOME, PEDESTRIAN_X, PEDESTRIAN_Y, PEDESTRIAN_YAW, PET, POLICY, REWARD, RUN,
+    RUN_ID, RUN_UP, START, STATE_HASHES, TICKS, TOWN, TRAIN_POLICY, TRAIN_TOWN, VEHICLE, VERDICT, WEIGHT,
 };
 use super::episodes::named;
 use super::{CellKey, RunKey};
@@ -97,6 +97,8 @@ pub struct EpisodeTable<'a> {
     outcome: &'a StringChunked,
     error: &'a StringChunked,
     front: &'a BooleanChunked,
+    /// Missing in reports of earlier versions.
+    on_crosswalk: Option<&'a BooleanChunked>,
     moving: &'a BooleanChunked,
     attributable: &'a BooleanChunked,
     impact_speed: &'a Float64Chunked,
@@ -137,6 +139,7 @@ impl<'a> EpisodeTable<'a> {
             outcome: OUTCOME.read(table)?,
             error: ERROR.read(table)?,
             front: FRONT.read(table)?,
+            on_crosswalk: ON_CROSSWALK.read(table).ok(),
             moving: MOVING.read(table)?,
             attributable: ATTRIBUTABLE.read(table)?,
             impact_speed: IMPACT_SPEED.read(table)?,
@@ -316,6 +319,7 @@ impl<'a> EpisodeTable<'a> {
             ticks: self.ticks(row)?,
             duration: self.length(row).unwrap_or_default(),
             least_gap: self.least_gap.get(row).unwrap_or_default(),
+            on_crosswalk: self.on_crosswalk.and_then(|column| column.get(row)).unwrap_or(false),
             last_mode: self.driving_mode(row)?,
             digest: u64::from_str_radix(self.digest(row), 16).ok()?,
             state_hashes: self.trail.get(row).and_then(|hashes| hashes.parse().ok()).unwrap_or_default(),

@@ -36,6 +36,7 @@ fn row(episode: u32, ending: Ending) -> EpisodeRow {
             ticks: 90,
             duration: 4.5,
             least_gap: if hit { 0.0 } else { 1.5 },
+            on_crosswalk: false,
             last_mode: DrivingMode::Cruise,
             digest: 0xfeed_0000_0000_0001,
             state_hashes: Default::default(),

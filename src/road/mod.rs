@@ -26,6 +26,8 @@ mod route;
 mod route_planner;
 mod frenet;
 pub mod design;
+pub mod crosswalk;
+mod lane_route;
 
 pub use cubic::{Cubic, Profile};
 pub use frenet::Frenet;
@@ -33,6 +35,7 @@ pub use furniture::{SpeedSign, TrafficLight};
 pub use junction::{Connection, Junction};
 pub use lane::{Lane, LaneId, LaneKind};
 pub use lane_index::LaneFilter;
+pub use lane_route::{MissingTurn, lane_route};
 pub use opendrive::{OpenDriveError, OpenDriveProblem, OpenDriveWarning};
 pub use plan_view::{Geometry, PlanView, Shape};
 pub use road::{JunctionIndex, LaneSection, Road, RoadEnd, RoadIndex, RoadLink};

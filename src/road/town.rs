@@ -1,5 +1,6 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
+use super::crosswalk;
 use super::lane_index::{LaneFilter, LaneIndex, Lanes};
 use super::lane_network::LaneNetwork;
 use super::opendrive::OpenDriveWarning;
@@ -117,6 +118,11 @@ impl Town {
         self.network
             .slot(waypoint)
             .map_or(0.0, |slot| self.network.pitch(&self.roads, self.network.lane(slot), waypoint.s))
+    }
+
+    /// Whether a place lies on a crosswalk.
+    pub fn is_on_crosswalk(&self, place: Point) -> bool {
+        self.crosswalks.iter().any(|corners| crosswalk::contains(corners, place))
     }
 
     /// A waypoint together with its pose.

@@ -47,6 +47,8 @@ pub enum Type {
     Boolean,
     /// One of these words, bare or in quotes.
     Choice(&'static [&'static str]),
+    /// One of these words, as a step of a sequence: a list may have it several times.
+    Step(&'static [&'static str]),
     /// A text in quotes.
     Text,
     /// A file's path in quotes, relative to the folder of the file that names it.
@@ -126,7 +128,7 @@ impl Type {
             Type::Integer { min, max } if *max == i64::MAX => format!("whole number from {min}"),
             Type::Integer { min, max } => format!("whole number from {min} to {max}"),
             Type::Boolean => "`true` or `false`".into(),
-            Type::Choice(words) => format!("one of {}", words.join(", ")),
+            Type::Choice(words) | Type::Step(words) => format!("one of {}", words.join(", ")),
             Type::Text => "text in quotes".into(),
             Type::Path => "path in quotes".into(),
             Type::Point => "point `(x, y)`".into(),

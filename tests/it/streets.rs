@@ -205,3 +205,130 @@ fn a_car_on_ice_slides_out_of_a_bend() {
     let (dry, ice) = (bend(""), bend("friction: 0.05"));
     assert!(dry < 3.5 && ice > 5.0, "the outer edge of the lane is at 3.5 m: {dry:.1} m and {ice:.1} m");
 }
+
+/// A campaign with the scripted pedestrian of a path in a town.
+fn in_town(town: &str, spawn: &str, episode: &str, policy: &str) -> Arc<Scenario> {
+    let text = format!(
+        "edition 1\nimport \"std/ncap.scn\"\nimport \"std/drivers.scn\"\n\
+         policy yielding = idm(time_headway: 1.5 s, crosswalks: yield)\n\
+         town here {{ {town} }}\nspawn path = given_path({spawn})\n\
+         episode here {{ {episode} }}\n\
+         campaign c {{ vehicle: model3  adversary: adult_target  episode: here  spawn: path\n\
+         evaluate {{ towns: [here]  policies: [{policy}]  pedestrians: [scripted]  episodes: 1 }} }}"
+    );
+    campaign(&text).evaluations[0].scenario.clone()
+}
+
+const LONG_STREET: &str =
+    "street main { through: [(-250 m, 0 m), (150 m, 0 m)] }  crosswalk { at: (0 m, 0.5 m)  width: 3 m }";
+
+#[test]
+fn a_crosswalk_spans_the_carriageway() {
+    let town = &in_street("crosswalk { at: (10 m, 2 m) }", STANDING).evaluations[0].scenario.town;
+    let [corners] = town.crosswalks.as_slice() else { panic!("{:?}", town.crosswalks) };
+    let wanted = [(8.0, -6.0), (12.0, -6.0), (12.0, 6.0), (8.0, 6.0)];
+    for (corner, (x, y)) in corners.iter().zip(wanted) {
+        assert!((corner - Point::new(x, y)).norm() < 1e-9, "{corner}");
+    }
+    assert!(town.is_on_crosswalk(Point::new(9.0, -5.9)) && !town.is_on_crosswalk(Point::new(9.0, -6.1)));
+}
+
+#[test]
+fn a_driver_that_heeds_crosswalks_stops_for_those_who_use_them() {
+    // It waits at the kerb, and crosses at 1.4 m/s.
+    let after = |delay: &str| {
+        format!(
+            "ego_poses: [(-60 m, -1.75 m, 0 deg)],  test_speed: 10 m/s,  delay: {delay},\n\
+             through: [(0 m, -4.6 m), (0 m, 6 m)],  speeds: [1.4 m/s]"
+        )
+    };
+    let drive = |spawn: &str, policy: &str| {
+        scripted(&in_town(LONG_STREET, spawn, "hold: 300  ticks: 300", policy), 1).swap_remove(0)
+    };
+    let front = |trace: &Trace| {
+        let crossing = trace.pedestrian(0).iter().take_while(|state| state.pose.y < 1.0).count();
+        trace.vehicle(0)[crossing.min(trace.vehicle(0).len() - 1)].state.pose.x + 2.396
+    };
+    let (outcome, trace) = drive(&after("9 s"), "yielding");
+    assert!(!outcome.is_collision(), "{outcome:?}");
+    assert!((-8.0..-1.5).contains(&front(&trace)), "it waits before the crosswalk: {}", front(&trace));
+    assert!(
+        trace.vehicle(0).iter().any(|frame| frame.state.speed < 0.3),
+        "it stops for a pedestrian at the kerb: {:?}",
+        trace.vehicle(0).iter().map(|frame| frame.state.speed).fold(f64::MAX, f64::min)
+    );
+    let last = trace.vehicle(0).last().unwrap().state;
+    assert!(last.speed > 1.0 || last.pose.x > 5.0, "it goes on afterwards: {last:?}");
+    let (outcome, trace) = drive(&after("4.5 s"), "blind");
+    assert!(outcome.is_collision() && outcome.on_crosswalk, "{outcome:?}");
+    assert!(trace.contact().is_some());
+    // A pedestrian at the kerb 18 m before the crosswalk has no claim to it.
+    let (_, trace) = drive(&after("9 s").replace("(0 m, ", "(-20 m, "), "yielding");
+    let slowest = trace.vehicle(0).iter().map(|frame| frame.state.speed).fold(f64::MAX, f64::min);
+    assert!(slowest > 8.0, "{slowest}");
+}
+
+const CROSSING: &str = "street east { through: [(-250 m, 0 m), (0 m, 0 m), (150 m, 0 m)] }\n\
+                        street north { through: [(0 m, -150 m), (0 m, 0 m), (0 m, 150 m)] }";
+
+#[test]
+fn every_driver_takes_the_stated_turns() {
+    let drivers =
+        ["blind", "behavior", "careful", "aeb", "rss", "predictive", "oracle", "lav_ideal", "interfuser_ideal"];
+    for policy in drivers {
+        for (turn, start) in [("left", ""), ("straight", ""), ("right", ""), ("left", ",  ego_speed: 5 m/s")] {
+            let spawn = format!(
+                "ego_poses: [(-40 m, -1.75 m, 0 deg)],  ego_route: [{turn}],\n\
+                 through: [(-140 m, 60 m), (-140 m, 61 m)],  speeds: [1 m/s]{start}"
+            );
+            let scenario = in_town(CROSSING, &spawn, "hold: 500  ticks: 500", policy);
+            for (_, trace) in scripted(&scenario, 2) {
+                let reached = |place: Point| match turn {
+                    "left" => place.y > 15.0 && place.x.abs() < 8.0,
+                    "right" => place.y < -15.0 && place.x.abs() < 8.0,
+                    _ => place.x > 25.0 && place.y.abs() < 8.0,
+                };
+                let arrived = trace.vehicle(0).iter().any(|frame| reached(frame.state.pose.position()));
+                let last = trace.vehicle(0).last().unwrap().state;
+                assert!(arrived, "{policy} does not turn {turn}{start}: it ends at {last:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn lights_keep_their_cycle_and_opposite_legs_share_a_turn() {
+    use falsify::internal::sim::LightColour::{self, Green, Red, Yellow};
+    let town = format!("traffic_lights: true  light_turns: opposite_legs  {CROSSING}");
+    let spawn = "ego_poses: [(-40 m, -1.75 m, 0 deg)],  ego_speed: 0 m/s,\n\
+                 through: [(-140 m, 60 m), (-140 m, 61 m)],  speeds: [1 m/s]";
+    let episode = "hold: 400  ticks: 400  light_green: 4 s  light_yellow: 2 s  light_red: 1 s  light_phase: 3.5 s";
+    let scenario = in_town(&town, spawn, episode, "careful");
+    let lights = &scenario.town.traffic_lights;
+    assert_eq!(lights.len(), 4);
+    for light in lights {
+        assert_eq!(light.turns, 2);
+        let opposite = lights.iter().find(|other| light.stop.forward().dot(&other.stop.forward()) < -0.9).unwrap();
+        assert_eq!(light.turn, opposite.turn);
+    }
+    let mut env = PedestrianEnv::new(scenario.clone(), Seed::root(1));
+    env.begin(0);
+    env.begin_decision(&[env.scripted().unwrap()]);
+    for tick in 0..400 {
+        let time = 3.5 + f64::from(tick) * 0.05;
+        let clock = env.world().light_clock().expect("lights work");
+        let wanted = |turn: u32| -> LightColour {
+            match (time - 7.0 * f64::from(turn)).rem_euclid(14.0) {
+                since if since < 4.0 => Green,
+                since if since < 6.0 => Yellow,
+                _ => Red,
+            }
+        };
+        // At a change of colours both are right to within rounding.
+        let near_change = [4.0, 6.0, 7.0, 0.0].iter().any(|change| ((time - change) % 7.0).abs() < 0.01);
+        for light in lights.iter().filter(|_| !near_change) {
+            assert_eq!(clock.colour(light), wanted(light.turn), "{time} s, turn {}", light.turn);
+        }
+        env.tick();
+    }
+}

@@ -62,6 +62,9 @@ impl PedestrianEnv {
     /// Records the outcome of the episode.
     pub(super) fn finish(&mut self, ending: Ending, contact: Option<&Contact>) {
         let hit = matches!(ending, Ending::Collision { .. });
+        let struck = contact.and_then(Contact::pedestrian_at_ego);
+        let place = |number: usize| self.world.pedestrians[number].state.pose.position();
+        let on_crosswalk = struck.is_some_and(|number| self.world.town.is_on_crosswalk(place(number)));
         self.episode.outcome = Some(Outcome {
             spawn: self.episode.spawn,
             start: self.episode.start,
@@ -71,6 +74,7 @@ impl PedestrianEnv {
             ticks: self.world.ticks,
             duration: self.elapsed(contact),
             least_gap: if hit { 0.0 } else { self.episode.least_gap },
+            on_crosswalk,
             last_mode: self.episode.mode,
             digest: self.episode.digest,
             state_hashes: self.episode.state_hashes,

@@ -6,7 +6,7 @@ use crate::env::EgoSpeed;
 use crate::env::motion::Motion;
 use crate::geometry::Pose;
 use crate::seed::Stream;
-use crate::sim::{ActorStart, Control, LightCycle, Start, WalkCommand};
+use crate::sim::{ActorStart, Control, Start, WalkCommand};
 
 /// The start of an episode: the draw, the run-up of the ego alone, and the moment at which the pedestrians appear.
 impl PedestrianEnv {
@@ -42,7 +42,9 @@ impl PedestrianEnv {
             self.held_limit = Some(self.policies[0].speed_limit_for(test_speed));
         }
         // A whole number of cycles of groups with up to four turns.
-        self.light_phase = stream.random_range(0.0..12.0 * LightCycle::default().turn());
+        let drawn = stream.random_range(0.0..12.0 * scenario.episode.light_cycle.turn());
+        let phase = scenario.episode.light_phase.as_ref().map(|phase| phase.quantile(stream.random()));
+        self.light_phase = phase.unwrap_or(drawn);
         self.episode = Episode::new(spawn, self.width);
         self.next_episode = number + 1;
         self.decisions.clear();
@@ -53,6 +55,8 @@ impl PedestrianEnv {
                 self.place_before(&spawn.ego, &mut seed.child("run_up").stream());
             }
             EgoSpeed::Drawn(_) => {
+                self.run_up.clear();
+                self.run_up.lead_on(&scenario.town, &spawn.ego, &scenario.spawn.ego_route);
                 self.place_vehicles(ActorStart { pose: spawn.ego, speed: spawn.ego_speed });
                 self.meet();
             }
@@ -65,6 +69,7 @@ impl PedestrianEnv {
     fn place_before(&mut self, goal: &Pose, stream: &mut Stream) {
         let town = &self.scenario.town;
         self.run_up.plan(town, *goal, &self.scenario.cast.ego.blueprint, stream);
+        self.run_up.lead_on(town, goal, &self.scenario.spawn.ego_route);
         let start = ActorStart::standing(self.run_up.start(town));
         self.place_vehicles(start);
         if let Some(limit) = self.run_up.limit() {

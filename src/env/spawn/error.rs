@@ -34,6 +34,18 @@ pub enum SpawnError {
         /// The length of the lane (m).
         room: f64,
     },
+    /// A turn of the ego's route does not exist.
+    #[error("turn {number} of `ego_route` from ({x} m, {y} m) cannot be taken: {why}")]
+    NoTurn {
+        /// Its number, from 1.
+        number: usize,
+        /// The x of the ego's start (m).
+        x: f64,
+        /// The y of the ego's start (m).
+        y: f64,
+        /// Why.
+        why: &'static str,
+    },
     /// Too few starts satisfy all constraints.
     #[error("{0}; at least about one in ten thousand must")]
     Crowded(Rarity),

@@ -4,7 +4,7 @@ use super::constraint::placed;
 use super::{Constraint, EgoSpeed, EgoStart, GivenPath, Rarity, RoadShape, SpawnError, Survey, TargetWalk};
 use crate::env::FirstHeading;
 use crate::geometry::{Obstacles, Point, Pose, Vector, wrap_angle};
-use crate::road::Town;
+use crate::road::{LaneFilter, RoadOption, Town, lane_route};
 use crate::seed::Stream;
 use crate::signature::Distribution;
 use crate::sim::WalkCommand;
@@ -35,6 +35,8 @@ pub struct SpawnRule {
     pub road_shape: RoadShape,
     /// Speed of the ego at the start.
     pub ego_speed: EgoSpeed,
+    /// The turns that the driver takes at the next forks, in order; afterwards, and without any, it finds its own way.
+    pub ego_route: Vec<RoadOption>,
     /// Heading of the pedestrian from the ego's heading, positive to the left (rad); without it the cast decides.
     pub heading: Option<Distribution>,
     /// Further conditions.
@@ -97,6 +99,7 @@ impl SpawnRule {
         stream: &mut Stream,
     ) -> Result<Option<Rarity>, SpawnError> {
         self.ego_start.check(town)?;
+        self.check_route(town)?;
         let poses = if let EgoStart::Poses(poses) = &self.ego_start { poses.len() as u32 } else { 1 };
         let most = (ALL_PROBES / poses).clamp(FEW_PROBES, MOST_PROBES);
         let mut around = |ego: &mut dyn FnMut(&mut Stream) -> Pose| {
@@ -122,6 +125,21 @@ impl SpawnRule {
                 Ok(rarity.or_else(|| self.toil(&survey, town, obstacles, first, stream)))
             }
         }
+    }
+
+    /// Checks that the turns of the ego can be taken from each of its listed poses.
+    fn check_route(&self, town: &Town) -> Result<(), SpawnError> {
+        let EgoStart::Poses(poses) = &self.ego_start else { return Ok(()) };
+        for pose in poses.iter().filter(|_| !self.ego_route.is_empty()) {
+            let lane = town.nearest_lane(pose.position(), LaneFilter::Driving).ok_or(SpawnError::NoLane)?;
+            lane_route(town, lane, &self.ego_route).map_err(|missing| SpawnError::NoTurn {
+                number: missing.index + 1,
+                x: pose.x,
+                y: pose.y,
+                why: if missing.road_ends { "the road ends before it" } else { "no branch of the fork leads there" },
+            })?;
+        }
+        Ok(())
     }
 
     /// A report on a rule that accepts enough starts when pose and place are drawn together, but none around most poses of the ego. Each

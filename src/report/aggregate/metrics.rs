@@ -366,6 +366,7 @@ mod tests {
                 ticks: 10,
                 duration: 0.5,
                 least_gap,
+                on_crosswalk: false,
                 last_mode,
                 digest: 7,
                 state_hashes: Default::default(),

@@ -50,6 +50,7 @@ fn against(policy: &str, controller: &str, reward: &str, run: u32, town: &str, w
                 ticks: 1,
                 duration: 0.05,
                 least_gap: 1.0,
+                on_crosswalk: false,
                 last_mode,
                 digest: 7,
                 state_hashes: Default::default(),

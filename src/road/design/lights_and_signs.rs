@@ -1,7 +1,9 @@
+use std::f64::consts::{FRAC_PI_4, PI};
+
 use super::TownDesign;
-use super::layout::Layout;
+use super::layout::{Layout, Leg};
 use super::network::Network;
-use crate::geometry::{OrientedBox, Pose};
+use crate::geometry::{OrientedBox, Pose, wrap_angle};
 use crate::road::{LaneId, RoadEnd, RoadIndex, SpeedSign, TrafficLight};
 
 /// How far after the start of a driving lane its speed sign takes effect (m).
@@ -30,20 +32,22 @@ pub(super) fn speed_signs(design: &TownDesign, layout: &Layout, network: &Networ
     signs
 }
 
-/// One traffic light on every approach to a junction with lights; the legs take turns.
+/// One traffic light on every approach to a junction with lights. The legs take turns, each alone or with the one opposite to it.
 pub(super) fn traffic_lights(design: &TownDesign, layout: &Layout, network: &Network) -> Vec<TrafficLight> {
     let half_width = STOP_HALF_WIDTH * design.profile.lane_width;
     let mut lights = Vec::new();
     for (node, legs) in layout.legs.iter().enumerate().filter(|(node, _)| design.nodes[*node].lights) {
         let Some(junction) = network.at[node] else { continue };
-        for (turn, leg) in legs.iter().enumerate() {
+        let turns = turns(legs, design.opposite_lights);
+        let count = turns.iter().max().map_or(0, |last| last + 1);
+        for (turn, leg) in turns.into_iter().zip(legs) {
             let Some((road, end)) = network.mouth(leg) else { continue };
             let lane = if end == RoadEnd::End { -1 } else { 1 };
             let stop = lane_pose(network, road, lane, end, STOP_DISTANCE);
             lights.push(TrafficLight {
                 group: network.junctions[junction.0 as usize].id,
-                turn: turn as u32,
-                turns: legs.len() as u32,
+                turn,
+                turns: count,
                 road,
                 stop,
                 trigger: OrientedBox::new(stop, STOP_HALF_LENGTH, half_width),
@@ -51,6 +55,25 @@ pub(super) fn traffic_lights(design: &TownDesign, layout: &Layout, network: &Net
         }
     }
     lights
+}
+
+/// The turn of each leg of a junction. A leg is opposite to another one if the other is the one most nearly in line with it, and the other way
+/// round, to within 45 degrees.
+fn turns(legs: &[Leg], opposite: bool) -> Vec<u32> {
+    let bend = |a: &Leg, b: &Leg| (wrap_angle(a.heading - b.heading).abs() - PI).abs();
+    let partner = |leg: usize| {
+        let others = (0..legs.len()).filter(|other| *other != leg);
+        let nearest = others.min_by(|a, b| bend(&legs[leg], &legs[*a]).total_cmp(&bend(&legs[leg], &legs[*b])));
+        nearest.filter(|other| opposite && bend(&legs[leg], &legs[*other]) < FRAC_PI_4)
+    };
+    let mut turns: Vec<u32> = Vec::new();
+    let mut next = 0;
+    for leg in 0..legs.len() {
+        let with = partner(leg).filter(|other| *other < leg && partner(*other) == Some(leg));
+        turns.push(with.map_or(next, |other| turns[other]));
+        next += u32::from(with.is_none());
+    }
+    turns
 }
 
 /// The pose on a lane some distance (m) away from one end of its road.

@@ -26,6 +26,8 @@ pub struct TownDesign {
     pub corner_radius: f64,
     /// The least distance from a junction's node at which roads end (m).
     pub junction_radius: f64,
+    /// Whether opposite legs of a junction have green together; otherwise each leg has its own turn.
+    pub opposite_lights: bool,
     /// Houses along all streets.
     pub block_buildings: Option<BuildingRow>,
 }
@@ -89,6 +91,7 @@ impl Default for TownDesign {
             bend_radius: 12.0,
             corner_radius: 2.0,
             junction_radius: 6.0,
+            opposite_lights: false,
             block_buildings: None,
         }
     }

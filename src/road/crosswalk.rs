@@ -1,0 +1,95 @@
+//! Crosswalks as polygons: where they are, and whether a place lies on one.
+
+use super::{LaneFilter, LaneKind, Town, Waypoint};
+use crate::geometry::{Point, Vector};
+
+/// How far beside the carriageway the middle of a crosswalk may be given (m).
+const BESIDE: f64 = 1.0;
+
+/// Why there can be no crosswalk at a place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum CrosswalkError {
+    /// No carriageway is there.
+    #[error("no street is there to cross")]
+    NoStreet,
+    /// The place lies in a junction, where streets have no edges.
+    #[error("it lies inside a junction: place it on a street that leads there")]
+    InJunction,
+}
+
+/// The corners of a crosswalk of a width (m, along the street) over the whole carriageway at a place: from the inner edge of one sidewalk to that
+/// of the other, at a right angle to the street.
+///
+/// # Errors
+/// When there is no carriageway at the place, or a junction.
+pub fn across(town: &Town, at: Point, width: f64) -> Result<Vec<Point>, CrosswalkError> {
+    let lane = town.nearest_lane(at, LaneFilter::Driving).ok_or(CrosswalkError::NoStreet)?;
+    if town.is_junction(lane) {
+        return Err(CrosswalkError::InJunction);
+    }
+    let road = &town.roads[lane.road.0 as usize];
+    let line = road.plan_view.pose(lane.s);
+    let lanes = &road.sections[lane.section as usize].lanes;
+    let kind = |id| lanes.iter().find(|lane| lane.id == id).map(|lane| lane.kind);
+    let (mut right, mut left) = (f64::INFINITY, f64::NEG_INFINITY);
+    for side in [-1, 1] {
+        // Outwards from the middle, up to the first sidewalk.
+        let carriageway = (1..)
+            .map(|number| side * number)
+            .take_while(|id| kind(*id).is_some_and(|kind| !matches!(kind, LaneKind::Sidewalk | LaneKind::None)));
+        for id in carriageway {
+            for edge in town.lane_edges(Waypoint { lane: id, ..lane }).into_iter().flatten() {
+                let aside = line.to_local(edge).y;
+                (right, left) = (right.min(aside), left.max(aside));
+            }
+        }
+    }
+    let own = line.to_local(at);
+    if !(right - BESIDE..=left + BESIDE).contains(&own.y) || own.x.abs() > width {
+        return Err(CrosswalkError::NoStreet);
+    }
+    let half = width / 2.0;
+    let corners = [(-half, right), (half, right), (half, left), (-half, left)];
+    Ok(corners.map(|(along, aside)| line.to_world(Vector::new(along, aside))).to_vec())
+}
+
+/// Whether a polygon contains a point, by the even-odd rule.
+pub fn contains(corners: &[Point], point: Point) -> bool {
+    let crossings = edges(corners).filter(|(a, b)| {
+        (a.y > point.y) != (b.y > point.y) && point.x < a.x + (point.y - a.y) / (b.y - a.y) * (b.x - a.x)
+    });
+    crossings.count() % 2 == 1
+}
+
+/// The distance of a point from a polygon (m); 0 on it.
+pub fn distance(corners: &[Point], point: Point) -> f64 {
+    if contains(corners, point) {
+        return 0.0;
+    }
+    let to_edge = |(a, b): (Point, Point)| {
+        let (chord, offset) = (b - a, point - a);
+        let share = (offset.dot(&chord) / chord.norm_squared().max(1e-12)).clamp(0.0, 1.0);
+        (offset - chord * share).norm()
+    };
+    edges(corners).map(to_edge).fold(f64::INFINITY, f64::min)
+}
+
+fn edges(corners: &[Point]) -> impl Iterator<Item = (Point, Point)> {
+    corners.iter().copied().zip(corners.iter().copied().cycle().skip(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distances_from_a_square_and_from_a_dart() {
+        let ring = |corners: &[(f64, f64)]| corners.iter().map(|(x, y)| Point::new(*x, *y)).collect::<Vec<_>>();
+        let square = ring(&[(0.0, 0.0), (4.0, 0.0), (4.0, 2.0), (0.0, 2.0)]);
+        for (x, y, wanted) in [(2.0, 1.0, 0.0), (5.0, 1.0, 1.0), (7.0, 6.0, 5.0), (-1.0, 2.0, 1.0), (2.0, -0.5, 0.5)] {
+            assert!((distance(&square, Point::new(x, y)) - wanted).abs() < 1e-12, "({x}, {y})");
+        }
+        let dart = ring(&[(0.0, 0.0), (4.0, 0.0), (1.0, 1.0), (0.0, 4.0)]);
+        assert!(contains(&dart, Point::new(0.5, 0.5)) && !contains(&dart, Point::new(2.0, 2.0)));
+    }
+}
