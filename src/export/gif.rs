@@ -70,7 +70,7 @@ fn encode(film: &Film) -> Result<Vec<u8>, ::gif::EncodingError> {
         })?;
         before = indices;
     }
-    Ok(encoder.into_inner()?)
+    encoder.into_inner()
 }
 
 /// The rectangle in which two pictures differ: left, top, and right and bottom behind it. It has a pixel at least.
