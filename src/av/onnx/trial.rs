@@ -32,7 +32,9 @@ pub(super) fn load(bytes: Vec<u8>, optimized: bool) -> Result<Model, String> {
 /// # Errors
 /// An operator that makes too many numbers or needs too much work, whose result has no constant size, or that fails.
 pub(super) fn evaluate(network: &Model, operators: &[Operator], inputs: Vec<(NodeId, Value)>) -> Result<(), String> {
-    let mut trial = Trial { network, varying: BTreeSet::new(), results: BTreeMap::new(), numbers: 0, work: 0 };
+    let made = operators.iter().filter(|operator| operator.kind != "Constant").flat_map(|operator| &operator.outputs);
+    let made = made.map(String::as_str).collect();
+    let mut trial = Trial { network, made, varying: BTreeSet::new(), results: BTreeMap::new(), numbers: 0, work: 0 };
     for (id, value) in inputs {
         let name = network.node_info(id).and_then(|info| info.name().map(str::to_owned)).unwrap_or_default();
         trial.varying.insert(name.clone());
@@ -49,6 +51,8 @@ pub(super) fn evaluate(network: &Model, operators: &[Operator], inputs: Vec<(Nod
 /// The results so far.
 struct Trial<'a> {
     network: &'a Model,
+    /// The results of all operators.
+    made: BTreeSet<&'a str>,
     /// Values that depend on the inputs of the network.
     varying: BTreeSet<String>,
     results: BTreeMap<String, Value>,
@@ -112,7 +116,7 @@ impl Trial<'_> {
             ));
         }
         let constant = || {
-            let id = self.network.find_node(name).filter(|_| !self.varying.contains(name));
+            let id = self.network.find_node(name).filter(|_| !self.made.contains(name));
             id.ok_or_else(|| format!("its operator {kind} has the input `{name}`, which no operator before it makes"))
         };
         let shape: Vec<u64> = match self.results.get(name) {
