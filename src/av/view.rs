@@ -1,6 +1,7 @@
 use super::{Path, Perception};
 use crate::geometry::{Pose, Vector};
-use crate::sim::LightColour;
+use crate::road::{LaneKind, RoutePoint, Town, Waypoint};
+use crate::sim::{ActorId, LightColour};
 
 /// The area in which a light is looked for: distance ahead (m) and beside the ego's axis (m).
 const LIGHT_AHEAD: f64 = 60.0;
@@ -20,6 +21,8 @@ pub enum Kind {
 /// A road user in sight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Seen {
+    /// A number that stays the same during an episode: pedestrians from 0 on, vehicles from 256 on.
+    pub id: u32,
     /// Its kind.
     pub kind: Kind,
     /// Middle of its box on the ground, and its heading.
@@ -39,6 +42,21 @@ pub struct LightAhead {
     pub distance: f64,
 }
 
+/// The lane at a point of the route.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LaneAhead {
+    /// Its width (m).
+    pub width: f64,
+    /// Number of driving lanes to its left that lead in the same direction.
+    pub left: u32,
+    /// The same to its right.
+    pub right: u32,
+    /// Whether the point lies inside a junction.
+    pub is_junction: bool,
+    /// The speed limit there, if the ego passes all signs up to there (m/s).
+    pub speed_limit: f64,
+}
+
 /// A [`Perception`] in plain numbers, for drivers without access to our types: the road users in sight, the nearest first, and the route.
 #[derive(Debug, Clone, Default)]
 pub struct View {
@@ -54,6 +72,8 @@ pub struct View {
     pub actors: Vec<Seen>,
     /// The route ahead in the world, points 2 m apart, the first one abeam the ego; shorter where the road ends.
     pub route: Vec<Pose>,
+    /// The lane at each point of the route; empty until [`View::look_at_lanes`] is called.
+    pub lanes: Vec<LaneAhead>,
 }
 
 impl View {
@@ -69,6 +89,7 @@ impl View {
         let vehicles = perception.vehicles.iter().map(|actor| (Kind::Vehicle, actor));
         let in_sight = pedestrians.chain(vehicles).filter(|(_, actor)| perception.in_sight(actor));
         self.actors.extend(in_sight.map(|(kind, actor)| Seen {
+            id: number(actor.id),
             kind,
             pose: actor.pose,
             velocity: actor.velocity,
@@ -80,6 +101,54 @@ impl View {
         self.actors.truncate(actors);
         self.route.clear();
         self.route.extend(path.points().step_by(STRIDE).take(points).map(|point| point.pose));
+    }
+}
+
+impl View {
+    /// Updates the lanes at the points of the route that [`View::look`] took from the same path.
+    pub fn look_at_lanes(&mut self, perception: &Perception<'_>, path: &Path) {
+        let town = perception.town;
+        let mut speed_limit = perception.speed_limit;
+        self.lanes.clear();
+        for (place, point) in path.points().enumerate() {
+            if self.lanes.len() == self.route.len() {
+                return;
+            }
+            let here = point.pose.position();
+            // The first point is abeam the ego, which knows its limit.
+            let mut passed = town.speed_signs.iter().filter(|sign| place > 0 && sign.trigger.distance_to(here) <= 0.0);
+            speed_limit = passed.next_back().map_or(speed_limit, |sign| sign.limit);
+            if place.is_multiple_of(STRIDE) {
+                self.lanes.push(LaneAhead::new(town, point, speed_limit));
+            }
+        }
+    }
+}
+
+impl LaneAhead {
+    fn new(town: &Town, point: &RoutePoint, speed_limit: f64) -> Self {
+        let lanes = |beside: fn(&Town, Waypoint) -> Option<Waypoint>| {
+            let same_way = |next: &Waypoint| {
+                next.lane.signum() == point.waypoint.lane.signum() && town.lane_kind(*next) == LaneKind::Driving
+            };
+            let next = |lane: &Waypoint| beside(town, *lane).filter(same_way);
+            std::iter::successors(next(&point.waypoint), next).count() as u32
+        };
+        Self {
+            width: point.lane_width,
+            left: lanes(Town::left_lane),
+            right: lanes(Town::right_lane),
+            is_junction: point.is_junction,
+            speed_limit,
+        }
+    }
+}
+
+/// The number of an actor in messages.
+fn number(id: ActorId) -> u32 {
+    match id {
+        ActorId::Pedestrian(number) => u32::from(number),
+        ActorId::Vehicle(number) => 256 + u32::from(number),
     }
 }
 

@@ -2,7 +2,9 @@ use std::ops::{ControlFlow, Range};
 
 use crate::compile::{ControllerKind, Evaluation, episodes_seed};
 use crate::env::{Outcome, Trace};
-use crate::falsifier::{ActionMode, Homing, Intercept, Random, Scripted, TrainedWalker, WalkPolicy, evaluate_noting};
+use crate::falsifier::{
+    ActionMode, Homing, Intercept, Natural, Random, Scripted, TrainedWalker, WalkPolicy, evaluate_noting,
+};
 use crate::rl::ActorCritic;
 use crate::seed::Seed;
 
@@ -45,6 +47,7 @@ pub(super) fn watch_numbered<T>(
         ControllerKind::Random => Box::new(Random::default()),
         ControllerKind::Homing => Box::new(Homing),
         ControllerKind::Intercept => Box::new(Intercept),
+        ControllerKind::Natural => Box::new(Natural::default()),
         ControllerKind::Scripted => Box::new(Scripted),
         ControllerKind::Declared(controller) => controller.walk_policy(),
         ControllerKind::Trained(_) => learnt(ActionMode::Deterministic),

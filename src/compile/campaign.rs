@@ -2,7 +2,7 @@ use crate::signature::{Form, Param, Signature, Type};
 use crate::units::Dimension;
 
 /// The built-in controllers.
-pub(super) const PEDESTRIANS: &[&str] = &["trained", "sampled", "random", "homing", "intercept", "scripted"];
+pub(super) const PEDESTRIANS: &[&str] = &["trained", "sampled", "random", "homing", "intercept", "natural", "scripted"];
 
 /// The form `campaign`.
 pub fn form() -> Form {
@@ -48,7 +48,7 @@ pub fn form() -> Form {
                 "pedestrians",
                 Type::List(Box::new(Type::WordOrReference(PEDESTRIANS, "controller"))),
                 "[trained, random]",
-                "Which pedestrians walk: trained ones with the mean action of their policy (`trained`) or drawing from it (`sampled`), one that acts at random, one that walks straight at the ego (`homing`), one that walks to where it would meet the ego (`intercept`), the target of a test (`scripted`), or a `controller` of the file. Only the first two need a `train` block.",
+                "Which pedestrians walk: trained ones with the mean action of their policy (`trained`) or drawing from it (`sampled`), one that acts at random, one that walks straight at the ego (`homing`), one that walks to where it would meet the ego (`intercept`), one that crosses as recorded pedestrians do (`natural`), the target of a test (`scripted`), or a `controller` of the file. Only the first two need a `train` block.",
             ),
             Param::optional(
                 "vehicles",
@@ -83,6 +83,7 @@ pub fn form() -> Form {
                 "200",
                 "Episodes in which the pedestrian that a falsifier returns is evaluated afterwards, outside the budget.",
             ),
+            Param::optional("adversary", name("adversary"), "The pedestrian, instead of the campaign's `adversary`."),
             spawn(),
         ],
     );

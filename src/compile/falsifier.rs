@@ -2,8 +2,8 @@ use std::sync::Arc;
 
 use crate::diagnostic::Diagnostic;
 use crate::falsifier::{
-    Archive, Controlled, Controller, Exhaustive, Falsifier, Homing, Intercept, Learning, OpenLoop, Random, Scripted,
-    TreeSearch, Walking,
+    Archive, Controlled, Controller, Exhaustive, Falsifier, Homing, Intercept, Learning, Natural, OpenLoop, Random,
+    Scripted, TreeSearch, Walking,
 };
 use crate::lang::diagnostics;
 use crate::lang::hir::Declaration;
@@ -35,6 +35,10 @@ pub fn kinds() -> Vec<FalsifierKind> {
         },
         FalsifierKind { signature: Walking::<Homing>::signature, make: |_, _| Arc::new(Walking::new(Homing)) },
         FalsifierKind { signature: Walking::<Intercept>::signature, make: |_, _| Arc::new(Walking::new(Intercept)) },
+        FalsifierKind {
+            signature: Walking::<Natural>::signature,
+            make: |arguments, _| Arc::new(Walking::natural(arguments)),
+        },
         FalsifierKind { signature: Walking::<Scripted>::signature, make: |_, _| Arc::new(Walking::new(Scripted)) },
         FalsifierKind {
             signature: OpenLoop::cross_entropy_signature,

@@ -239,6 +239,8 @@ pub enum ControllerKind {
     Homing,
     /// Walks to where it would meet an ego that keeps its velocity.
     Intercept,
+    /// Crosses before the car as recorded pedestrians do.
+    Natural,
     /// Walks as the test of its spawn rule states.
     Scripted,
     /// A controller that the files declare.
@@ -254,6 +256,7 @@ impl ControllerKind {
             Self::Random => "random",
             Self::Homing => "homing",
             Self::Intercept => "intercept",
+            Self::Natural => "natural",
             Self::Scripted => "scripted",
             Self::Declared(controller) => controller.name(),
         }

@@ -71,6 +71,7 @@ impl Campaign {
                 ControllerKind::Random
                 | ControllerKind::Homing
                 | ControllerKind::Intercept
+                | ControllerKind::Natural
                 | ControllerKind::Scripted
                 | ControllerKind::Declared(_) => names,
             });

@@ -44,6 +44,7 @@ mod kinds;
 mod language_server;
 mod layers;
 mod learning;
+mod natural_walking;
 mod onnx;
 mod maps;
 mod messages;

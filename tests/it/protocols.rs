@@ -198,7 +198,7 @@ fn an_ideal_driver_that_brakes_late_hits_at_the_speed_of_the_closed_form() {
             let onset = cars.windows(2).position(|pair| pair[1].state.speed < pair[0].state.speed - 0.1).unwrap();
             let gap = targets[onset].pose.x - radius - cars[onset].state.pose.x - car.half_length;
             let closing = cars[onset].state.speed - walk.speed;
-            let hit = walk.judged_speed(outcome.impact_speed().unwrap());
+            let hit = walk.judged_speed(outcome.impact_speed().unwrap(), walk.command());
             // A tick moves by the speed at its start, so braking from v to w goes (v − w) dt / 2 farther.
             let braked = gap - 0.5 * (closing - hit) * tick;
             let wanted = (closing * closing - 2.0 * Ideal::BRAKING * braked).max(0.0).sqrt();

@@ -93,6 +93,9 @@ impl External {
         self.view.look(perception, &self.path, self.settings.actors, self.settings.route_points);
         let mut session = locked(&self.session);
         let generation = session.ready(perception)?;
+        if session.has_lanes() {
+            self.view.look_at_lanes(perception, &self.path);
+        }
         let seed = self.seed.take();
         if seed.is_some() {
             self.generation = generation;

@@ -2,12 +2,41 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::av::view::{Kind, View};
+use crate::av::view::{Kind, LaneAhead, Seen, View};
 use crate::av::{DrivingMode, Fault, Perception};
 use crate::sim::{Control, LightColour};
 
 /// Name and major version of the protocol. Keys may be added within a version; a driver must ignore keys that it does not know.
 pub const PROTOCOL: &str = "falsify-av/1";
+
+/// What messages hold beyond the first version of the protocol. A driver asks for it in its greeting; others get the messages of
+/// revision 1, which stay as they are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Deserialize)]
+#[serde(try_from = "u32")]
+pub(super) enum Revision {
+    /// As first published.
+    #[default]
+    First,
+    /// With the ids of actors, and the lanes and speed limits along the route.
+    Second,
+}
+
+impl Revision {
+    /// The newest, which the greeting names.
+    pub const NEWEST: u32 = 2;
+}
+
+impl TryFrom<u32> for Revision {
+    type Error = &'static str;
+
+    fn try_from(number: u32) -> Result<Self, &'static str> {
+        match number {
+            1 => Ok(Self::First),
+            2 => Ok(Self::Second),
+            _ => Err("a revision other than 1 or 2"),
+        }
+    }
+}
 
 /// The first message to a driver.
 #[derive(Serialize)]
@@ -20,6 +49,7 @@ pub(super) struct Hello<'a> {
     pub worlds: usize,
     pub actors: usize,
     pub route_points: usize,
+    pub revision: u32,
 }
 
 #[derive(Serialize)]
@@ -68,6 +98,8 @@ pub(super) struct Greeting {
     pub encoding: Encoding,
     #[serde(default)]
     pub control: Pedals,
+    #[serde(default)]
+    pub revision: Revision,
 }
 
 #[derive(Serialize)]
@@ -86,6 +118,8 @@ struct Light {
 
 #[derive(Serialize)]
 struct Actor {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    id: Option<u32>,
     kind: &'static str,
     x: f64,
     y: f64,
@@ -97,6 +131,15 @@ struct Actor {
 }
 
 #[derive(Serialize)]
+struct Lane {
+    width: f64,
+    left: u32,
+    right: u32,
+    junction: bool,
+    speed_limit: f64,
+}
+
+#[derive(Serialize)]
 struct World<'a> {
     id: u32,
     tick: u32,
@@ -105,8 +148,10 @@ struct World<'a> {
     ego: Body,
     speed_limit: f64,
     light: Option<Light>,
-    actors: Each<'a, crate::av::view::Seen, Actor>,
+    actors: Each<'a, Seen, Actor>,
     route: Each<'a, crate::geometry::Pose, [f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lanes: Option<Each<'a, LaneAhead, Lane>>,
 }
 
 /// A list whose members are converted while they are written, without a second list.
@@ -118,8 +163,32 @@ impl<T, U: Serialize> Serialize for Each<'_, T, U> {
     }
 }
 
+/// An actor of revision 1.
+fn actor(seen: &Seen) -> Actor {
+    Actor {
+        id: None,
+        kind: match seen.kind {
+            Kind::Pedestrian => "pedestrian",
+            Kind::Vehicle => "vehicle",
+        },
+        x: seen.pose.x,
+        y: seen.pose.y,
+        yaw: seen.pose.yaw,
+        vx: seen.velocity.x,
+        vy: seen.velocity.y,
+        length: 2.0 * seen.half.x,
+        width: 2.0 * seen.half.y,
+    }
+}
+
+fn lane(ahead: &LaneAhead) -> Lane {
+    let LaneAhead { width, left, right, is_junction, speed_limit } = *ahead;
+    Lane { width, left, right, junction: is_junction, speed_limit }
+}
+
 /// Appends a world to a request; `seed` only at the start of an episode.
-pub(super) fn write_world(out: &mut Vec<u8>, id: u32, tick: u32, seed: Option<u64>, view: &View) {
+pub(super) fn write_world(out: &mut Vec<u8>, id: u32, tick: u32, seed: Option<u64>, view: &View, revision: Revision) {
+    let is_second = revision >= Revision::Second;
     let world = World {
         id,
         tick,
@@ -134,20 +203,12 @@ pub(super) fn write_world(out: &mut Vec<u8>, id: u32, tick: u32, seed: Option<u6
             },
             distance: light.distance,
         }),
-        actors: Each(&view.actors, |seen| Actor {
-            kind: match seen.kind {
-                Kind::Pedestrian => "pedestrian",
-                Kind::Vehicle => "vehicle",
-            },
-            x: seen.pose.x,
-            y: seen.pose.y,
-            yaw: seen.pose.yaw,
-            vx: seen.velocity.x,
-            vy: seen.velocity.y,
-            length: 2.0 * seen.half.x,
-            width: 2.0 * seen.half.y,
-        }),
+        actors: match is_second {
+            true => Each(&view.actors, |seen| Actor { id: Some(seen.id), ..actor(seen) }),
+            false => Each(&view.actors, actor),
+        },
         route: Each(&view.route, |pose| [pose.x, pose.y, pose.yaw]),
+        lanes: is_second.then(|| Each(view.lanes.as_slice(), lane as fn(&LaneAhead) -> Lane)),
     };
     serde_json::to_writer(out, &world).expect("numbers and words have a form in JSON");
 }
@@ -240,13 +301,14 @@ pub(super) fn read_decisions(line: &[u8], asked: &[u32], decisions: &mut Vec<Dec
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::av::view::{LightAhead, Seen};
+    use crate::av::view::LightAhead;
     use crate::geometry::{Pose, Vector};
 
     /// A change of this text is a change of the protocol and needs a new version or description.
     #[test]
     fn a_world_is_written_as_the_protocol_says() {
         let seen = Seen {
+            id: 3,
             kind: Kind::Pedestrian,
             pose: Pose::new(12.0, 1.5, -1.5),
             velocity: Vector::new(0.0, -1.25),
@@ -259,11 +321,19 @@ mod tests {
             light: Some(LightAhead { colour: LightColour::Red, distance: 30.0 }),
             actors: vec![seen],
             route: vec![Pose::new(3.0, 4.0, 0.25)],
+            lanes: vec![LaneAhead { width: 3.5, left: 1, right: 0, is_junction: false, speed_limit: 8.5 }],
         };
-        let mut text = Vec::new();
-        write_world(&mut text, 7, 0, Some(99), &view);
+        let text = |revision| {
+            let mut text = Vec::new();
+            write_world(&mut text, 7, 0, Some(99), &view, revision);
+            String::from_utf8(text).unwrap()
+        };
+        let second = text(Revision::Second);
+        assert!(second.contains(r#""actors":[{"id":3,"kind":"pedestrian","x":12.0"#), "{second}");
+        let lanes = r#""lanes":[{"width":3.5,"left":1,"right":0,"junction":false,"speed_limit":8.5}]}"#;
+        assert!(second.ends_with(lanes), "{second}");
         assert_eq!(
-            String::from_utf8(text).unwrap(),
+            text(Revision::First),
             concat!(
                 r#"{"id":7,"tick":0,"seed":99,"ego":{"x":1.0,"y":2.0,"yaw":0.5,"speed":8.0},"speed_limit":10.0,"#,
                 r#""light":{"colour":"red","distance":30.0},"actors":[{"kind":"pedestrian","x":12.0,"y":1.5,"yaw":-1.5,"#,

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use super::binary::{self, Room};
-use super::message::{self, Decision, Encoding, Greeting, Hello, PROTOCOL, Pedals, Vehicle};
+use super::message::{self, Decision, Encoding, Greeting, Hello, PROTOCOL, Pedals, Revision, Vehicle};
 use super::peer::Peer;
 use super::{Opener, Program};
 use crate::av::view::View;
@@ -35,6 +35,7 @@ pub(super) struct Session {
     /// What the driver's last greeting said.
     encoding: Encoding,
     control: Pedals,
+    revision: Revision,
     worlds: u32,
     asked: Vec<u32>,
     request: Vec<u8>,
@@ -50,6 +51,7 @@ impl Session {
             settings,
             encoding: Encoding::default(),
             control: Pedals::default(),
+            revision: Revision::default(),
             worlds: 0,
             asked: Vec::new(),
             request: Vec::new(),
@@ -72,7 +74,7 @@ impl Session {
 
     /// Starts the driver if it does not run; returns the number of its starts.
     pub fn ready(&mut self, perception: &Perception<'_>) -> Result<u64, Fault> {
-        let Self { peer, settings, encoding, control, .. } = self;
+        let Self { peer, settings, encoding, control, revision, .. } = self;
         let hello = || {
             let hello = Hello {
                 r#type: "hello",
@@ -83,6 +85,7 @@ impl Session {
                 worlds: settings.worlds,
                 actors: settings.actors,
                 route_points: settings.route_points,
+                revision: Revision::NEWEST,
             };
             serde_json::to_vec(&hello).expect("numbers and words have a form in JSON")
         };
@@ -92,10 +95,18 @@ impl Session {
             if greeting.protocol != PROTOCOL {
                 return Err(Fault::Greeting("another protocol than falsify-av/1"));
             }
-            (*encoding, *control) = (greeting.encoding, greeting.control);
+            if greeting.encoding == Encoding::Binary && greeting.revision != Revision::First {
+                return Err(Fault::Greeting("the binary form has revision 1 only"));
+            }
+            (*encoding, *control, *revision) = (greeting.encoding, greeting.control, greeting.revision);
             Ok(())
         };
         peer.ready(hello, greeted)
+    }
+
+    /// Whether messages hold the lanes along the route.
+    pub fn has_lanes(&self) -> bool {
+        self.revision >= Revision::Second
     }
 
     /// Adds a world's request to those of this tick; returns its index among them.
@@ -108,7 +119,7 @@ impl Session {
             Encoding::Json => {
                 let before: &[u8] = if self.asked.is_empty() { br#"{"type":"step","worlds":["# } else { b"," };
                 self.request.extend_from_slice(before);
-                message::write_world(&mut self.request, id, tick, seed, view);
+                message::write_world(&mut self.request, id, tick, seed, view, self.revision);
             }
             Encoding::Binary => {
                 if self.asked.is_empty() {

@@ -254,12 +254,14 @@ mod tests {
             speed_limit: 10.0,
             light: Some(LightAhead { colour: LightColour::Yellow, distance: 30.0 }),
             actors: vec![Seen {
+                id: 0,
                 kind: Kind::Pedestrian,
                 pose: Pose::new(8.0, 15.0, half_turn),
                 velocity: Vector::new(1.5, 0.0),
                 half: Vector::new(0.25, 0.25),
             }],
             route: vec![Pose::new(10.0, 6.0, half_turn / 2.0)],
+            lanes: Vec::new(),
         };
         let near = |input, wanted: &[f32]| {
             let numbers = encode(input, &view);

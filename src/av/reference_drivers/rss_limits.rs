@@ -75,14 +75,15 @@ pub fn longitudinal_distance(behind: f64, ahead: f64, limits: &RssLimits) -> f64
 
 /// The safe lateral distance (m) of two actors that move at speeds towards the second one's side (m/s).
 ///
-/// `d = μ + max(0, (2 v₁ + ρ a) ρ/2 + (v₁ + ρ a)²/(2 b) − (2 v₂ − ρ a) ρ/2 + (v₂ − ρ a)²/(2 b))`, with `a`, `b` the lateral
-/// acceleration and braking of both (m/s²), `μ` the margin (m), `ρ` the response (s).
+/// `d = max(0, μ + (2 v₁ + ρ a) ρ/2 + [v₁ + ρ a]₊²/(2 b) − (2 v₂ − ρ a) ρ/2 + [ρ a − v₂]₊²/(2 b))`, with `a`, `b` the lateral
+/// acceleration and braking of both (m/s²), `μ` the margin (m), `ρ` the response (s). An actor that moves away after its response is
+/// credited with nothing beyond it, as in ad-rss-lib.
 pub fn lateral_distance(first: f64, second: f64, response: f64, acceleration: f64, braking: f64, margin: f64) -> f64 {
     let push = response * acceleration;
     let way = |before: f64, after: f64| (before + after) / 2.0 * response;
+    let stop = |towards: f64| towards.max(0.0) * towards.max(0.0) / (2.0 * braking);
     let (a, b) = (first + push, second - push);
-    let (stop_a, stop_b) = (a * a.abs() / (2.0 * braking), b * b.abs() / (2.0 * braking));
-    margin + (way(first, a) + stop_a - way(second, b) - stop_b).max(0.0)
+    (margin + way(first, a) + stop(a) - way(second, b) + stop(-b)).max(0.0)
 }
 
 #[cfg(test)]
@@ -123,6 +124,29 @@ mod tests {
     fn two_side_by_side_need_the_margin_and_both_pushes() {
         // ρ = 1 s, a = 0.2, b = 0.8: each drifts 0.1 m and stops in 0.025 m.
         assert!((lateral_distance(0.0, 0.0, 1.0, 0.2, 0.8, 0.1) - 0.35).abs() < 1e-12);
-        assert_eq!(lateral_distance(-3.0, 3.0, 1.0, 0.2, 0.8, 0.1), 0.1, "they part");
+        assert_eq!(lateral_distance(-3.0, 3.0, 1.0, 0.2, 0.8, 0.1), 0.0, "they part");
+    }
+
+    /// The recorded values of Intel's library; `tests/reference/ad_rss` computes them again where it is installed.
+    #[test]
+    fn distances_are_those_of_ad_rss() {
+        let text = include_str!("../../../tests/reference/ad_rss/distances.csv");
+        let mut compared = 0;
+        for line in text.lines().filter(|line| !line.starts_with('#')).skip(1) {
+            let fields: Vec<&str> = line.split(',').collect();
+            let number = |field: usize| fields[field].parse::<f64>().unwrap();
+            let (first, second, wanted) = (number(2), number(3), number(4));
+            let found = match (fields[0], fields[1]) {
+                ("longitudinal", "car") => longitudinal_distance(first, second, &RssLimits::car()),
+                ("longitudinal", "jrc") => longitudinal_distance(first, second, &RssLimits::jrc()),
+                ("longitudinal", "bare") => longitudinal_distance(first, second, &RssLimits::bare()),
+                ("longitudinal", "pedestrian") => longitudinal_distance(first, second, &RssLimits::pedestrian()),
+                ("lateral", "car") => lateral_distance(first, second, 1.0, 0.2, 0.8, 0.1),
+                other => panic!("{other:?}"),
+            };
+            assert!((found - wanted).abs() < 1e-5, "{line}: {found}");
+            compared += 1;
+        }
+        assert_eq!(compared, 240);
     }
 }

@@ -118,6 +118,7 @@ impl Chosen {
             Self::Word("random") => ControllerKind::Random,
             Self::Word("homing") => ControllerKind::Homing,
             Self::Word("intercept") => ControllerKind::Intercept,
+            Self::Word("natural") => ControllerKind::Natural,
             Self::Word("scripted") => ControllerKind::Scripted,
             Self::Word(_) => return None,
             Self::Declared(_, controller) => ControllerKind::Declared(controller.clone()),
@@ -144,7 +145,8 @@ fn untrained_controllers(chosen: &[Chosen]) -> Vec<(ControllerKind, Arc<Training
     chosen.iter().filter_map(Chosen::untrained).map(|controller| (controller, key.clone())).collect()
 }
 
-/// The controllers of a campaign with trainings: every trained one, and for every run of a reward a random one with draws of its own.
+/// The controllers of a campaign with trainings: every trained one, and for every run of a reward a random or natural one with draws of
+/// its own.
 /// The homing, the intercepting and the scripted controller draw nothing, so they are evaluated once for each reward; so is a declared one.
 fn controllers(chosen: &[Chosen], trainings: &[Training]) -> Vec<(ControllerKind, Arc<TrainingKey>)> {
     let mut all = Vec::new();
@@ -159,7 +161,7 @@ fn controllers(chosen: &[Chosen], trainings: &[Training]) -> Vec<(ControllerKind
             if !matches!(controller, ControllerKind::Trained(_) | ControllerKind::Sampled(_)) {
                 key.town = String::new();
                 key.policy = String::new();
-                if controller != ControllerKind::Random {
+                if !matches!(controller, ControllerKind::Random | ControllerKind::Natural) {
                     key.run = 0;
                 }
             }

@@ -31,8 +31,10 @@ impl Lowering<'_> {
         usual: &Usual,
         campaign: &mut Campaign,
     ) {
-        let (car, walker) = (&usual.car.value, &usual.walker.value);
-        let Some(ground) = self.ground(campaign_block, block, &[(&usual.car, &usual.walker)]) else { return };
+        let own = block.arguments.has("adversary").then(|| self.adversary(block.arguments.reference("adversary")));
+        let adversary = own.as_ref().unwrap_or(&usual.walker);
+        let (car, walker) = (&usual.car.value, &adversary.value);
+        let Some(ground) = self.ground(campaign_block, block, &[(&usual.car, adversary)]) else { return };
         let falsifiers = self.falsifiers(campaign_block, block, usual.training.as_ref());
         let runs = block.arguments.integer("runs") as u32;
         if !self.fits(block, [ground.towns.len(), ground.policies.len(), falsifiers.len(), runs as usize]) {
@@ -41,7 +43,7 @@ impl Lowering<'_> {
         note_towns(&mut campaign.towns, &ground.towns);
         for (place, rival) in ground.places().flat_map(|place| falsifiers.iter().map(move |rival| (place, rival))) {
             let scenario = place.scenario(car, walker, &usual.rule.value, &rival.reward.1);
-            let ground = place.declarations(&usual.car, &usual.walker, &usual.rule);
+            let ground = place.declarations(&usual.car, adversary, &usual.rule);
             let fingerprint = self.fingerprint(&[ground.as_slice(), &rival.declarations].concat());
             campaign.searches.extend((0..runs).map(|run| Search {
                 key: SearchKey {

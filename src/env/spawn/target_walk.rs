@@ -195,12 +195,14 @@ impl TargetWalk {
             }
     }
 
-    /// The impact speed that a protocol judges, for a car that hits the target at `speed` (m/s); 0 for one that has stopped.
+    /// The impact speed that a protocol judges, for a car that hits at `speed` (m/s) a target with this command; 0 for a car that has stopped.
     ///
     /// Across the path the target's own speed counts as 0, along the path it is subtracted.
-    pub fn judged_speed(&self, speed: f64) -> f64 {
+    pub fn judged_speed(&self, speed: f64, target: WalkCommand) -> f64 {
         match self.from {
-            TargetSide::Along if self.speed > 0.0 => (speed - self.speed).max(0.0),
+            TargetSide::Along if target.speed > 0.0 => {
+                (speed - target.speed * libm::cos(target.heading - self.meeting.yaw)).max(0.0)
+            }
             _ if speed > STOPPED => speed,
             _ => 0.0,
         }

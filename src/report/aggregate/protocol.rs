@@ -31,6 +31,8 @@ pub struct ProtocolCell {
     pub impact_speed: Option<f64>,
     /// How the protocol judges.
     pub criterion: TestCriterion,
+    /// The name of the worst collision, for `replay`; none without one.
+    pub worst: Option<String>,
     /// Where it is tested, to compare the nominal test with its layer.
     meeting: [i64; 5],
 }
@@ -132,6 +134,7 @@ impl ProtocolCell {
             episodes: 0,
             impact_speed: None,
             criterion: walk.criterion,
+            worst: None,
             meeting: [
                 millimetres(meeting.x),
                 millimetres(meeting.y),
@@ -142,10 +145,12 @@ impl ProtocolCell {
         }
     }
 
-    fn note(&mut self, impact: f64, driven: Option<f64>) {
+    /// Takes the result of an episode, or of a search.
+    fn note(&mut self, impact: f64, driven: Option<f64>, name: impl FnOnce() -> Option<String>) {
         self.episodes += 1;
         if self.impact_speed.is_none_or(|worst| impact > worst) {
             (self.impact_speed, self.driven_speed) = (Some(impact), driven);
+            self.worst = name().filter(|_| impact > 0.0);
         }
     }
 }
@@ -161,11 +166,10 @@ pub(super) fn protocol_cells(evaluation: &Evaluation, episodes: &DataFrame) -> P
     let mut cells: Vec<_> = (0..walk.cases.len()).map(|case| ProtocolCell::new(names, walk, case)).collect();
     let table = EpisodeTable::new(episodes)?;
     for row in table.rows().filter(|row| table.error(*row).is_none()) {
-        let case = table.episode(row) as usize % cells.len();
-        cells[case].note(
-            table.impact_speed(row).map_or(0.0, |speed| walk.judged_speed(speed)),
-            Some(table.spawn(row).ego_speed),
-        );
+        let episode = table.episode(row);
+        let impact = table.impact_speed(row).map_or(0.0, |speed| walk.judged_speed(speed, walk.command()));
+        let case = episode as usize % cells.len();
+        cells[case].note(impact, Some(table.spawn(row).ego_speed), || Some(format!("{id}:{episode}")));
     }
     Ok(cells)
 }
@@ -182,17 +186,21 @@ pub fn layer_cells(campaign: &Campaign, searches: &[SearchResult]) -> Vec<Protoc
             let mut cell = ProtocolCell::new(names, walk, case);
             cell.falsifier = Some(search.key.falsifier.clone());
             let here = |start: u64| (start % walk.cases.len() as u64) as usize == case;
-            let failures = result.spent.failures.iter().filter(|failure| here(failure.start));
-            let speeds = failures.filter_map(|failure| failure.outcome.impact_speed());
-            let worst = speeds.map(|speed| walk.judged_speed(speed)).fold(0.0, f64::max);
+            let failures = result.spent.failures.iter().enumerate().filter(|(_, failure)| here(failure.start));
+            let judged = failures.filter_map(|(number, failure)| {
+                let target = failure.commands.first().copied().unwrap_or_default();
+                Some((walk.judged_speed(failure.outcome.impact_speed()?, target), Some(number)))
+            });
+            let (worst, number) = judged.fold((0.0, None), |worst, each| if each.0 > worst.0 { each } else { worst });
+            let name = || number.map(|number| format!("{}:{number}", search.key.id));
             // Searches take their starts in turn, so they have met the first of them.
             if result.spent.starts <= case as u64 {
                 continue;
             }
             match all.iter_mut().find(|known| known.falsifier == cell.falsifier && known.is_same_case(&cell)) {
-                Some(known) => known.note(worst, None),
+                Some(known) => known.note(worst, None, name),
                 None => {
-                    cell.note(worst, None);
+                    cell.note(worst, None, name);
                     all.push(cell);
                 }
             }
@@ -247,6 +255,14 @@ pub fn protocol_columns() -> Table<'static, ProtocolCell> {
                 .of(|row: &Row| row.colour().map_or("", Colour::name).to_string()),
         )
         .column(
+            Column::<String>::new(
+                "worst_failure",
+                "",
+                "name of the worst collision, for `falsify replay`; empty without contact",
+            )
+            .of(|row: &Row| row.worst.clone().unwrap_or_default()),
+        )
+        .column(
             Column::<bool>::new("passes", "", "whether the protocol passes it; for Euro NCAP, whether it has points")
                 .of(|row: &Row| row.passes()),
         )
@@ -273,7 +289,7 @@ mod tests {
             criterion,
         };
         let mut cell = ProtocolCell::new(("", "", "", ""), &walk, 0);
-        cell.note(walk.judged_speed(impact / 3.6), Some((test + 0.5) / 3.6));
+        cell.note(walk.judged_speed(impact / 3.6, walk.command()), Some((test + 0.5) / 3.6), || None);
         cell
     }
 
@@ -304,8 +320,9 @@ mod tests {
     fn a_cell_keeps_its_worst_result_and_reports_a_speed_that_was_not_held() {
         let mut cell = cell(50.0, 10.0, TestCriterion::EuroNcap);
         assert_eq!(cell.is_held(), Some(true));
-        cell.note(5.0, Some(40.0 / 3.6));
-        cell.note(3.0, Some(50.0 / 3.6));
+        cell.note(5.0, Some(40.0 / 3.6), || Some("a:1".into()));
+        cell.note(3.0, Some(50.0 / 3.6), || Some("a:2".into()));
+        assert_eq!(cell.worst.as_deref(), Some("a:1"));
         assert_eq!((cell.impact_speed, cell.episodes, cell.is_held()), (Some(5.0), 3, Some(false)));
     }
 }

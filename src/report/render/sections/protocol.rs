@@ -21,7 +21,7 @@ pub fn protocol(cells: &[ProtocolCell], layers: &[ProtocolCell]) -> Option<Secti
     if cells.is_empty() && layers.is_empty() {
         return None;
     }
-    let mut tables = Vec::new();
+    let mut tables = if layers.is_empty() { Vec::new() } else { of_layers(cells, layers) };
     let mut tests: BTreeMap<usize, Vec<&ProtocolCell>> = BTreeMap::new();
     let mut names: Vec<&str> = Vec::new();
     for cell in cells {
@@ -32,9 +32,6 @@ pub fn protocol(cells: &[ProtocolCell], layers: &[ProtocolCell]) -> Option<Secti
         tests.entry(number).or_default().push(cell);
     }
     tables.extend(tests.iter().map(|(number, cells)| of_test(names[*number], cells)));
-    if !layers.is_empty() {
-        tables.push(of_layers(cells, layers));
-    }
     let notes = vec![READING.into(), LIMITS.into()];
     Some(Section {
         id: "protocol",
@@ -82,63 +79,191 @@ fn of_test(test: &str, cells: &[&ProtocolCell]) -> Table {
     Table { title: test.to_string(), head, rows: keys.iter().map(row).collect(), ..Table::default() }
 }
 
-/// The nominal result of each cell beside the worst that each search found.
-fn of_layers(cells: &[ProtocolCell], layers: &[ProtocolCell]) -> Table {
+/// A cell of a test within its layers.
+struct Layered<'a> {
+    nominal: Option<&'a ProtocolCell>,
+    /// The worst result of each search.
+    found: Vec<&'a ProtocolCell>,
+}
+
+impl<'a> Layered<'a> {
+    /// The cells of the searches, each once.
+    fn all(cells: &'a [ProtocolCell], layers: &'a [ProtocolCell]) -> Vec<Self> {
+        let mut all: Vec<Self> = Vec::new();
+        for found in layers {
+            match all.iter_mut().find(|known| known.key().is_same_case(found)) {
+                Some(known) => known.found.push(found),
+                None => {
+                    let nominal = cells.iter().find(|cell| cell.is_same_case(found));
+                    all.push(Self { nominal, found: vec![found] });
+                }
+            }
+        }
+        all
+    }
+
+    /// Any of its results: they have the same driver and case.
+    fn key(&self) -> &'a ProtocolCell {
+        self.found[0]
+    }
+
+    /// The result of a search.
+    fn found_by(&self, falsifier: &str) -> Option<&'a ProtocolCell> {
+        self.found.iter().copied().find(|cell| cell.falsifier.as_deref() == Some(falsifier))
+    }
+
+    /// The worst result of the searches and the nominal test, which is one of the variations.
+    fn worst(&self) -> &'a ProtocolCell {
+        let speed = |cell: &ProtocolCell| cell.impact_speed.unwrap_or(0.0);
+        let mut worst = self.nominal.unwrap_or(self.found[0]);
+        for cell in &self.found {
+            if speed(cell) > speed(worst) {
+                worst = cell;
+            }
+        }
+        worst
+    }
+
+    /// Whether its colour, or whether it passes, is worse than that of the nominal test.
+    fn is_worse(&self) -> bool {
+        let rank = |cell: &ProtocolCell| (cell.passes() == Some(false), cell.colour());
+        self.nominal.is_some_and(|nominal| rank(self.worst()) > rank(nominal))
+    }
+
+    fn value(&self) -> Value {
+        match self.nominal {
+            Some(nominal) if self.is_worse() => Value::Change(Box::new(shown(nominal)), Box::new(shown(self.worst()))),
+            Some(nominal) => shown(nominal),
+            None => shown(self.worst()),
+        }
+    }
+}
+
+/// The tables of the layers: one row for each driver, the cells of each driver, the searches, and the cells that got worse.
+fn of_layers(cells: &[ProtocolCell], layers: &[ProtocolCell]) -> Vec<Table> {
+    let all = Layered::all(cells, layers);
+    let mut drivers: Vec<&str> = Vec::new();
+    for each in &all {
+        if !drivers.contains(&each.key().policy.as_str()) {
+            drivers.push(&each.key().policy);
+        }
+    }
+    let of = |driver: &str| all.iter().filter(|each| each.key().policy == driver).collect::<Vec<_>>();
+    let mut tables = vec![robustness(&drivers, of)];
+    tables.extend(drivers.iter().map(|driver| of_driver(driver, &of(driver))));
+    tables.push(of_searches(&all));
+    tables.extend(changes(&all));
+    tables
+}
+
+/// How far each driver's nominal result is true within the layers.
+fn robustness<'a>(drivers: &[&'a str], of: impl Fn(&str) -> Vec<&'a Layered<'a>>) -> Table {
+    let names = ["cells", "worse within the layers", "red, nominal", "red, worst", "score, nominal", "score, worst"];
+    let row = |driver: &&str| {
+        let of = of(driver);
+        let red = |cell: &ProtocolCell| cell.colour() == Some(Colour::Red);
+        let nominal: Vec<&ProtocolCell> = of.iter().filter_map(|each| each.nominal).collect();
+        let worst: Vec<&ProtocolCell> = of.iter().map(|each| each.worst()).collect();
+        let count = |number: usize| Value::Count(number as u64);
+        vec![
+            Value::Code((*driver).into()),
+            count(of.len()),
+            count(of.iter().filter(|each| each.is_worse()).count()),
+            count(nominal.iter().filter(|cell| red(cell)).count()),
+            count(worst.iter().filter(|cell| red(cell)).count()),
+            Value::Number(score(nominal.iter().copied()), 2),
+            Value::Number(score(worst.iter().copied()), 2),
+        ]
+    };
+    let note = "A cell is a test, an overlap and a test speed. *Worse*: a variation of the target within the layers has a worse colour than the nominal test.";
+    Table {
+        title: "Robustness: is the nominal result true within the layers?".into(),
+        head: std::iter::once(Column::text("driver")).chain(names.map(Column::number)).collect(),
+        rows: drivers.iter().map(row).collect(),
+        notes: vec![note.into()],
+    }
+}
+
+/// The nominal colour of each cell of a driver, and the worst one within the layers where that is worse.
+fn of_driver(driver: &str, of: &[&Layered<'_>]) -> Table {
+    let mut speeds: Vec<f64> = of.iter().map(|each| each.key().test_speed).collect();
+    speeds.sort_by(f64::total_cmp);
+    speeds.dedup();
+    let mut keys: Vec<(&str, f64)> = Vec::new();
+    for each in of {
+        let key = (each.key().test.as_str(), each.key().overlap);
+        if !keys.contains(&key) {
+            keys.push(key);
+        }
+    }
+    let mut head = vec![Column::text("test"), Column::number("overlap")];
+    head.extend(speeds.iter().map(|speed| Column::number(format!("{:.0} km/h", speed * 3.6))));
+    let row = |(test, overlap): &(&str, f64)| {
+        let here = |each: &&&Layered<'_>| each.key().test == *test && each.key().overlap == *overlap;
+        let name = of.iter().find(here).and_then(|each| each.nominal).map_or(*test, |nominal| nominal.test.as_str());
+        let mut row = vec![Value::Code(name.into()), Value::Percent(*overlap)];
+        row.extend(speeds.iter().map(|speed| {
+            let cell = of.iter().filter(here).find(|each| each.key().test_speed == *speed);
+            cell.map_or_else(|| "–".into(), |each| each.value())
+        }));
+        row
+    };
+    Table {
+        title: format!("{driver}: nominal → worst"),
+        head,
+        rows: keys.iter().map(row).collect(),
+        ..Table::default()
+    }
+}
+
+/// In how many cells each search found the worst result.
+fn of_searches(all: &[Layered<'_>]) -> Table {
     let mut searches: Vec<&str> = Vec::new();
-    let mut keys: Vec<&ProtocolCell> = Vec::new();
-    for cell in layers {
-        let name = cell.falsifier.as_deref().unwrap_or_default();
+    for name in all.iter().flat_map(|each| &each.found).filter_map(|cell| cell.falsifier.as_deref()) {
         if !searches.contains(&name) {
             searches.push(name);
         }
-        if !keys.iter().any(|key| key.is_same_case(cell)) {
-            keys.push(cell);
-        }
     }
-    let mut head = vec![
-        Column::text("driver"),
-        Column::text("test"),
-        Column::number("overlap"),
-        Column::number("test speed (km/h)"),
-        Column::text("nominal"),
-        Column::text("worst"),
-        Column::text("change"),
-    ];
-    head.extend(searches.iter().map(|name| Column::text(*name).detail()));
-    let row = |key: &&ProtocolCell| {
-        let nominal = cells.iter().find(|cell| cell.is_same_case(key));
-        let of: Vec<&ProtocolCell> = layers.iter().filter(|cell| cell.is_same_case(key)).collect();
-        let worst =
-            of.iter().copied().max_by(|a, b| a.impact_speed.unwrap_or(0.0).total_cmp(&b.impact_speed.unwrap_or(0.0)));
-        let colour = |cell: Option<&ProtocolCell>| cell.and_then(ProtocolCell::colour);
-        let change = match (colour(nominal), colour(worst)) {
-            (Some(before), Some(after)) if after > before => format!("{} → {}", before.name(), after.name()),
-            (Some(before), Some(after)) if after == before => "same".into(),
-            (Some(_), Some(_)) => "better".into(),
-            _ => "–".into(),
-        };
-        let text = |cell: Option<&ProtocolCell>| cell.map_or_else(|| "–".into(), shown);
-        let mut row = vec![
-            Value::Code(key.policy.clone()),
-            Value::Text(key.test.clone()),
-            Value::Percent(key.overlap),
-            Value::Number(Some(key.test_speed * 3.6), 0),
-            text(nominal),
-            text(worst),
-            Value::Text(change),
-        ];
-        row.extend(
-            searches.iter().map(|name| text(of.iter().copied().find(|cell| cell.falsifier.as_deref() == Some(name)))),
-        );
-        row
+    let row = |name: &&str| {
+        let worse: Vec<_> = all.iter().filter(|each| each.is_worse()).collect();
+        let as_bad =
+            |each: &&&Layered<'_>| each.found_by(name).is_some_and(|cell| cell.colour() == each.worst().colour());
+        let searched = all.iter().filter(|each| each.found_by(name).is_some()).count() as u64;
+        let found = worse.iter().filter(as_bad).count() as u64;
+        vec![Value::Code((*name).into()), Value::Count(searched), Value::Of(found, worse.len() as u64)]
     };
-    let note = "The worst result that a search found within the layers of a test, beside the nominal test. All searches had the same budget.";
+    let names = ["cells searched", "worst colour found, of the worse cells"];
     Table {
-        title: "Robustness: worst results within the layers".into(),
-        head,
-        rows: keys.iter().map(row).collect(),
-        notes: vec![note.into()],
+        title: "Searches, each with the same budget".into(),
+        head: std::iter::once(Column::text("search")).chain(names.map(Column::number)).collect(),
+        rows: searches.iter().map(row).collect(),
+        ..Table::default()
     }
+}
+
+/// The cells that got worse, with the names of their collisions; none when no cell did.
+fn changes(all: &[Layered<'_>]) -> Option<Table> {
+    let numbers = ["overlap", "test speed (km/h)"].map(Column::number);
+    let words = |names: [&'static str; 4]| names.map(Column::text);
+    let head = ["driver", "test"].map(Column::text).into_iter().chain(numbers);
+    let head: Vec<Column> = head.chain(words(["nominal", "worst", "found by", "replay"])).collect();
+    let row = |each: &Layered<'_>| {
+        let worst = each.worst();
+        vec![
+            Value::Code(worst.policy.clone()),
+            Value::Code(each.nominal.unwrap_or(worst).test.clone()),
+            Value::Percent(worst.overlap),
+            Value::Number(Some(worst.test_speed * 3.6), 0),
+            each.nominal.map_or_else(|| "–".into(), shown),
+            shown(worst),
+            Value::Code(worst.falsifier.clone().unwrap_or_default()),
+            Value::Code(worst.worst.clone().unwrap_or_default()),
+        ]
+    };
+    let rows: Vec<_> = all.iter().filter(|each| each.is_worse()).map(row).collect();
+    let note = "`falsify replay NAME --report FOLDER` shows a collision.";
+    let title = "Cells that are worse within the layers".into();
+    (!rows.is_empty()).then(|| Table { title, head, rows, notes: vec![note.into()] })
 }
 
 /// `0 green`, `23.4 red !`, `5.0 fails`.

@@ -33,6 +33,8 @@ pub enum Value {
     Warning(String),
     /// Words on a colour of the page's style sheet: `green`, `yellow`, `orange`, `brown` or `red`.
     Toned(String, &'static str),
+    /// A value, and what it became.
+    Change(Box<Value>, Box<Value>),
     /// Several values below each other.
     Lines(Vec<Value>),
 }
@@ -69,6 +71,7 @@ impl fmt::Display for Value {
             Self::Difference(Some(number), None) => write!(f, "{number:+.2}"),
             Self::Difference(Some(number), Some((low, high))) => write!(f, "{number:+.2} ({low:+.2}..{high:+.2})"),
             Self::Percent(share) => write!(f, "{:.0} %", 100.0 * share),
+            Self::Change(before, after) => write!(f, "{before} → {after}"),
             Self::Lines(lines) => {
                 let texts: Vec<String> = lines.iter().map(Self::to_string).collect();
                 f.write_str(&texts.join("; "))

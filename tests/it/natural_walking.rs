@@ -1,0 +1,131 @@
+//! The natural pedestrian beside the recorded ones: speeds, changes within a second, and how it crosses.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::Arc;
+
+use falsify::internal::compile::{Catalog, compile};
+use falsify::internal::env::{Outcome, Scenario, Trace};
+use falsify::internal::falsifier::{Natural, RecordedWalking, evaluate_noting};
+use falsify::internal::geometry::{Vector, wrap_angle};
+use falsify::internal::seed::Seed;
+
+use crate::reference;
+
+/// Pedestrians before a car that drives past, with a body that reaches every command at once.
+fn scenario() -> Arc<Scenario> {
+    let text = "edition 1\nimport \"std/drivers.scn\"\nimport \"std/ncap.scn\"\n\
+                adversary free { body: adult ramp: 0 s turning: 20 Hz speed: 0 m/s .. 6 m/s }\n\
+                spawn beside { bearing: -45 deg .. 45 deg distance: 20 m .. 40 m ego_speed: 10 m/s }\n\
+                episode half_a_minute { ticks: 600 }\n\
+                campaign c { vehicle: model3 adversary: free spawn: beside episode: half_a_minute\n\
+                evaluate { towns: [test_track] policies: [blind] pedestrians: [natural] episodes: 1 } }";
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/test_of_natural_walking.scn");
+    let read = |path: &Path| if path == root { Ok(text.to_string()) } else { std::fs::read_to_string(path) };
+    let compiled = compile(std::slice::from_ref(&root), &Catalog::builtin(), &read, &mut Default::default()).unwrap();
+    let plan = compiled.plan.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));
+    plan.campaigns[0].evaluations[0].scenario.clone()
+}
+
+fn episodes<T>(walker: Natural, count: u32, mut note: impl FnMut(&Outcome, &Trace) -> T) -> Vec<T> {
+    let seed = Seed::root(3);
+    let mut note = |_: u32, outcome: &Outcome, trace: &Trace| note(outcome, trace);
+    let (mut walker, scenario) = (walker, scenario());
+    evaluate_noting(&mut walker, &scenario, 0..count, &seed, &seed, &mut note, &mut |_| ControlFlow::Continue(()))
+}
+
+/// Speeds, sizes of changes of speed and sizes of changes of heading, second by second from the first whole second of walking on.
+fn figures(walking: RecordedWalking) -> [Vec<f64>; 3] {
+    let velocities = |_: &Outcome, trace: &Trace| -> Vec<Vector> {
+        let walked = trace.pedestrian(0).iter().skip_while(|state| state.speed() < 0.05);
+        walked.skip(10).step_by(20).map(|state| state.velocity).collect()
+    };
+    let [mut speeds, mut changes, mut turns] = [Vec::new(), Vec::new(), Vec::new()];
+    for track in episodes(Natural::new(walking, 0.0), 600, velocities) {
+        speeds.extend(track.iter().map(|velocity| velocity.norm()));
+        for pair in track.windows(2).filter(|pair| pair.iter().all(|velocity| velocity.norm() > 0.3)) {
+            let heading = |velocity: &Vector| libm::atan2(velocity.y, velocity.x);
+            changes.push((pair[1].norm() - pair[0].norm()).abs());
+            turns.push(wrap_angle(heading(&pair[1]) - heading(&pair[0])).abs());
+        }
+    }
+    let mut all = [speeds, changes, turns];
+    all.iter_mut().for_each(|values| values.sort_by(f64::total_cmp));
+    all
+}
+
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    sorted[((sorted.len() - 1) as f64 * share).round() as usize]
+}
+
+/// The standard deviation about 0 of values whose sizes these are.
+fn deviation(sizes: &[f64]) -> f64 {
+    (sizes.iter().map(|size| size * size).sum::<f64>() / sizes.len() as f64).sqrt()
+}
+
+/// The sampler repeats the recorded figures that are in `natural_walking.csv`. A value may differ by a tenth, the
+/// 5th percentile of speeds by 15 %, a 99th percentile by a fifth and a 99.9th by a quarter.
+#[test]
+fn a_natural_pedestrian_has_the_figures_of_recorded_ones_as_in_the_reference() {
+    let path = reference::folder().join("reference/next/natural_walking.csv");
+    let Some(text) = reference::read_text(&path) else {
+        loud!("SKIPPED: no {}", path.display());
+        return;
+    };
+    let lines: Vec<Vec<&str>> =
+        text.lines().filter(|line| !line.starts_with('#')).map(|line| line.split(',').collect()).collect();
+    let recorded = |dataset: &str, column: &str| -> Option<f64> {
+        let place = lines[0].iter().position(|name| *name == column).unwrap_or_else(|| panic!("no {column}"));
+        let row = lines.iter().find(|row| row[0] == dataset).unwrap_or_else(|| panic!("no {dataset}"));
+        row[place].parse().ok()
+    };
+    let mut compared = 0;
+    for (dataset, walking) in [("DUT", RecordedWalking::DUT), ("VRU", RecordedWalking::VRU)] {
+        let [speeds, changes, turns] = figures(walking);
+        assert!(speeds.len() > 10_000, "{}", speeds.len());
+        let mean = speeds.iter().sum::<f64>() / speeds.len() as f64;
+        let spread =
+            (speeds.iter().map(|speed| (speed - mean) * (speed - mean)).sum::<f64>() / speeds.len() as f64).sqrt();
+        let rows = [
+            ("speed_mean", mean, 0.1),
+            ("speed_sd", spread, 0.1),
+            ("speed_p5", quantile(&speeds, 0.05), 0.15),
+            ("speed_p85", quantile(&speeds, 0.85), 0.1),
+            ("speed_p99", quantile(&speeds, 0.99), 0.1),
+            ("speed_p999", quantile(&speeds, 0.999), 0.25),
+            ("change_sd", deviation(&changes), 0.1),
+            ("change_p99", quantile(&changes, 0.99), 0.2),
+            ("change_p999", quantile(&changes, 0.999), 0.25),
+            ("heading_sd", deviation(&turns), 0.1),
+            ("heading_p99", quantile(&turns, 0.99), 0.2),
+            ("heading_p999", quantile(&turns, 0.999), 0.25),
+        ];
+        for (column, found, tolerance) in rows {
+            let Some(wanted) = recorded(dataset, column) else { continue };
+            eprintln!("{dataset} {column}: {found:.3}, recorded {wanted:.3}");
+            assert!((found - wanted).abs() <= tolerance * wanted, "{dataset} {column}: {found:.3} and not {wanted:.3}");
+            compared += 1;
+        }
+    }
+    assert!(compared >= 18, "{compared} figures");
+}
+
+/// Those who heed the car wait for their gap, so fewer are hit, and they cross in the end, since the car drives past.
+#[test]
+fn pedestrians_that_heed_the_car_wait_for_a_gap() {
+    let results = |heed: f64| {
+        let crossed = |outcome: &Outcome, trace: &Trace| {
+            let track = trace.pedestrian(0);
+            let waited = track.iter().take_while(|state| state.speed() < 0.05).count();
+            (outcome.is_collision(), waited, (track[0].pose.position() - track[track.len() - 1].pose.position()).norm())
+        };
+        episodes(Natural::new(RecordedWalking::DUT, heed), 200, crossed)
+    };
+    let (careful, heedless) = (results(1.0), results(0.0));
+    let hits = |results: &[(bool, usize, f64)]| results.iter().filter(|(hit, ..)| *hit).count();
+    assert_eq!(hits(&careful), 0, "a blind driver passes all who wait for a gap");
+    assert!(hits(&heedless) > 0, "some of those who do not look are hit");
+    assert!(heedless.iter().all(|(_, waited, _)| *waited <= 1), "they set off at once");
+    assert!(careful.iter().filter(|(_, waited, _)| *waited > 20).count() > 100, "most wait more than a second");
+    assert!(careful.iter().all(|(_, _, way)| *way > 5.0), "all of them cross");
+}
