@@ -168,6 +168,8 @@ fn ctrl_c_saves_what_is_under_way() {
     place.write(&long);
     let mut child = place.begin(&["--checkpoint", "3600"]);
     let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+    let named = lines.next().unwrap().unwrap();
+    assert!(named.starts_with("the learning curves grow in "), "{named}");
     let first = lines.next().unwrap().unwrap();
     assert!(["trained", "tried", "searched"].iter().any(|word| first.contains(word)), "{first}");
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
