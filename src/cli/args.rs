@@ -41,7 +41,7 @@ Exit codes:
 
 /// Searches for the faults of a self-driving car towards pedestrians.
 #[derive(Debug, Parser)]
-#[command(version, after_help = EXAMPLES, max_term_width = 100)]
+#[command(name = "falsify", version, after_help = EXAMPLES, max_term_width = 100)]
 pub struct Arguments {
     /// The command.
     #[command(subcommand)]

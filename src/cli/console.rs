@@ -126,7 +126,7 @@ mod tests {
         assert_eq!(wrapped(short), format!("{short}\n"));
         let word = "1234567890";
         let long = format!("    {}", [word; 12].join(" "));
-        let (first, second) = (format!("    {}", [word; 6].join(" ")), format!("      {}", [word; 6].join(" ")));
+        let (first, second) = (format!("    {}", [word; 7].join(" ")), format!("      {}", [word; 5].join(" ")));
         assert_eq!(wrapped(&long), format!("{first}\n{second}\n"));
     }
 }

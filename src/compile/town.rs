@@ -281,7 +281,7 @@ pub fn lower(
         match crosswalk::across(&town, Point::new(x, y), walk.arguments.number("width")) {
             Ok(corners) => crosswalks.push(corners),
             Err(error) => {
-                said.push(diagnostics::unbuildable_town(walk.head, &format!("no crosswalk fits here: {error}")))
+                said.push(diagnostics::unbuildable_town(walk.head, &format!("no crosswalk fits here: {error}")));
             }
         }
     }

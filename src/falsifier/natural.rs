@@ -10,7 +10,7 @@ use crate::sim::WalkCommand;
 ///
 /// At the start of an episode it draws its preferred speed and its accepted gap. It crosses at a right angle to the car, away from the side
 /// on which it stands. It sets off when the car would come to its line later than itself by at least the accepted gap, when the car has
-/// passed, or when the car stands. A heedless pedestrian sets off at once. While it walks, its speed and its direction change with every
+/// passed, when the car stands, or when it is in the way of the car. A heedless pedestrian sets off at once. While it walks, its speed and its direction change with every
 /// decision. The sizes of the changes are drawn from the recorded distributions. A change leads back towards the preferred speed and
 /// towards the straight line with a probability that grows with the departure from it, so neither of them drifts.
 ///
@@ -75,8 +75,12 @@ impl Walk {
         if way <= 0.0 || ego.state.speed <= 0.1 {
             return true;
         }
+        let aside = ego.blueprint.half_width + person.body.radius;
+        if place.y.abs() < aside {
+            return true;
+        }
         // It has crossed when it is out of the car's width.
-        let beyond = place.y.abs() + ego.blueprint.half_width + person.body.radius;
+        let beyond = place.y.abs() + aside;
         way / ego.state.speed - beyond / self.preferred >= self.gap
     }
 }

@@ -101,7 +101,7 @@ fn events_of_a_training_end_with_its_last_row_and_a_curve_that_cannot_be_written
     for event in ended {
         let run = &event["place"];
         let rows: Vec<Vec<&str>> = table.lines().skip(1).map(|line| line.split(',').collect()).collect();
-        let rows: Vec<&Vec<&str>> = rows.iter().filter(|row| row[column("run")] == run.to_string()).collect();
+        let rows: Vec<&Vec<&str>> = rows.iter().filter(|row| row[column("run")].parse().ok() == run.as_u64()).collect();
         let (learning, last) = (&event["learning"], rows.last().unwrap());
         assert_eq!(learning["updates"], 12);
         let episodes: u64 = rows.iter().map(|row| row[column("episodes")].parse::<u64>().unwrap()).sum();

@@ -208,7 +208,7 @@ pub(super) fn write_world(out: &mut Vec<u8>, id: u32, tick: u32, seed: Option<u6
             false => Each(&view.actors, actor),
         },
         route: Each(&view.route, |pose| [pose.x, pose.y, pose.yaw]),
-        lanes: is_second.then(|| Each(view.lanes.as_slice(), lane as fn(&LaneAhead) -> Lane)),
+        lanes: is_second.then_some(Each(view.lanes.as_slice(), lane as fn(&LaneAhead) -> Lane)),
     };
     serde_json::to_writer(out, &world).expect("numbers and words have a form in JSON");
 }
