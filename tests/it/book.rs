@@ -100,7 +100,7 @@ fn the_examples_of_the_book_check() {
             let errors: Vec<_> = compiled
                 .diagnostics
                 .iter()
-                .filter(|each| !["unused", "external-not-allowed"].contains(&&*each.code))
+                .filter(|each| !["unused", "external-not-allowed"].contains(&each.code))
                 .collect();
             assert!(errors.is_empty(), "{}: {errors:?}", path.display());
             count += 1;
