@@ -18,7 +18,7 @@ const OFF_LINE: f64 = 0.01;
 /// heading the direction of the line: a turned line still leads through the meeting. Later commands of the episode have no effect.
 ///
 /// Episodes take the cases in turn: episode *k* is case *k* mod n. A test is over when the car has stopped, when the target has left its path,
-/// or, along the path, when the car is slower than the target ([`TargetWalk::is_over`]).
+/// or, along the path, when the car is slower than the target.
 ///
 /// # Source
 /// Euro NCAP, *Crash Avoidance Frontal Collisions* 1.1 (2025), 5.2, and *AEB/LSS VRU Test Protocol* 4.5.1 (2024); 49 CFR 571.127, S8. The
