@@ -1,4 +1,4 @@
-"""Drivers under test that are Python objects: a class of one's own, or a network in an ONNX file.
+"""Drivers under test that are Python objects: a class of your own, or a network in an ONNX file.
 
 A driver has one method ``drive(world)``. It gets what a driver in a separate program gets (``scenarios/external/README.md``): ``ego``,
 ``speed_limit``, ``light``, ``actors`` and ``route``, in the world's frame, in m, s and rad. It returns ``throttle`` and ``brake`` (0 to 1) or
@@ -72,7 +72,7 @@ def serve(make: Callable[[], Driver]) -> None:
 class OnnxDriver:
     """A network with the inputs ``ego``, ``actors`` and ``route`` as `scenarios/external/README.md` describes them.
 
-    It runs in onnxruntime: ``serve(lambda: OnnxDriver("net.onnx"))``, or with a session of one's own. A scenario's ``policy p = onnx(model: …)``
+    It runs in onnxruntime: ``serve(lambda: OnnxDriver("net.onnx"))``, or with a session of your own. A scenario's ``policy p = onnx(model: …)``
     needs no onnxruntime.
     """
 

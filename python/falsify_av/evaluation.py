@@ -1,4 +1,4 @@
-"""Episodes of a pedestrian of one's own: a callable, such as a function, a trained policy or an ONNX session."""
+"""Episodes of a pedestrian of your own: a callable, such as a function, a trained policy or an ONNX session."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Progress of long calls: a bar in a terminal or a notebook, or a function of one's own. It needs no package."""
+"""Progress of long calls: a bar in a terminal or a notebook, or a function of your own. It needs no package."""
 
 from __future__ import annotations
 
