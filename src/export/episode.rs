@@ -17,7 +17,7 @@ pub(super) const OBSTACLE_HEIGHT: f64 = 3.0;
 /// The share of the largest square that does not graze a car.
 ///
 /// # Source
-/// esmini 3.6 finds touches of boxes that are up to a centimetre apart.
+/// Measured with esmini 3.6 in two failures: it still finds a touch at 0.96 of that square, and none at 0.94.
 const GRAZE: f64 = 0.94;
 
 /// An episode that was repeated: the input of every exporter.

@@ -4,7 +4,7 @@
 
 Values (places, rotations, settings) are those of the package. Objects that need a server are stand-ins: a method must be in the package and in its
 stubs, and the stub's signature must take the arguments. The folder `agents` is not in the package; its calls are checked against the signatures
-of CARLA's public sources (0.9.16, `agents/navigation/behavior_agent.py` and `basic_agent.py`).
+of CARLA's public sources: `agents/navigation/behavior_agent.py` and `basic_agent.py` of 0.9.13, 0.9.14 and 0.9.15 take these calls alike.
 """
 
 import ast
