@@ -1,5 +1,6 @@
 //! A campaign that is ended by signals, alone or with another process, has the same reports as an undisturbed one. No process panics, and
-//! nothing is left over. `FALSIFY_TEST_KILLS` is the number of signals of each of the three modes; `FALSIFY_TEST_PROGRAM` is another build.
+//! nothing is left over. `FALSIFY_TEST_KILLS` is the number of signals of each of the three modes, or three numbers; `FALSIFY_TEST_SEED` is a
+//! seed of their times; `FALSIFY_TEST_PROGRAM` is another build.
 #![cfg(unix)]
 
 use std::collections::BTreeMap;
@@ -28,6 +29,9 @@ campaign cut {
   search { towns: [village] policies: [blind] falsifiers: [walk, strategy] budget: 2000 runs: 1 episodes: 2 }
 }
 "#;
+
+/// The most time that a process may take after a signal. It separates an end from a hang.
+const PATIENCE: Duration = Duration::from_secs(300);
 
 /// Which processes work on a campaign at the same time.
 #[derive(Clone, Copy, Debug)]
@@ -85,7 +89,21 @@ impl Process {
     }
 
     fn end(mut self, signal: Option<&str>) -> bool {
-        let status = self.child.wait().unwrap();
+        let begun = Instant::now();
+        let status = loop {
+            if let Some(status) = self.child.try_wait().unwrap() {
+                break status;
+            }
+            if begun.elapsed() > PATIENCE {
+                let threads = threads(self.child.id());
+                self.child.kill().unwrap();
+                panic!(
+                    "{signal:?}: no end after {PATIENCE:?}: {}\n{threads}",
+                    fs::read_to_string(&self.errors).unwrap()
+                );
+            }
+            std::thread::sleep(Duration::from_millis(2));
+        };
         let text = fs::read_to_string(&self.errors).unwrap();
         assert!(!text.contains("panicked") && !text.contains("bug"), "{signal:?}: {text}");
         match (status.code(), signal) {
@@ -96,6 +114,17 @@ impl Process {
             _ => panic!("{signal:?}: {status:?}: {text}"),
         }
     }
+}
+
+/// What each thread of a process waits for, as far as the system says it.
+fn threads(process: u32) -> String {
+    let Ok(tasks) = fs::read_dir(format!("/proc/{process}/task")) else { return String::new() };
+    let paths = tasks.flatten().map(|task| task.path());
+    let about = |path: PathBuf| {
+        let words = ["comm", "wchan", "syscall"].map(|file| fs::read_to_string(path.join(file)).unwrap_or_default());
+        words.map(|word| word.trim().to_owned()).join(" ")
+    };
+    paths.map(about).collect::<Vec<_>>().join("\n")
 }
 
 /// The numbers of one mode.
@@ -158,13 +187,13 @@ fn left_over(folder: &Path) -> Vec<PathBuf> {
 }
 
 /// Ends processes of campaigns until there were this many signals.
-fn attack(mode: Mode, signals: u32, counts: &mut Counts) {
+fn attack(mode: Mode, signals: u32, seed: u64, counts: &mut Counts) {
     let undisturbed = place();
     let begun = Instant::now();
     let output = mode.command(undisturbed.path(), "one").output().unwrap();
     assert!(output.status.success(), "{output:?}");
     let (time, wanted) = (begun.elapsed(), report(undisturbed.path(), "one"));
-    let mut state = 0x2545_f491_4f6c_dd1d_u64 ^ mode.folders().len() as u64;
+    let mut state = 0x2545_f491_4f6c_dd1d_u64 ^ mode.folders().len() as u64 ^ (seed << 8);
     let sent = |counts: &Counts| counts.signals.values().sum::<u32>();
     while sent(counts) < signals {
         let place = place();
@@ -206,12 +235,19 @@ fn attack(mode: Mode, signals: u32, counts: &mut Counts) {
     }
 }
 
+/// The value of a variable, or what it is by default.
+fn variable(name: &str, default: &str) -> String {
+    std::env::var(name).unwrap_or_else(|_| default.to_owned())
+}
+
 #[test]
 fn signals_at_any_moment_change_no_report() {
-    let signals = std::env::var("FALSIFY_TEST_KILLS").map_or(6, |text| text.parse().expect("a number of signals"));
-    for mode in [Mode::OneProcess, Mode::TwoOnOneFolder, Mode::TwoFoldersOneCache] {
+    let signals = variable("FALSIFY_TEST_KILLS", "6");
+    let signals: Vec<u32> = signals.split(',').map(|text| text.parse().expect("a number of signals")).collect();
+    let seed = variable("FALSIFY_TEST_SEED", "0").parse().expect("a seed");
+    for (number, mode) in [Mode::OneProcess, Mode::TwoOnOneFolder, Mode::TwoFoldersOneCache].into_iter().enumerate() {
         let (mut counts, begun) = (Counts::default(), Instant::now());
-        attack(mode, signals, &mut counts);
+        attack(mode, signals[number % signals.len()], seed, &mut counts);
         println!("{mode:?}: {counts:?}, {:.0} s", begun.elapsed().as_secs_f64());
     }
 }
