@@ -10,27 +10,14 @@ use falsify::internal::compile::{Campaign, Catalog, Compiled, ControllerKind, co
 use falsify::internal::diagnostic::Sources;
 use falsify::internal::env::{Ending, Outcome, Scenario};
 use falsify::internal::falsifier::{ActionMode, Homing, Simulator, TrainError, TrainedWalker, WalkPolicy, evaluate};
-use falsify::internal::lang::Reader;
 use falsify::internal::process::ProcessOpener;
 use falsify::internal::rl::ActorCritic;
 use falsify::internal::seed::Seed;
 
+use crate::beside_files::With;
 use crate::program::{error, falsify, said};
 
 const EPISODES: u32 = 12;
-
-/// Reads one text instead of a file, and also files.
-struct With(String);
-
-impl Reader for With {
-    fn text(&self, path: &Path) -> std::io::Result<String> {
-        if path.ends_with("test.scn") { Ok(self.0.clone()) } else { std::fs::read_to_string(path) }
-    }
-
-    fn bytes(&self, path: &Path) -> std::io::Result<Vec<u8>> {
-        std::fs::read(path)
-    }
-}
 
 /// Whether there is a Python that runs the pedestrians of these tests.
 fn has_python() -> bool {

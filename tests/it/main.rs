@@ -14,6 +14,7 @@ macro_rules! loud {
 
 mod allocation;
 mod behavior_agent_reference;
+mod beside_files;
 mod book;
 mod caches;
 mod cast;

@@ -1,29 +1,15 @@
 //! Learned drivers from ONNX files.
 
 use std::ops::ControlFlow;
-use std::path::Path;
 
 use falsify::internal::compile::{Catalog, compile};
 use falsify::internal::diagnostic::Sources;
 use falsify::internal::env::Outcome;
 use falsify::internal::falsifier::{Random, evaluate};
-use falsify::internal::lang::Reader;
 use falsify::internal::seed::Seed;
 
+use crate::beside_files::With;
 use crate::program::command;
-
-/// Reads one text instead of a file, and also files.
-struct With(String);
-
-impl Reader for With {
-    fn text(&self, path: &Path) -> std::io::Result<String> {
-        if path.ends_with("test.scn") { Ok(self.0.clone()) } else { std::fs::read_to_string(path) }
-    }
-
-    fn bytes(&self, path: &Path) -> std::io::Result<Vec<u8>> {
-        std::fs::read(path)
-    }
-}
 
 fn text(worlds: u32) -> String {
     let root = env!("CARGO_MANIFEST_DIR");

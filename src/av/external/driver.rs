@@ -9,7 +9,6 @@ use crate::av::{DrivingMode, DrivingPolicy, Fault, Path, Perception};
 use crate::seed::Stream;
 use crate::signature::{Arguments, Param, Signature, Type};
 use crate::sim::Control;
-use crate::units::Dimension;
 
 /// A driver that is a program of its own; see the module.
 pub struct External {
@@ -32,38 +31,32 @@ impl External {
     /// Its keys in a scenario.
     pub fn signature() -> Signature {
         let count = |max| Type::Integer { min: 1, max };
-        let time = || Type::Quantity { dimension: Dimension::TIME, min: 0.001, max: 3600.0 };
+        let mut keys = Program::keys("Time that it has for the answer to a tick.");
+        keys.extend([
+            Param::with_default(
+                "worlds",
+                count(1024),
+                "32",
+                "Episodes that run at the same time, with one message for all of them.",
+            ),
+            Param::with_default(
+                "actors",
+                count(64),
+                "8",
+                "Largest number of road users in a message: the nearest ones in sight.",
+            ),
+            Param::with_default(
+                "route_points",
+                count(40),
+                "20",
+                "Number of points of the route ahead in a message, 2 m apart.",
+            ),
+        ]);
         Signature::new(
             "external",
             "A program of your own that receives what it sees and answers with controls over its standard input and output \
              (`scenarios/external/README.md`). It is started only where `--allow-external` is given.",
-            vec![
-                Param::required(
-                    "command",
-                    Type::Text,
-                    "The program and its arguments, split at blanks and started without a shell in the folder of the file that names it.",
-                ),
-                Param::with_default("timeout", time(), "1 s", "Time that it has for the answer to a tick."),
-                Param::with_default("start_timeout", time(), "30 s", "Time that it has for its greeting."),
-                Param::with_default(
-                    "worlds",
-                    count(1024),
-                    "32",
-                    "Episodes that run at the same time, with one message for all of them.",
-                ),
-                Param::with_default(
-                    "actors",
-                    count(64),
-                    "8",
-                    "Largest number of road users in a message: the nearest ones in sight.",
-                ),
-                Param::with_default(
-                    "route_points",
-                    count(40),
-                    "20",
-                    "Number of points of the route ahead in a message, 2 m apart.",
-                ),
-            ],
+            keys,
         )
     }
 

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::av::view::{Kind, LaneAhead, Seen, View};
 use crate::av::{DrivingMode, Fault, Perception};
+use crate::geometry::Pose;
 use crate::sim::{Control, LightColour};
 
 /// Name and major version of the protocol. Keys may be added within a version; a driver must ignore keys that it does not know.
@@ -102,12 +103,19 @@ pub(super) struct Greeting {
     pub revision: Revision,
 }
 
+/// Where a road user is and how fast it is: m, rad, m/s.
 #[derive(Serialize)]
-struct Body {
+pub(crate) struct Body {
     x: f64,
     y: f64,
     yaw: f64,
     speed: f64,
+}
+
+impl Body {
+    pub(crate) fn new(pose: &Pose, speed: f64) -> Self {
+        Self { x: pose.x, y: pose.y, yaw: pose.yaw, speed }
+    }
 }
 
 #[derive(Serialize)]
@@ -193,7 +201,7 @@ pub(super) fn write_world(out: &mut Vec<u8>, id: u32, tick: u32, seed: Option<u6
         id,
         tick,
         seed,
-        ego: Body { x: view.ego.x, y: view.ego.y, yaw: view.ego.yaw, speed: view.speed },
+        ego: Body::new(&view.ego, view.speed),
         speed_limit: view.speed_limit,
         light: view.light.map(|light| Light {
             colour: match light.colour {

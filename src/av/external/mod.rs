@@ -19,6 +19,7 @@ mod driver;
 
 pub use driver::External;
 pub use link::{Link, Opener};
+pub(crate) use message::Body;
 pub use message::PROTOCOL;
 pub use peer::Peer;
 pub use program::Program;

@@ -1,5 +1,8 @@
 use std::path::PathBuf;
 
+use crate::signature::{Param, Type};
+use crate::units::Dimension;
+
 /// A program with its arguments, and its working folder. No shell is involved.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Program {
@@ -10,6 +13,20 @@ pub struct Program {
 }
 
 impl Program {
+    /// The keys of every program in a scenario; `timeout` is the meaning of the time for an answer.
+    pub(crate) fn keys(timeout: &'static str) -> Vec<Param> {
+        let time = || Type::Quantity { dimension: Dimension::TIME, min: 0.001, max: 3600.0 };
+        vec![
+            Param::required(
+                "command",
+                Type::Text,
+                "The program and its arguments, split at blanks and started without a shell in the folder of the file that names it.",
+            ),
+            Param::with_default("timeout", time(), "1 s", timeout),
+            Param::with_default("start_timeout", time(), "30 s", "Time that it has for its greeting."),
+        ]
+    }
+
     /// Splits a command at its blanks; text in single or double quotes stays together.
     ///
     /// # Errors

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::av::Fault;
+use crate::av::external::Body;
 use crate::env::PedestrianEnv;
 
 /// Name and major version of the protocol. Keys may be added within a version; a program must ignore keys that it does not know.
@@ -65,14 +66,6 @@ pub(super) fn read_greeting(line: &[u8]) -> Result<(), Fault> {
 }
 
 #[derive(Serialize)]
-struct Body {
-    x: f64,
-    y: f64,
-    yaw: f64,
-    speed: f64,
-}
-
-#[derive(Serialize)]
 struct World<'a> {
     id: u32,
     tick: u32,
@@ -95,14 +88,14 @@ pub(super) fn write_request(out: &mut Vec<u8>, id: u32, seed: Option<u64>, state
     let ego = &world.ego().state;
     let pedestrians = cast.controlled().map(|(number, _)| {
         let walker = &world.pedestrians[number].state;
-        Body { x: walker.pose.x, y: walker.pose.y, yaw: walker.pose.yaw, speed: walker.speed() }
+        Body::new(&walker.pose, walker.speed())
     });
     let request = World {
         id,
         tick: world.ticks,
         seed,
         state,
-        ego: Body { x: ego.pose.x, y: ego.pose.y, yaw: ego.pose.yaw, speed: ego.speed },
+        ego: Body::new(&ego.pose, ego.speed),
         pedestrians: pedestrians.collect(),
     };
     out.clear();

@@ -9,9 +9,8 @@ use crate::av::external::{Opener, Peer, Program};
 use crate::env::PedestrianEnv;
 use crate::falsifier::WalkPolicy;
 use crate::seed::Stream;
-use crate::signature::{Param, Signature, Type};
+use crate::signature::Signature;
 use crate::sim::WalkCommand;
-use crate::units::Dimension;
 
 /// A controller that is a separate program: at every decision it gets the state and gives an action.
 pub struct Programmed {
@@ -39,20 +38,11 @@ struct Session {
 impl Programmed {
     /// Its keys in a scenario.
     pub fn signature() -> Signature {
-        let time = || Type::Quantity { dimension: Dimension::TIME, min: 0.001, max: 3600.0 };
         Signature::new(
             "external",
             "A program of your own that receives states and answers with actions over its standard input and output \
              (`scenarios/external/README.md`). It is started only where `--allow-external` is given.",
-            vec![
-                Param::required(
-                    "command",
-                    Type::Text,
-                    "The program and its arguments, split at blanks and started without a shell in the folder of the file that names it.",
-                ),
-                Param::with_default("timeout", time(), "1 s", "Time that it has for the answer to a decision."),
-                Param::with_default("start_timeout", time(), "30 s", "Time that it has for its greeting."),
-            ],
+            Program::keys("Time that it has for the answer to a decision."),
         )
     }
 

@@ -3,8 +3,7 @@
 use maud::{Markup, PreEscaped, html};
 
 use super::comparison_text::{changes, counts, headline, list, rates, title};
-use super::page::{Replay, json};
-use super::svg::{FIGURE_CSS, properties};
+use super::page::{OWN_SCRIPTS, Replay, head, json};
 use crate::report::{FailureChange, ReportComparison};
 
 /// What the page adds to the style of reports.
@@ -29,13 +28,7 @@ pub fn comparison_page(comparison: &ReportComparison, pairs: &[PlayedPair]) -> S
     let page = html! {
         (PreEscaped("<!doctype html>"))
         html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
-                title { "Comparison of " (before) " and " (after) }
-                style { (PreEscaped(properties())) (PreEscaped(FIGURE_CSS)) (PreEscaped(include_str!("page/page.css"))) (PreEscaped(CSS)) }
-            }
+            (head(&format!("Comparison of {before} and {after}"), None, OWN_SCRIPTS, &[CSS]))
             body {
                 header.top {
                     p.kind { "falsify · comparison" }

@@ -3,6 +3,7 @@ use polars::prelude::PolarsResult;
 
 use super::Contents;
 use super::closing::{data, meaning};
+use super::head::{OWN_SCRIPTS, head as head_of_file};
 use super::identity::{named, run_rates};
 use super::learning::learning;
 use super::markup::{count, prose};
@@ -16,7 +17,7 @@ use crate::compile::Campaign;
 use crate::report::FoundFailure;
 use crate::report::render::sections::drivers;
 use crate::report::render::summary::{INCOMPLETE, SMOKE};
-use crate::report::render::svg::{FIGURE_CSS, Figure, properties};
+use crate::report::render::svg::Figure;
 
 /// A page with its figures, for callers that also want them as files.
 #[derive(Debug, Clone)]
@@ -90,14 +91,7 @@ pub fn document(title: &str, version: &str, body: &Markup, has_players: bool) ->
     let html = html! {
         (PreEscaped("<!doctype html>"))
         html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
-                meta name="generator" content={ "falsify " (version) };
-                title { (title) }
-                style { (PreEscaped(properties())) (PreEscaped(FIGURE_CSS)) (PreEscaped(include_str!("page.css"))) }
-            }
+            (head_of_file(title, Some(version), OWN_SCRIPTS, &[]))
             body {
                 (body)
                 script {

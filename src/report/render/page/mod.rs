@@ -5,6 +5,7 @@
 //! scenario may contain any character; maud escapes them in HTML and SVG, [`json`](markup::json) in JSON.
 
 mod markup;
+mod head;
 mod identity;
 mod tally;
 mod results;
@@ -24,6 +25,7 @@ mod make;
 mod write;
 
 pub use contents::Contents;
+pub use head::{OWN_SCRIPTS, head};
 pub use make::{document, page};
 pub use markup::{count, json, paragraph, percent};
 pub use modes::ModeCard;

@@ -7,8 +7,8 @@ use super::labelled_map::{STYLE, all_lanes, lane_name, surfaces, view};
 use super::scenery::{SectionLane, needed, step};
 use crate::env::{Spawn, Survey};
 use crate::geometry::{Point, Pose};
-use crate::report::render::page::json;
-use crate::report::render::svg::{Digits, FIGURE_CSS, properties, px};
+use crate::report::render::page::{OWN_SCRIPTS, head, json};
+use crate::report::render::svg::{Digits, px};
 use crate::road::{LaneKind, Town};
 
 /// The most starts that a layer shows; more would hide each other.
@@ -60,20 +60,11 @@ struct LaneData {
 
 /// The page. It needs no other file, except the script that tells a preview of a new version.
 pub fn map_page(page: &MapPage<'_>) -> String {
-    let policy = if page.follows.is_some() { "'unsafe-inline' 'self' file:" } else { "'unsafe-inline'" };
+    let policy = if page.follows.is_some() { "'unsafe-inline' 'self' file:" } else { OWN_SCRIPTS };
     let html = html! {
         (PreEscaped("<!doctype html>"))
         html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                meta http-equiv="Content-Security-Policy" content={ "default-src 'none'; style-src 'unsafe-inline'; script-src " (policy) };
-                title { (page.title) }
-                style {
-                    (PreEscaped(properties())) (PreEscaped(FIGURE_CSS)) (PreEscaped(include_str!("../page/page.css")))
-                    (PreEscaped(STYLE)) (PreEscaped(include_str!("map_page.css")))
-                }
-            }
+            (head(&page.title, None, policy, &[STYLE, include_str!("map_page.css")]))
             body {
                 header.top {
                     p.kind { "falsify · " (page.kind) }
