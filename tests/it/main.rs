@@ -35,6 +35,7 @@ mod doubts;
 mod drivers;
 mod editors;
 mod explanations;
+mod every_key;
 mod exports;
 mod first_steps;
 mod format;
