@@ -7,6 +7,7 @@ use indicatif::FormattedDuration;
 use super::exit_code::ExitCode;
 use super::input::session;
 use super::output::Output;
+use super::progress::Learnt;
 use super::{console, failure};
 use crate::session::{self, CampaignProgress, CampaignState};
 use crate::store::TaskStatus;
@@ -77,7 +78,9 @@ fn tell(campaign: &CampaignProgress) {
         ));
     }
     for task in campaign.under_way.iter().take(SHOWN) {
-        console::say(&format!("  under way: {}{}", task.what, saved(task)));
+        let newest = campaign.learning.iter().find(|newest| task.what.strip_prefix("train ") == Some(&newest.training));
+        let learnt = newest.and_then(|newest| Learnt::from(newest).told()).map(|learnt| format!(", {learnt}"));
+        console::say(&format!("  under way: {}{}{}", task.what, saved(task), learnt.unwrap_or_default()));
     }
     if campaign.in_hand.len() > SHOWN {
         console::say(&format!("  … and {} more under way", campaign.in_hand.len() - SHOWN));

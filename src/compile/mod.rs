@@ -45,7 +45,7 @@ pub use catalog::{Catalog, TakenKind};
 pub use fingerprint::Fingerprint;
 pub use lower::{Compiled, Overrides, compile, compile_with};
 pub use plan::{
-    Campaign, ControllerKind, Documented, Driver, Evaluation, NamedTown, Plan, Published, PublishedCell,
+    Campaign, ControllerKind, Documented, Driver, Evaluation, NO_REWARD, NamedTown, Plan, Published, PublishedCell,
     PublishedFigure, Search, SearchKey, Training, TrainingKey, episodes_seed,
 };
 pub use policy_kind::{MakePolicy, PolicyKind};

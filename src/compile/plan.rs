@@ -166,6 +166,9 @@ impl Driver {
     }
 }
 
+/// Takes the place of a reward's name in a campaign that trains no pedestrian.
+pub const NO_REWARD: &str = "none";
+
 /// The names that distinguish a training from the others of its campaign.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct TrainingKey {

@@ -1,6 +1,6 @@
 use std::fmt;
 
-use crate::compile::{Evaluation, RunId};
+use crate::compile::{Evaluation, NO_REWARD, RunId};
 
 /// The key of a cell of results: a controller and its training, the place of the episodes, and the driver under test.
 ///
@@ -62,13 +62,13 @@ impl CellKey {
             == (&other.controller, &other.reward, &other.train_town, &other.train_policy)
     }
 
-    /// The controller with its reward and its training, as `trained r1 (harbour, careful)`.
+    /// The controller with its reward and its training, as `trained r1 (harbour, careful)`; the controller alone where no reward is paid.
     pub fn who(&self) -> String {
         let Self { controller, reward, train_town, train_policy, .. } = self;
-        if self.is_trained() {
-            format!("{controller} {reward} ({train_town}, {train_policy})")
-        } else {
-            format!("{controller} {reward}")
+        match reward.as_str() {
+            _ if self.is_trained() => format!("{controller} {reward} ({train_town}, {train_policy})"),
+            NO_REWARD => controller.clone(),
+            _ => format!("{controller} {reward}"),
         }
     }
 

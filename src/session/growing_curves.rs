@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use serde::Serialize;
+
 use super::{Notice, Observer};
 use crate::compile::{Training, TrainingKey};
 use crate::files;
@@ -74,6 +76,60 @@ impl GrowingCurves {
     }
 }
 
+/// The newest row of a growing learning curve.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NewestUpdate {
+    /// The training, as [`TrainingKey`] shows it.
+    pub training: String,
+    /// The number of updates.
+    pub updates: u64,
+    /// The number of decisions.
+    pub steps: u64,
+    /// The number of episodes that have ended.
+    pub episodes: u64,
+    /// The mean reward of the last episodes; none before the first has ended.
+    pub mean_reward: Option<f64>,
+    /// The share of them that ended in a collision.
+    pub collision_rate: Option<f64>,
+}
+
+impl NewestUpdate {
+    /// Reads the growing learning curve of a training, which it finds by its name in the texts of tasks. None without a file or a row.
+    pub fn read(folder: &Path, training: &str) -> Option<Self> {
+        let curves = fs::read_dir(folder).ok()?.flatten();
+        curves
+            .filter_map(|curve| Self::of(&files::text(&curve.path()).ok()?))
+            .find(|newest| newest.training == training)
+    }
+
+    /// The end of the lines of [`learning_curve_lines`].
+    fn of(lines: &str) -> Option<Self> {
+        let mut rows = lines.lines().map(|row| row.split(',').collect::<Vec<_>>());
+        let head = rows.next()?;
+        let place = |column: &str| head.iter().position(|name| *name == column);
+        let rows: Vec<_> = rows.filter(|row| row.len() == head.len()).collect();
+        let last = rows.last()?;
+        let text = |column: &str| Some(last[place(column)?].to_string());
+        let whole = |column: &str| last[place(column)?].parse().ok();
+        let number = |column: &str| last[place(column)?].parse().ok();
+        let key = TrainingKey {
+            town: text("train_town")?,
+            policy: text("train_policy")?,
+            reward: text("reward")?,
+            run: last[place("run")?].parse().ok()?,
+        };
+        let episodes = place("episodes")?;
+        Some(Self {
+            training: key.to_string(),
+            updates: whole("update")?,
+            steps: whole("steps")?,
+            episodes: rows.iter().filter_map(|row| row[episodes].parse::<u64>().ok()).sum(),
+            mean_reward: number("mean_reward"),
+            collision_rate: number("collision_rate"),
+        })
+    }
+}
+
 /// The name of a training in files: `r1-harbour-careful-0`, that is reward, town, driver and run.
 pub(super) fn training_name(key: &TrainingKey) -> String {
     format!("{}-{}-{}-{}", key.reward, key.town, key.policy, key.run)
@@ -96,6 +152,40 @@ fn begin(path: &Path, content: &[u8]) -> io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_newest_update_is_the_last_whole_row_of_its_training() {
+        let key =
+            |run| TrainingKey { town: "harbour".into(), policy: "blind+careful".into(), reward: "r1".into(), run };
+        let log = |update, mean_reward| UpdateLog {
+            update,
+            steps: 50 * update,
+            episodes: 3,
+            mean_reward,
+            success_rate: mean_reward,
+            ..UpdateLog::default()
+        };
+        let folder = tempfile::tempdir().unwrap();
+        for (run, curve) in [(0, vec![log(1, None), log(2, Some(0.25))]), (1, vec![log(1, None)]), (2, Vec::new())] {
+            let name = folder.path().join(format!("{}.csv", training_name(&key(run))));
+            let mut lines = learning_curve_lines(&key(run), &curve, true);
+            // A row that is not whole yet.
+            lines.extend_from_slice(b"r1,harb");
+            fs::write(name, lines).unwrap();
+        }
+        let read = |run| NewestUpdate::read(folder.path(), &key(run).to_string());
+        let newest = |run, updates, episodes, rate| NewestUpdate {
+            training: key(run).to_string(),
+            updates,
+            steps: 50 * updates,
+            episodes,
+            mean_reward: rate,
+            collision_rate: rate,
+        };
+        assert_eq!(read(0), Some(newest(0, 2, 6, Some(0.25))));
+        assert_eq!(read(1), Some(newest(1, 1, 3, None)));
+        assert_eq!((read(2), read(3)), (None, None));
+    }
 
     #[test]
     fn a_file_keeps_what_is_equal_and_loses_the_rest() {

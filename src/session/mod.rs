@@ -48,6 +48,7 @@ pub use error::{Change, Error, KeepError};
 pub use export::{Animation, Export, Strip, TickTable};
 pub use export_files::{ExportOptions, Exported};
 pub use failures::{FailuresOptions, FoundFailure};
+pub use growing_curves::NewestUpdate;
 pub use incomplete::{Incomplete, Missing};
 pub use input::Input;
 pub use list::Listing;

@@ -1,7 +1,8 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use super::growing_curves::NewestUpdate;
 use super::{Error, Session};
 use crate::report::StoredReport;
 use crate::store::{CampaignStatus, Store, TaskStatus};
@@ -32,6 +33,8 @@ pub struct CampaignProgress {
     pub kinds: Vec<KindProgress>,
     /// The tasks that are under way, for people.
     pub in_hand: Vec<String>,
+    /// The newest update of each training that is under way.
+    pub learning: Vec<NewestUpdate>,
     /// Estimated time of the remaining work on one thread (s); none until each kind has a measurement.
     pub left_thread_s: Option<f64>,
     /// The same without the kinds that have no measurement (s).
@@ -106,11 +109,11 @@ impl Session {
             return Err(Error::NothingRun { out: options.out.clone(), cache: options.cache.clone() });
         }
         let processes = store.processes();
-        campaigns.iter().map(|name| Ok(progress(store.status(name)?, processes))).collect()
+        campaigns.iter().map(|name| Ok(progress(store.status(name)?, processes, &store.learning(name)))).collect()
     }
 }
 
-fn progress(campaign: CampaignStatus, processes: usize) -> CampaignProgress {
+fn progress(campaign: CampaignStatus, processes: usize, curves: &Path) -> CampaignProgress {
     let CampaignStatus { name, command, tasks } = campaign;
     let state = match tasks.iter().all(TaskStatus::is_finished) {
         true => CampaignState::Finished,
@@ -135,6 +138,9 @@ fn progress(campaign: CampaignStatus, processes: usize) -> CampaignProgress {
         measured_s,
         unmeasured,
         left_s: left.filter(|_| !under_way.is_empty()).map(|left| left / under_way.len() as f64),
+        learning: of_kind(&under_way, "train")
+            .filter_map(|task| NewestUpdate::read(curves, task.what.strip_prefix("train ")?))
+            .collect(),
         in_hand: under_way.iter().map(|task| task.what.clone()).collect(),
         last_error: last.map(|(_, error)| error),
         command,

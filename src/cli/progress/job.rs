@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use super::learnt::Learnt;
 use crate::campaign::Task;
-use crate::compile::{Campaign, ControllerKind, Evaluation};
+use crate::compile::{Campaign, ControllerKind, Evaluation, NO_REWARD};
 use crate::rl::UpdateLog;
 
 /// What a job of work is.
@@ -222,6 +222,7 @@ fn evaluation(evaluation: &Evaluation) -> String {
         ControllerKind::Trained(_) if (key.town.as_str(), key.policy.as_str()) == here => key.reward.clone(),
         ControllerKind::Trained(_) => format!("{} of {} and {}", key.reward, key.town, key.policy),
         ControllerKind::Sampled(_) => format!("sampled {} of {} and {}", key.reward, key.town, key.policy),
+        other if key.reward == NO_REWARD => other.name().to_string(),
         other => format!("{} ({})", other.name(), key.reward),
     };
     format!("{who} in {} against {}, run {}", here.0, here.1, key.run)

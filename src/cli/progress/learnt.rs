@@ -2,6 +2,7 @@ use indicatif::HumanCount;
 use serde::Serialize;
 
 use crate::rl::UpdateLog;
+use crate::session::NewestUpdate;
 
 /// What a training has learnt up to now, in the newest row of its learning curve.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
@@ -41,6 +42,13 @@ impl Learnt {
     pub fn told(&self) -> Option<String> {
         let (reward, rate) = (self.mean_reward?, self.collision_rate?);
         Some(format!("mean reward {reward:.3}, {:.0} % hit, {} episodes", 100.0 * rate, HumanCount(self.episodes)))
+    }
+}
+
+impl From<&NewestUpdate> for Learnt {
+    fn from(newest: &NewestUpdate) -> Self {
+        let &NewestUpdate { updates, episodes, mean_reward, collision_rate, .. } = newest;
+        Self { updates, episodes, mean_reward, mean_length_decisions: None, collision_rate }
     }
 }
 

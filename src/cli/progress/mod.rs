@@ -10,5 +10,6 @@ mod events;
 mod observer;
 
 pub use events::Event;
+pub use learnt::Learnt;
 pub use observer::Progress;
 pub use showing::Showing;

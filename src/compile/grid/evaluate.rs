@@ -5,15 +5,12 @@ use super::axis::{Axis, Usual};
 use super::ground::note_towns;
 use crate::compile::RunId;
 use crate::compile::lowering::Lowering;
-use crate::compile::plan::{Campaign, ControllerKind, Evaluation, Training, TrainingKey};
+use crate::compile::plan::{Campaign, ControllerKind, Evaluation, NO_REWARD, Training, TrainingKey};
 use crate::env::RewardRule;
 use crate::falsifier::Controller;
 use crate::lang::diagnostics;
 use crate::lang::hir::Block;
 use crate::signature::{DeclarationId, Value};
-
-/// Used in place of a reward's name if no pedestrian is trained for one.
-const NO_REWARD: &str = "none";
 
 impl Lowering<'_> {
     pub(super) fn evaluate(

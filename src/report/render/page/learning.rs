@@ -8,11 +8,12 @@ type Points = Vec<(f64, f64)>;
 /// Approximate largest number of points of a curve.
 const POINTS: usize = 160;
 
-/// The learning curves: mean reward and mean length of episodes over the decisions of a training.
+/// The learning curves: mean reward, share of collisions and mean length of episodes over the decisions of a training.
 pub fn learning(trainings: &[TrainingResult]) -> Vec<Figure> {
     type Quantity = fn(&UpdateLog) -> Option<f64>;
-    let quantities: [(&str, &str, Quantity); 2] = [
+    let quantities: [(&str, &str, Quantity); 3] = [
         ("learning_reward", "Reward of an episode, mean of the last 100", |log| log.mean_reward),
+        ("learning_collisions", "Share of the last 100 episodes with a collision", |log| log.success_rate),
         ("learning_length", "Length of an episode in decisions, mean of the last 100", |log| log.mean_length),
     ];
     quantities.into_iter().filter_map(|(name, title, value)| figure(trainings, name, title, value)).collect()

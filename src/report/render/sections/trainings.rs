@@ -11,8 +11,15 @@ pub fn trainings_section(trainings: &[TrainingResult]) -> Option<Section> {
     }
     let mut head: Vec<Column> = ["reward", "town", "policy"].map(Column::text).into();
     head.extend(
-        ["runs", "decisions each", "mean reward at the end", "episode length at the end (decisions)", "failed"]
-            .map(Column::number),
+        [
+            "runs",
+            "decisions each",
+            "mean reward at the end",
+            "collision rate at the end",
+            "episode length at the end (decisions)",
+            "failed",
+        ]
+        .map(Column::number),
     );
     let row = |(key, members): &(&TrainingKey, Vec<&TrainingResult>)| {
         let ends: Vec<&UpdateLog> = members
@@ -29,6 +36,7 @@ pub fn trainings_section(trainings: &[TrainingResult]) -> Option<Section> {
             Value::Count(members.len() as u64),
             Value::Count(ends.first().map_or(0, |log| log.steps)),
             over_runs(&over(|log| log.mean_reward)).into(),
+            over_runs(&over(|log| log.success_rate)).into(),
             over_runs(&over(|log| log.mean_length)).into(),
             Value::Count((members.len() - ends.len()) as u64),
         ]
@@ -40,7 +48,7 @@ pub fn trainings_section(trainings: &[TrainingResult]) -> Option<Section> {
         tables: vec![Table { head, rows: groups(trainings).iter().map(row).collect(), ..Table::default() }],
         notes: vec![
             "Means of the last episodes of each training, while the controller still explored. \"±\" is the standard deviation over trainings. \
-             `learning_reward.svg` and `learning_length.svg` draw the whole course, `learning_curve.csv` has every update, \
+             `learning_reward.svg`, `learning_collisions.svg` and `learning_length.svg` draw the whole course, `learning_curve.csv` has every update, \
              `pedestrians/` has the networks."
                 .into(),
         ],
