@@ -2,7 +2,7 @@
 
 ``make`` and ``make_vec`` give Gymnasium environments of a scenario file, ``falsify_av.sb3.make_vec`` one for stable-baselines3, and
 ``falsify_av.pettingzoo.parallel_env`` one for PettingZoo. ``check`` returns what is wrong with scenario files. ``evaluate`` runs episodes of a
-pedestrian that is a Python callable. ``run``, ``replay``, ``compare``, ``failures`` and ``export``
+pedestrian that is a Python callable, and ``judge`` gives the verdict of a recording. ``run``, ``replay``, ``compare``, ``failures`` and ``export``
 start the program ``falsify``, if it is installed. ``drivers`` has drivers under test that are Python objects.
 """
 
@@ -11,6 +11,7 @@ from gymnasium import register as _register
 from . import drivers, pedestrians, program
 from .environments import PedestrianEnv, PedestrianVectorEnv, make, make_vec
 from .evaluation import evaluate, onnx
+from .judgement import judge
 from .program import compare, export, failures, replay, run
 from .scenarios import Diagnostic, ScenarioError, check, scenarios
 
@@ -25,6 +26,7 @@ __all__ = [
     "evaluate",
     "export",
     "failures",
+    "judge",
     "make",
     "make_vec",
     "onnx",

@@ -1,5 +1,6 @@
 """The compiled part of the package."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -12,17 +13,26 @@ def load(
 
 class Scenarios:
     def choices(self) -> list[tuple[str, str, int, str, str, str]]: ...
-    def worlds(
+    def choose(
         self,
-        count: int,
-        seed: int,
         campaign: str | None = None,
         town: str | None = None,
         policy: str | None = None,
         reward: str | None = None,
         task: str | None = None,
         block: int | None = None,
-    ) -> Worlds: ...
+    ) -> Choice: ...
+
+class Choice:
+    def worlds(self, count: int, seed: int, driver: Callable[[], Callable[[bytes], bytes]] | None = None) -> Worlds: ...
+    def judged(
+        self,
+        ego: NDArray[np.float64],
+        pedestrian: NDArray[np.float64],
+        dt: float,
+        sizes: list[float | None],
+        boxes: NDArray[np.float64] | None = None,
+    ) -> dict[str, Any]: ...
 
 class Worlds:
     @property

@@ -3,10 +3,12 @@
 A driver has one method ``drive(world)``. It gets what a driver in a separate program gets (``scenarios/external/README.md``): ``ego``,
 ``speed_limit``, ``light``, ``actors`` and ``route``, in the world's frame, in m, s and rad. It returns ``throttle`` and ``brake`` (0 to 1) or
 ``acceleration`` (m/s^2), and ``steer`` (-1 to 1, positive to the left). A method ``reset(hello, seed)`` is called before each episode, if there is
-one: ``hello`` describes the car, and ``seed`` is the only source of random numbers.
+one: ``hello`` describes the car, and ``seed`` is the only source of random numbers. A class with ``revision = 2`` also gets ``lanes``, and the ids
+of actors.
 
-``serve(MyDriver)`` makes a program of it that campaigns and environments name: ``policy mine = external(command: "python3 mine.py")``. Each world
-has a driver of its own.
+``falsify_av.make("my.scn", driver=MyDriver)`` puts it in the place of the scenario's policy, in this process. ``serve(MyDriver)`` makes a program of
+it that campaigns name: ``policy mine = external(command: "python3 mine.py")``. The driver perceives and does the same in both. Each world has a
+driver of its own.
 """
 
 from __future__ import annotations
@@ -37,6 +39,7 @@ class _Answers:
 
     def __init__(self, make: Callable[[], Driver]) -> None:
         self._make = make
+        self._revision = {"revision": int(make.revision)} if hasattr(make, "revision") else {}
         self._hello: dict[str, Any] = {}
         self._drivers: dict[int, Driver] = {}
 
@@ -44,7 +47,7 @@ class _Answers:
         request = json.loads(message)
         if request["type"] == "hello":
             self._hello = request
-            return json.dumps(_GREETING).encode()
+            return json.dumps({**_GREETING, **self._revision}).encode()
         return json.dumps({"actions": [self._drive(world) for world in request["worlds"]]}).encode()
 
     def _drive(self, world: dict[str, Any]) -> dict[str, Any]:
@@ -61,6 +64,13 @@ class _Answers:
         return {"id": number, **{key: value if isinstance(value, str) else float(value) for key, value in control.items() if key != "id"}}
 
 
+def answering(make: Callable[[], Driver]) -> Callable[[], Callable[[bytes], bytes]]:
+    """A maker of functions from messages to answers."""
+    if not callable(make):
+        raise TypeError(f"driver is {type(make).__name__}; give a class, or a function without arguments that makes a driver")
+    return lambda: _Answers(make)
+
+
 def serve(make: Callable[[], Driver]) -> None:
     """Answer the messages on the standard input until it ends, as a program that a scenario names."""
     answer = _Answers(make)
@@ -72,7 +82,7 @@ def serve(make: Callable[[], Driver]) -> None:
 class OnnxDriver:
     """A network with the inputs ``ego``, ``actors`` and ``route`` as `scenarios/external/README.md` describes them.
 
-    It runs in onnxruntime: ``serve(lambda: OnnxDriver("net.onnx"))``, or with a session of your own. A scenario's ``policy p = onnx(model: …)``
+    It runs in onnxruntime: ``driver=lambda: OnnxDriver("net.onnx")``, or with a session of your own. A scenario's ``policy p = onnx(model: …)``
     needs no onnxruntime.
     """
 

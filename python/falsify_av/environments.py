@@ -35,6 +35,8 @@ class PedestrianEnv(Closable, gymnasium.Env[NDArray[np.float32], NDArray[np.floa
         settings: Values of parameters and keys, as ``["far=20 m"]``.
         maps: OpenDRIVE files that replace the roads of towns.
         allow_external: Whether the scenario may start programs as drivers.
+        driver: A class, or a function without arguments, that makes the driver under test; it takes the place of the scenario's policy
+            (:mod:`falsify_av.drivers`). An exception of a driver is raised by the call in which it drove.
         render_mode: ``"rgb_array"`` for pictures from above (256 by 256 pixels, 60 m, north up), or none.
     """
 

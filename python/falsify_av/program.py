@@ -139,8 +139,8 @@ class Report:
     def table(self, name: str) -> pyarrow.Table:
         """A table as Arrow, from Parquet if the report has it, else from CSV.
 
-        It has Arrow's interface of capsules, so ``polars.from_arrow`` takes it without a copy, and
-        ``table.to_pandas(types_mapper=pandas.ArrowDtype)`` gives columns that are Arrow's own.
+        It has Arrow's C interface of streams. ``polars.from_arrow(table)`` shares the memory of numbers and truth values with it,
+        and ``table.to_pandas(types_mapper=pandas.ArrowDtype)`` that of all columns.
 
         It needs ``pip install falsify-av[tables]``.
         """

@@ -85,6 +85,21 @@ def load(
     return loaded
 
 
+def choose(files: Any, options: Mapping[str, Any]) -> _core.Choice:
+    """The scenario of the files that the options choose; the other options are those of :func:`load`.
+
+    Raises:
+        TypeError: There is no such option.
+        ValueError: No scenario has these names, or several have.
+    """
+    options = dict(options)
+    loaded = load(files, options.pop("settings", ()), options.pop("maps", None), options.pop("allow_external", False))
+    unknown = set(options) - {"campaign", "town", "policy", "reward", "task", "block"}
+    if unknown:
+        raise TypeError(f"there is no option {', '.join(sorted(unknown))}")
+    return loaded.choose(**options)
+
+
 def check(
     files: Any, *, settings: Sequence[str] = (), maps: Mapping[str, Any] | None = None, allow_external: bool = False
 ) -> list[Diagnostic]:

@@ -10,7 +10,8 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from . import _core
-from .scenarios import load
+from .drivers import answering
+from .scenarios import choose
 
 #: The numbers of an observation of one pedestrian, in order.
 OBSERVATION = ("bearing", "distance", "relative_heading", "speed")
@@ -41,11 +42,9 @@ def action_space(worlds: _core.Worlds, pedestrians: int) -> spaces.Box:
 def make_worlds(count: int, scenario: Any, seed: int, options: Mapping[str, Any]) -> _core.Worlds:
     """Worlds of one scenario of the files; ``options`` are those of :func:`make`."""
     options = dict(options)
-    loaded = load(scenario, options.pop("settings", ()), options.pop("maps", None), options.pop("allow_external", False))
-    unknown = set(options) - {"campaign", "town", "policy", "reward", "task", "block"}
-    if unknown:
-        raise TypeError(f"there is no option {', '.join(sorted(unknown))}")
-    return loaded.worlds(count, checked_seed(seed), **options)
+    driver = options.pop("driver", None)
+    made = None if driver is None else answering(driver)
+    return choose(scenario, options).worlds(count, checked_seed(seed), made)
 
 
 def checked_seed(seed: Any) -> int:

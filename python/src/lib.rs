@@ -4,8 +4,10 @@
 //! input are here or there; no call ends the interpreter.
 
 mod scenarios;
+mod driver;
 mod world;
 mod worlds;
+mod recording;
 mod episode;
 mod top_view;
 
@@ -15,7 +17,7 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _core {
     #[pymodule_export]
-    use super::scenarios::{Scenarios, load};
+    use super::scenarios::{Choice, Scenarios, load};
     #[pymodule_export]
     use super::worlds::Worlds;
 }

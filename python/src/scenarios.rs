@@ -9,9 +9,13 @@ use falsify::internal::env::Scenario;
 use falsify::internal::files;
 use falsify::internal::lang::Reader;
 use falsify::internal::process::ProcessOpener;
+use numpy::PyReadonlyArray2;
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
+use super::driver::{Raised, with_driver};
+use super::recording::judged;
 use super::worlds::Worlds;
 
 /// Reads regular files of the disk.
@@ -28,6 +32,7 @@ impl Reader for Disk {
 }
 
 /// The names that choose a scenario of a plan, and the scenario.
+#[pyclass(module = "falsify_av._core", frozen)]
 #[derive(Clone)]
 pub struct Choice {
     /// Name of the campaign.
@@ -141,22 +146,18 @@ impl Scenarios {
         self.choices.iter().map(names).collect()
     }
 
-    /// Makes worlds of the scenario with these names. Names that are not given must leave one choice; of several blocks with it the first
-    /// one counts, in the order `train`, `evaluate`, `search`.
-    #[pyo3(signature = (count, seed, campaign=None, town=None, policy=None, reward=None, task=None, block=None))]
-    #[expect(clippy::too_many_arguments, reason = "each is a name of its own, and all are optional in Python")]
-    fn worlds(
+    /// The scenario with these names. Names that are not given must leave one choice; of several blocks with it the first one counts, in the
+    /// order `train`, `evaluate`, `search`.
+    #[pyo3(signature = (campaign=None, town=None, policy=None, reward=None, task=None, block=None))]
+    fn choose(
         &self,
-        py: Python<'_>,
-        count: usize,
-        seed: u64,
         campaign: Option<&str>,
         town: Option<&str>,
         policy: Option<&str>,
         reward: Option<&str>,
         task: Option<&str>,
         block: Option<u32>,
-    ) -> PyResult<Worlds> {
+    ) -> PyResult<Choice> {
         let mut left: Vec<&Choice> = self.choices.iter().collect();
         if left.is_empty() {
             return Err(PyValueError::new_err(self.without_campaigns.clone()));
@@ -186,8 +187,36 @@ impl Scenarios {
             let text = format!("several scenarios have these names; choose with {}", open.join("; "));
             return Err(PyValueError::new_err(text));
         }
-        let chosen = first.clone();
-        py.detach(|| Worlds::new(&chosen, count, seed))
+        Ok(first.clone())
+    }
+}
+
+#[pymethods]
+impl Choice {
+    /// Makes worlds of the scenario. `driver` replaces the driver under test: a function without arguments that makes a function from messages
+    /// to answers.
+    #[pyo3(signature = (count, seed, driver=None))]
+    fn worlds(&self, py: Python<'_>, count: usize, seed: u64, driver: Option<Py<PyAny>>) -> PyResult<Worlds> {
+        let raised = Raised::default();
+        let mut chosen = self.clone();
+        if let Some(driver) = driver {
+            chosen.scenario = Arc::new(with_driver(&chosen.scenario, driver, &raised));
+        }
+        py.detach(|| Worlds::new(&chosen, count, seed, raised))
+    }
+
+    /// Judges tracks that were recorded elsewhere: see [`judged`].
+    #[pyo3(signature = (ego, pedestrian, dt, sizes, boxes=None))]
+    fn judged<'py>(
+        &self,
+        py: Python<'py>,
+        ego: PyReadonlyArray2<'_, f64>,
+        pedestrian: PyReadonlyArray2<'_, f64>,
+        dt: f64,
+        sizes: [Option<f64>; 3],
+        boxes: Option<PyReadonlyArray2<'_, f64>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        judged(py, &self.scenario, &ego, &pedestrian, dt, sizes, boxes.as_ref())
     }
 }
 

@@ -12,6 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
 
+use super::driver::Raised;
 use super::episode;
 use super::scenarios::Choice;
 use super::top_view;
@@ -56,11 +57,13 @@ pub struct Worlds {
     names: [String; 4],
     // One lock for all: a call has the worlds to itself, whatever thread it is from.
     worlds: Mutex<Vec<World>>,
+    /// What a driver in Python has raised.
+    raised: Raised,
 }
 
 impl Worlds {
     /// Worlds before their first episodes; world *i* has the seed `seed + i`.
-    pub fn new(choice: &Choice, count: usize, seed: u64) -> PyResult<Self> {
+    pub fn new(choice: &Choice, count: usize, seed: u64, raised: Raised) -> PyResult<Self> {
         if count == 0 || count > MOST_WORLDS {
             return Err(PyValueError::new_err(format!("the number of worlds is {count}; give 1 to {MOST_WORLDS}")));
         }
@@ -68,7 +71,7 @@ impl Worlds {
         let seeds = (0..count as u64).map(|world| seed.wrapping_add(world));
         let worlds = seeds.map(|seed| World::new(scenario, &town, seed)).collect();
         let names = [&choice.campaign, &choice.town, &choice.policy, &choice.reward].map(String::clone);
-        Ok(Self { scenario: scenario.clone(), names, worlds: Mutex::new(worlds) })
+        Ok(Self { scenario: scenario.clone(), names, worlds: Mutex::new(worlds), raised })
     }
 
     /// The worlds. A panic of an earlier call leaves them as they are.
@@ -193,6 +196,7 @@ impl Worlds {
             });
             states(worlds, |world| &world.state)
         });
+        self.raised.take()?;
         Ok(states.into_pyarray(py))
     }
 
@@ -205,11 +209,13 @@ impl Worlds {
             other => return Err(PyValueError::new_err(format!("there is no autoreset `{other}`"))),
         };
         let width = self.scenario.cast.action_bounds().len();
+        let raised = self.raised.clone();
         let worlds = self.worlds();
         let stepped = match &actions {
             Actions::Single(actions) => step(py, worlds, actions.as_array(), width, autoreset),
             Actions::Double(actions) => step(py, worlds, actions.as_array(), width, autoreset),
         };
+        raised.take()?;
         stepped?;
         let last = (autoreset == Autoreset::SameStep && worlds.iter().any(|world| world.step.done()))
             .then(|| states(worlds, |world| &world.last_state).into_pyarray(py));

@@ -1,6 +1,8 @@
 """Drivers under test that are Python objects."""
 
+import inspect
 import json
+import math
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +14,7 @@ import falsify_av
 from falsify_av import drivers
 
 REPOSITORY = Path(__file__).resolve().parents[2]
+CHOICE = {"campaign": "short", "town": "harbour", "policy": "behavior", "task": "train"}
 
 
 def test_a_class_answers_as_the_protocol_says():
@@ -37,6 +40,153 @@ def test_a_class_answers_as_the_protocol_says():
 
     with pytest.raises(TypeError, match="drive returned NoneType"):
         drivers._Answers(Silent)(later)
+
+
+class Cruise:
+    """Drives along the road at the speed limit, and brakes for who is near."""
+
+    revision = 2
+
+    def reset(self, hello, seed):
+        self.wheelbase, self.weakness = hello["vehicle"]["wheelbase"], seed % 7 / 7
+
+    def drive(self, world):
+        ego = world["ego"]
+        far = world["route"][min(4, len(world["route"]) - 1)]
+        turn = math.remainder(math.atan2(far[1] - ego["y"], far[0] - ego["x"]) - ego["yaw"], 2 * math.pi)
+        near = any(math.hypot(each["x"] - ego["x"], each["y"] - ego["y"]) < 6 + 4 * self.weakness for each in world["actors"])
+        wanted = -4.0 if near else world["lanes"][0]["speed_limit"] - ego["speed"]
+        return {"acceleration": wanted, "steer": max(-1.0, min(1.0, turn * self.wheelbase / 2)), "mode": "yield" if near else "follow"}
+
+
+def walk(env, episodes):
+    """The ends of episodes in which the pedestrian walks to the car."""
+    for episode in range(episodes):
+        env.reset(seed=3, options={"episode": episode})
+        over = False
+        while not over:
+            *_, terminated, truncated, info = env.step(env.suggested("homing"))
+            over = terminated or truncated
+        yield info
+
+
+def test_a_driver_in_process_drives_as_the_same_program(tmp_path):
+    source = inspect.getsource(Cruise)
+    (tmp_path / "mine.py").write_text(f"import math\nfrom falsify_av import drivers\n\n{source}\ndrivers.serve(Cruise)\n")
+    text = Path(__file__).with_name("short.scn").read_text()
+    named = f'policy mine = external(command: "{sys.executable} mine.py", timeout: 60 s, start_timeout: 60 s)\nepisode ten'
+    (tmp_path / "mine.scn").write_text(text.replace("episode ten", named, 1).replace("[behavior, blind]", "[mine]", 1))
+    program = falsify_av.make(tmp_path / "mine.scn", campaign="short", town="harbour", task="train", allow_external=True)
+    inside = falsify_av.make(Path(__file__).with_name("short.scn"), driver=Cruise, **CHOICE)
+    compared = list(zip(walk(program, 8), walk(inside, 8)))
+    for one, two in compared:
+        assert one["error"] == "" and one["ticks"] > 5, one
+        assert one["digest"] == two["digest"], (one, two)
+    assert {one["outcome"] for one, _ in compared} >= {"collision"}
+    assert {one["driving_mode"] for one, _ in compared} <= {"yield", "follow"}
+
+
+def test_a_driver_is_reset_with_the_seed_of_the_episode(scenario):
+    made = []
+
+    class Standing:
+        def __init__(self):
+            self.resets = []
+            made.append(self)
+
+        def reset(self, hello, seed):
+            assert hello["vehicle"]["length"] > 3.0
+            self.resets.append(seed)
+
+        def drive(self, world):
+            return {"brake": 1.0, "mode": "emergency_stop"}
+
+    env = falsify_av.make(scenario, driver=Standing, **CHOICE)
+    ends = list(walk(env, 4))
+    assert all(end["driving_mode"] == "emergency_stop" for end in ends)
+    [driver] = made
+    assert len(set(driver.resets)) == 4
+    env.reset(seed=3)
+    env.step(np.zeros(2, np.float32))
+    assert driver.resets[4:] == driver.resets[:1], "the same episode has the same seed"
+
+
+def test_each_world_has_a_driver_and_the_numbers_of_single_ones(scenario):
+    vector = falsify_av.make_vec(scenario, 3, driver=Cruise, **CHOICE)
+    singles = [falsify_av.make(scenario, seed=1 + world, driver=Cruise, **CHOICE) for world in range(3)]
+    states, _ = vector.reset(seed=1)
+    assert np.array_equal(states, np.stack([env.reset(seed=1 + world)[0] for world, env in enumerate(singles)]))
+    actions = np.zeros((3, 2), np.float32)
+    over, steps = False, 0
+    while not over:
+        states, _, terminated, truncated, _ = vector.step(actions)
+        assert np.array_equal(states, np.stack([env.step(actions[0])[0] for env in singles]))
+        over, steps = np.any(terminated | truncated), steps + 1
+    assert steps > 1
+
+
+def test_a_driver_is_evaluated(scenario):
+    def standing(states):
+        return np.zeros((len(states), 2))
+
+    class Blind:
+        def drive(self, world):
+            return {"throttle": 0.8}
+
+    rows = falsify_av.evaluate(standing, scenario, episodes=8, num_envs=4, driver=Blind, **CHOICE)
+    again = falsify_av.evaluate(standing, scenario, episodes=8, num_envs=1, driver=Blind, **CHOICE)
+    assert [row["digest"] for row in rows] == [row["digest"] for row in again]
+    other = falsify_av.evaluate(standing, scenario, episodes=8, **CHOICE)
+    assert [row["digest"] for row in rows] != [row["digest"] for row in other]
+
+
+def test_exceptions_of_a_driver_are_its_own(scenario):
+    class Broken:
+        def drive(self, world):
+            raise ZeroDivisionError("no brakes")
+
+    env = falsify_av.make(scenario, driver=Broken, **CHOICE)
+    for _ in range(3):
+        with pytest.raises(ZeroDivisionError, match="no brakes"):
+            env.reset(seed=1)
+            env.step(np.zeros(2, np.float32))
+
+    class Silent:
+        def drive(self, world):
+            return None
+
+    env = falsify_av.make_vec(scenario, 2, driver=Silent, **CHOICE)
+    with pytest.raises(TypeError, match="drive returned NoneType"):
+        env.reset(seed=1)
+        env.step(np.zeros((2, 2), np.float32))
+
+    class Unready:
+        def __init__(self):
+            raise OSError("no weights")
+
+        def drive(self, world):
+            return {}
+
+    with pytest.raises(OSError, match="no weights"):
+        env = falsify_av.make(scenario, driver=Unready, **CHOICE)
+        env.reset(seed=1)
+        env.step(np.zeros(2, np.float32))
+    with pytest.raises(TypeError, match="give a class"):
+        falsify_av.make(scenario, driver="behavior", **CHOICE)
+
+
+def test_a_network_drives_as_in_the_language(tmp_path):
+    pytest.importorskip("onnxruntime")
+    model = REPOSITORY / "tests/reference/onnx/follow.onnx"
+    text = Path(__file__).with_name("short.scn").read_text()
+    text = text.replace("episode ten", f'policy net = onnx(model: "{model}")\nepisode ten', 1).replace("[behavior, blind]", "[net]", 1)
+    (tmp_path / "net.scn").write_text(text)
+    choice = {**CHOICE, "policy": "net"}
+    ours = list(walk(falsify_av.make(tmp_path / "net.scn", **choice), 5))
+    other = list(walk(falsify_av.make(tmp_path / "net.scn", driver=lambda: drivers.OnnxDriver(model), **choice), 5))
+    assert [end["outcome"] for end in ours] == [end["outcome"] for end in other]
+    for one, two in zip(ours, other):
+        assert one["least_gap_m"] == pytest.approx(two["least_gap_m"], abs=0.05)
 
 
 def test_a_network_gets_the_car_s_view():

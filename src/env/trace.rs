@@ -58,6 +58,17 @@ impl Trace {
         }
     }
 
+    /// The record of a car and a pedestrian that were recorded elsewhere: their states at the start and after each tick, and a decision for
+    /// each tick.
+    pub fn recorded(
+        driving: Vec<VehicleFrame>,
+        walking: Vec<PedestrianState>,
+        decisions: Vec<WalkCommand>,
+        contact: Option<Contact>,
+    ) -> Self {
+        Self { vehicles: vec![driving], pedestrians: vec![PedestrianTrack { states: walking, decisions }], contact }
+    }
+
     /// Clears the last episode; the world is at the start of the next one.
     pub fn begin(&mut self, world: &World) {
         self.vehicles.iter_mut().for_each(Vec::clear);

@@ -16,6 +16,8 @@
 //!
 //! [`judge`] runs all drivers, an [`Inquiry`] those that are asked for. Both are pure functions of a recording.
 //!
+//! A [`Recording`] holds an encounter from another simulator, or from a road, and has the same verdicts.
+//!
 //! [`FalseAlarms`] asks the same drivers about episodes that ended well. [`NearMiss`] measures how near any episode came to a touch, and [`PedestrianMotion`] whether the pedestrian moved as people do.
 //!
 //! The labels are explained at [`Label`], the drivers at [`Reference`]. Reference drivers brake with their own parameters, not with those
@@ -35,6 +37,7 @@ mod false_alarms;
 mod verdict;
 mod near_miss;
 mod oracle;
+mod recording;
 #[cfg(test)]
 mod tests;
 
@@ -47,6 +50,7 @@ pub use inquiry::Inquiry;
 pub use near_miss::NearMiss;
 pub use oracle::ReferenceOracle;
 pub use reaction::share_of_drivers;
+pub use recording::{Encountered, Recording, RecordingError};
 pub use reference::Reference;
 pub use severity::{HARD, fatality_risk, severe_injury_risk};
 pub use sight::Sight;

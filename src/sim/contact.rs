@@ -1,4 +1,4 @@
-use super::{ActorId, Pedestrian, Vehicle};
+use super::{ActorId, Pedestrian, PedestrianBody, PedestrianState, Vehicle, VehicleBlueprint, VehicleState};
 use crate::geometry::{OrientedBox, Touch, first_touch, first_touch_of_boxes};
 
 /// The first touch of a vehicle with a pedestrian or with another vehicle.
@@ -52,17 +52,20 @@ impl Contact {
         vehicle: &Vehicle,
         pedestrian: &Pedestrian,
     ) -> Option<Self> {
-        let (from, to) = (pedestrian.before.pose.position(), pedestrian.state.pose.position());
-        let start = vehicle.before.outline(&vehicle.blueprint);
-        let touch = match pedestrian.body.target_box {
-            None => first_touch(from, to, pedestrian.body.radius, &start, &vehicle.outline())?,
-            Some(half) => {
-                let target = |pose| OrientedBox { pose, half };
-                let (before, after) = (target(pedestrian.before.pose), target(pedestrian.state.pose));
-                first_touch_of_boxes(&start, &vehicle.outline(), &before, &after)?
-            }
-        };
-        Some(Self::new(pair, vehicle, &touch))
+        let (cars, walkers) = ([&vehicle.before, &vehicle.state], [&pedestrian.before, &pedestrian.state]);
+        let touch = touch_of_pedestrian(cars, &vehicle.blueprint, walkers, &pedestrian.body)?;
+        Some(Self::new(pair, cars, &touch))
+    }
+
+    /// Finds the first touch of the ego and the first pedestrian between two instants, from their states at both.
+    pub fn of_ego_in_step(
+        ego: [&VehicleState; 2],
+        blueprint: &VehicleBlueprint,
+        pedestrian: [&PedestrianState; 2],
+        body: &PedestrianBody,
+    ) -> Option<Self> {
+        let touch = touch_of_pedestrian(ego, blueprint, pedestrian, body)?;
+        Some(Self::new((ActorId::EGO, ActorId::Pedestrian(0)), ego, &touch))
     }
 
     /// Whether two vehicles may have touched in the last tick of `dt` (s).
@@ -78,17 +81,35 @@ impl Contact {
     pub(super) fn with_vehicle(pair: (ActorId, ActorId), first: &Vehicle, second: &Vehicle) -> Option<Self> {
         let start = |vehicle: &Vehicle| vehicle.before.outline(&vehicle.blueprint);
         let touch = first_touch_of_boxes(&start(first), &first.outline(), &start(second), &second.outline())?;
-        Some(Self::new(pair, first, &touch))
+        Some(Self::new(pair, [&first.before, &first.state], &touch))
     }
 
-    fn new(pair: (ActorId, ActorId), first: &Vehicle, touch: &Touch) -> Self {
+    fn new(pair: (ActorId, ActorId), [before, after]: [&VehicleState; 2], touch: &Touch) -> Self {
         Self {
             pair,
             fraction: touch.fraction,
             bearing: libm::atan2(touch.local.y, touch.local.x),
             ahead: touch.local.x,
             aside: touch.local.y,
-            impact_speed: first.before.speed + (first.state.speed - first.before.speed) * touch.fraction,
+            impact_speed: before.speed + (after.speed - before.speed) * touch.fraction,
+        }
+    }
+}
+
+/// The first touch of a vehicle and a pedestrian, from their states at the start and at the end of a tick.
+fn touch_of_pedestrian(
+    vehicle: [&VehicleState; 2],
+    blueprint: &VehicleBlueprint,
+    pedestrian: [&PedestrianState; 2],
+    body: &PedestrianBody,
+) -> Option<Touch> {
+    let [start, end] = vehicle.map(|state| state.outline(blueprint));
+    let [from, to] = pedestrian.map(|state| state.pose);
+    match body.target_box {
+        None => first_touch(from.position(), to.position(), body.radius, &start, &end),
+        Some(half) => {
+            let [before, after] = [from, to].map(|pose| OrientedBox { pose, half });
+            first_touch_of_boxes(&start, &end, &before, &after)
         }
     }
 }

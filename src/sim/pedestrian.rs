@@ -113,6 +113,11 @@ impl PedestrianState {
         Self { pose, velocity: Vector::zeros() }
     }
 
+    /// Moves at a speed (m/s) in the direction that it faces.
+    pub fn moving(pose: Pose, speed: f64) -> Self {
+        Self { pose, velocity: Vector::new(libm::cos(pose.yaw), libm::sin(pose.yaw)) * speed }
+    }
+
     /// Speed (m/s).
     pub fn speed(&self) -> f64 {
         self.velocity.norm()

@@ -1,5 +1,6 @@
 //! Failures repeated with reference drivers.
 
+use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
@@ -7,14 +8,14 @@ use std::sync::Arc;
 use falsify::internal::analysis::Approach;
 use falsify::internal::av::reference_drivers::{OwnMotion, ReferenceDriver, Threat};
 use falsify::internal::compile::{Catalog, compile};
-use falsify::internal::env::{Driven, Ending, Outcome, PedestrianEnv, Scenario, Trace};
+use falsify::internal::env::{Driven, Ending, Outcome, PedestrianEnv, Scenario, Trace, VehicleFrame};
 use falsify::internal::falsifier::{Intercept, evaluate_noting};
 use falsify::internal::geometry::{Obstacles, OrientedBox, Pose, Vector};
 use falsify::internal::judge::{
-    ContactSide, Encounter, FalseAlarms, Inquiry, Label, Reference, Sight, Trial, judge, share_of_drivers,
+    ContactSide, Encounter, FalseAlarms, Inquiry, Label, Recording, Reference, Sight, Trial, judge, share_of_drivers,
 };
 use falsify::internal::seed::Seed;
-use falsify::internal::sim::{ActorId, Contact, World};
+use falsify::internal::sim::{ActorId, Contact, PedestrianState, VehicleState, World};
 
 const SCENARIO: &str = r#"
 edition 1
@@ -69,6 +70,43 @@ fn a_recording_repeats_its_episode_bit_by_bit() {
         assert_eq!(env.outcome(), Some(&outcome));
         assert_eq!(trace.main_pair(&scenario).len(), outcome.ticks as usize + 1);
         assert_eq!(trace.contact().is_some(), outcome.is_collision());
+    }
+}
+
+/// What another simulator would have recorded of an episode: poses and speeds.
+fn recorded(scenario: &Scenario, trace: &Trace) -> Recording {
+    let car = |frame: &VehicleFrame| VehicleState { pose: frame.state.pose, speed: frame.state.speed, age: 0.0 };
+    let walker = |state: &PedestrianState| PedestrianState::moving(state.pose, state.speed());
+    let ego = trace.vehicle(0).iter().map(car).collect();
+    Recording::new(scenario.episode.tick, ego, trace.pedestrian(0).iter().map(walker).collect()).unwrap()
+}
+
+#[test]
+fn a_recording_of_an_episode_has_its_verdict() {
+    for policy in ["behavior", "blind"] {
+        let scenario = scenario(policy);
+        let mut labels = BTreeSet::new();
+        for (outcome, trace) in episodes(&scenario, 100) {
+            let pair = trace.main_pair(&scenario);
+            let found = recorded(&scenario, &trace).judged(&scenario, scenario.obstacles.clone());
+            assert_eq!(found.touch.is_some(), outcome.is_collision());
+            let (Some(touch), Some(verdict), Some(wanted)) = (found.touch, found.verdict, judge(&pair)) else {
+                continue;
+            };
+            assert!((touch - outcome.duration).abs() < 1e-9, "{touch} s, {} s", outcome.duration);
+            assert_eq!(
+                (verdict.label, verdict.side, verdict.foreseeable),
+                (wanted.label, wanted.side, wanted.foreseeable)
+            );
+            assert_eq!(verdict.impact_speed, wanted.impact_speed);
+            assert!((verdict.warning - wanted.warning).abs() < 1e-9);
+            for (trial, other) in verdict.trials.iter().zip(&wanted.trials) {
+                assert_eq!(trial.is_avoided(), other.is_avoided());
+                assert!((trial.least_gap - other.least_gap).abs() < 1e-6, "{trial:?}, {other:?}");
+            }
+            labels.insert(verdict.label);
+        }
+        assert!(labels.len() > 1, "{labels:?}");
     }
 }
 

@@ -1,0 +1,65 @@
+"""Verdicts of encounters that were recorded elsewhere: in another simulator, or on a road."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .scenarios import choose
+
+
+def _rows(name: str, numbers: ArrayLike) -> NDArray[np.float64]:
+    try:
+        rows = np.asarray(numbers, np.float64)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"`{name}` is no array of numbers: {error}") from error
+    if rows.ndim != 2:
+        raise ValueError(f"`{name}` has {rows.ndim} dimensions; give a row for each instant")
+    return rows
+
+
+def judge(
+    ego: ArrayLike,
+    pedestrian: ArrayLike,
+    dt: float,
+    *,
+    length: float | None = None,
+    width: float | None = None,
+    radius: float | None = None,
+    boxes: ArrayLike | None = None,
+    scenario: Any = None,
+    **options: Any,
+) -> dict[str, Any]:
+    """Judge the first touch of a car and a pedestrian: would a careful driver have avoided it?
+
+    The reference drivers brake on the path that the car took, and the pedestrian does what it did. What follows the touch is not used.
+    Coordinates are those of any right-handed frame with x and y on the ground; angles count from x to y.
+
+    Args:
+        ego: A row for each instant: x and y of the middle of the car's box (m), its heading (rad), its speed along the heading (m/s, 0 to 150).
+            CARLA and Unreal have y to the right: change the sign of y and of the heading.
+        pedestrian: A row for each instant: x and y of its middle (m). With x, y, direction of motion (rad) and speed (m/s) the velocity is not
+            taken from differences of positions.
+        dt: Time between two instants (s), 0.001 to 0.5. The program's own episodes have 0.05 s.
+        length, width: Size of the car (m).
+        radius: Radius of the pedestrian (m).
+        boxes: Obstacles that hide the pedestrian and stop it: rows of x, y, heading, length, width (m, rad).
+        scenario, options: A scenario, chosen as by :func:`falsify_av.make`. It gives the sizes and the obstacles that no other argument gives.
+            Without it they are those of the paper (4.79 m by 2.16 m, 0.188 m), on an empty plane.
+
+    Returns:
+        ``verdict`` (empty without a touch), ``foreseeable``, ``attributable``, ``warning_s`` and ``impact_speed_mps`` as the columns of the
+        table of episodes; ``avoided_by``, which reference drivers avoid it; ``touch_s``, the time of the touch from the first instant;
+        ``least_gap_m``, ``min_ttc_s`` and ``pet_s``. A number that does not apply is not a number.
+
+    Raises:
+        ValueError: The arrays have other shapes or lengths, or a number that is not finite or out of its range.
+    """
+    chosen = choose(scenario, options)
+    if boxes is None and scenario is None:
+        boxes = np.zeros((0, 5))
+    obstacles = None if boxes is None else np.zeros((0, 5)) if np.size(boxes) == 0 else _rows("boxes", boxes)
+    sizes = [None if size is None else float(size) for size in (length, width, radius)]
+    return chosen.judged(_rows("ego", ego), _rows("pedestrian", pedestrian), float(dt), sizes, obstacles)

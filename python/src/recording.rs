@@ -1,0 +1,119 @@
+//! Encounters that were recorded elsewhere, and their verdicts.
+
+use std::sync::Arc;
+
+use falsify::internal::env::Scenario;
+use falsify::internal::geometry::{Obstacles, OrientedBox, Point, Pose};
+use falsify::internal::judge::{Encountered, Recording, Reference};
+use falsify::internal::sim::{PedestrianState, VehicleState};
+use numpy::PyReadonlyArray2;
+use numpy::ndarray::ArrayView2;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use super::episode;
+
+/// Judges the first touch of a car and a pedestrian whose tracks were recorded every `dt` seconds. `ego` has rows of x, y, yaw, speed;
+/// `pedestrian` has rows of x, y or of x, y, yaw, speed. `sizes` are the car's length and width and the pedestrian's radius (m), where
+/// these are not those of the scenario. `boxes` has rows of x, y, yaw, length, width: the obstacles in the place of the scenario's.
+pub fn judged<'py>(
+    py: Python<'py>,
+    scenario: &Scenario,
+    ego: &PyReadonlyArray2<'_, f64>,
+    pedestrian: &PyReadonlyArray2<'_, f64>,
+    dt: f64,
+    sizes: [Option<f64>; 3],
+    boxes: Option<&PyReadonlyArray2<'_, f64>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (ego, pedestrian) = (ego.as_array(), pedestrian.as_array());
+    columns("ego", &ego, &[4], "x, y, heading, speed")?;
+    columns("pedestrian", &pedestrian, &[2, 4], "x, y or x, y, heading, speed")?;
+    let mut scenario = scenario.clone();
+    let cast = &mut scenario.cast;
+    let [length, width, radius] = sizes;
+    if let Some(length) = within("length", length, 0.1, 100.0)? {
+        cast.ego.blueprint.half_length = length / 2.0;
+    }
+    if let Some(width) = within("width", width, 0.1, 100.0)? {
+        cast.ego.blueprint.half_width = width / 2.0;
+    }
+    if let Some(radius) = within("radius", radius, 0.01, 5.0)? {
+        (cast.pedestrian.body.radius, cast.pedestrian.body.target_box) = (radius, None);
+    }
+    let obstacles = match boxes {
+        Some(boxes) => Arc::new(Obstacles::new(&solids(&boxes.as_array())?)),
+        None => scenario.obstacles.clone(),
+    };
+    let cars = ego.rows().into_iter().map(|row| VehicleState {
+        pose: Pose::new(row[0], row[1], row[2]),
+        speed: row[3],
+        ..VehicleState::default()
+    });
+    let walkers = match pedestrian.ncols() {
+        2 => {
+            let places: Vec<Point> = pedestrian.rows().into_iter().map(|row| Point::new(row[0], row[1])).collect();
+            Recording::walked(&places, dt)
+        }
+        _ => pedestrian
+            .rows()
+            .into_iter()
+            .map(|row| PedestrianState::moving(Pose::new(row[0], row[1], row[2]), row[3]))
+            .collect(),
+    };
+    let recording =
+        Recording::new(dt, cars.collect(), walkers).map_err(|error| PyValueError::new_err(error.to_string()))?;
+    let found = py.detach(|| recording.judged(&scenario, obstacles));
+    dictionary(py, &found)
+}
+
+/// Names are those of the table of episodes; a number that does not apply is not a number.
+fn dictionary<'py>(py: Python<'py>, found: &Encountered) -> PyResult<Bound<'py, PyDict>> {
+    let verdict = found.verdict.as_ref();
+    let dict = PyDict::new(py);
+    dict.set_item("touch_s", found.touch.unwrap_or(f64::NAN))?;
+    dict.set_item("impact_speed_mps", verdict.map_or(f64::NAN, |verdict| verdict.impact_speed))?;
+    episode::verdict_of(&dict, verdict)?;
+    let avoided = PyDict::new(py);
+    if let Some(verdict) = verdict {
+        for reference in Reference::ALL {
+            avoided.set_item(reference.name(), verdict.trial(reference).is_avoided())?;
+        }
+    }
+    dict.set_item("avoided_by", avoided)?;
+    dict.set_item("least_gap_m", found.least_gap)?;
+    dict.set_item("min_ttc_s", found.near_miss.min_ttc.unwrap_or(f64::NAN))?;
+    dict.set_item("pet_s", found.near_miss.pet.unwrap_or(f64::NAN))?;
+    Ok(dict)
+}
+
+fn columns(name: &str, array: &ArrayView2<'_, f64>, allowed: &[usize], meaning: &str) -> PyResult<()> {
+    let found = array.ncols();
+    match allowed.contains(&found) {
+        true => Ok(()),
+        false => Err(PyValueError::new_err(format!("`{name}` has {found} columns; give {meaning}"))),
+    }
+}
+
+fn within(name: &str, number: Option<f64>, low: f64, high: f64) -> PyResult<Option<f64>> {
+    match number {
+        Some(number) if !(low..=high).contains(&number) => {
+            Err(PyValueError::new_err(format!("`{name}` is {number}; give {low} to {high} m")))
+        }
+        number => Ok(number),
+    }
+}
+
+fn solids(boxes: &ArrayView2<'_, f64>) -> PyResult<Vec<OrientedBox>> {
+    columns("boxes", boxes, &[5], "x, y, heading, length, width")?;
+    let solid = |(number, row): (usize, numpy::ndarray::ArrayView1<'_, f64>)| {
+        let is_bad = !row.iter().all(|value| value.abs() <= 1e6) || row[3] <= 0.0 || row[4] <= 0.0;
+        if is_bad {
+            let text =
+                format!("row {number} of `boxes` needs finite numbers up to 1e6, and a length and a width above 0");
+            return Err(PyValueError::new_err(text));
+        }
+        Ok(OrientedBox::new(Pose::new(row[0], row[1], row[2]), row[3] / 2.0, row[4] / 2.0))
+    };
+    boxes.rows().into_iter().enumerate().map(solid).collect()
+}
