@@ -2,18 +2,26 @@
 
     python python/benches/speed.py [WORLDS] [SECONDS]
 
-The bare library is the same compiled worlds without the interfaces: one call a step with an array that is made once. CPU time is that of
-this process and, for ``SubprocVecEnv``, of its children.
+The bare library is a plain loop in Rust over the same scenario, seeds and actions (``tests/bench/worlds.rs``), built by cargo as the wheel is by
+``maturin build --release``. CPU time is that of the process and, for ``SubprocVecEnv``, of its children.
 """
 
+import json
 import os
 import resource
+import subprocess
 import sys
+import tempfile
 import time
+from functools import partial
+from pathlib import Path
 
 import numpy as np
 
 import falsify_av
+from falsify_av.scenarios import PAPER
+
+REPOSITORY = Path(__file__).resolve().parents[2]
 
 
 def cpu(who=resource.RUSAGE_SELF):
@@ -57,6 +65,18 @@ def measure(name, worlds, hold, seconds, step, spent=cpu):
     return rate
 
 
+def library(worlds, seconds, actions):
+    """The rate of the library alone (decisions a CPU second)."""
+    with tempfile.NamedTemporaryFile(suffix=".f32") as file:
+        file.write(actions.astype("<f4").tobytes())
+        file.flush()
+        command = ["cargo", "bench", "-q", "--locked", "--no-default-features", "--bench", "worlds", "--"]
+        command += [str(PAPER), str(worlds), str(seconds), file.name]
+        ended = subprocess.run(command, cwd=REPOSITORY, check=True, stdout=subprocess.PIPE, text=True)
+    found = json.loads(ended.stdout)
+    return found["decisions"] / found["cpu_s"]
+
+
 def main():
     worlds = int(sys.argv[1]) if len(sys.argv) > 1 else 256
     seconds = float(sys.argv[2]) if len(sys.argv) > 2 else 10.0
@@ -65,12 +85,14 @@ def main():
     generator = np.random.default_rng(0)
     low, high = env.single_action_space.low, env.single_action_space.high
     actions = generator.uniform(low, high, (worlds, 2)).astype(np.float32)
-    core = falsify_av.make_vec(num_envs=worlds).core
-    core.reset(np.ones(worlds, bool), np.full(worlds, -1))
-    bare = measure("bare library", worlds, hold, seconds, lambda: core.step(actions, "next_step"))
+    bare = library(worlds, seconds, actions)
+    print(f"{'bare library':32} {worlds:5} worlds {bare:12,.0f} decisions {bare * hold:13,.0f} ticks a CPU second")
+
+    def share(rate):
+        print(f"{'':32} {rate / bare:.2f} of the bare library", flush=True)
+
     env.reset(seed=1)
-    rate = measure("falsify_av.make_vec", worlds, hold, seconds, lambda: env.step(actions))
-    print(f"{'':32} {rate / bare:.2f} of the bare library")
+    share(measure("falsify_av.make_vec", worlds, hold, seconds, lambda: env.step(actions)))
     try:
         from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv
 
@@ -80,18 +102,15 @@ def main():
         return
     ours = sb3.make_vec(num_envs=worlds)
     ours.reset()
-    rate = measure("falsify_av.sb3.make_vec", worlds, hold, seconds, lambda: ours.step(actions))
-    print(f"{'':32} {rate / bare:.2f} of the bare library")
-    dummy = DummyVecEnv([falsify_av.make] * worlds)
+    share(measure("falsify_av.sb3.make_vec", worlds, hold, seconds, lambda: ours.step(actions)))
+    dummy = DummyVecEnv([partial(falsify_av.make, seed=1 + world) for world in range(worlds)])
     dummy.reset()
-    rate = measure("DummyVecEnv", worlds, hold, seconds, lambda: dummy.step(actions))
-    print(f"{'':32} {rate / bare:.2f} of the bare library")
+    share(measure("DummyVecEnv", worlds, hold, seconds, lambda: dummy.step(actions)))
     # A process for each world; a few are enough for its rate a CPU second.
     few = min(worlds, 8)
-    processes = SubprocVecEnv([falsify_av.make] * few)
+    processes = SubprocVecEnv([partial(falsify_av.make, seed=1 + world) for world in range(few)])
     processes.reset()
-    rate = measure("SubprocVecEnv", few, hold, seconds, lambda: processes.step(actions[:few]), lambda: cpu() + children())
-    print(f"{'':32} {rate / bare:.2f} of the bare library")
+    share(measure("SubprocVecEnv", few, hold, seconds, lambda: processes.step(actions[:few]), lambda: cpu() + children()))
     processes.close()
 
 
