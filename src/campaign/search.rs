@@ -30,7 +30,8 @@ pub fn search(
     }
     // The budget of a search is in ticks, so whether it exceeds the limit is known in advance.
     if let Some(limit @ TaskError::Ticks { .. }) = results.limit(task, search.budget) {
-        let spent = SearchOutcome { ticks: 0, episodes: 0, starts: 0, failures: Vec::new(), stopped: false };
+        let spent =
+            SearchOutcome { ticks: 0, episodes: 0, starts: 0, first_start: None, failures: Vec::new(), stopped: false };
         let (budget, verdicts, evaluated) = (search.budget, Vec::new(), Vec::new());
         return Some(SearchResult { key: key.clone(), budget, spent, verdicts, evaluated, error: Some(limit) });
     }

@@ -43,8 +43,8 @@ pub struct CompareOptions {
     /// Also write a page (HTML) with both episodes of the worst changes side by side.
     #[arg(long, value_name = "FILE")]
     pub page: Option<PathBuf>,
-    /// Fail (exit code 7) when this is true of a place, driver and controller, as 'attributable_new > 0' or 'collision_rate_low > 0'; may be
-    /// given several times.
+    /// Fail (exit code 7) when this is true of a place, driver and controller, as 'attributable_new > 0' or 'collision_rate_low > 0', or of a
+    /// search, as 'attributable_starts_new > 0'; may be given several times.
     #[arg(long, value_name = "CONDITION")]
     pub fail_if: Vec<String>,
     /// Options of the repetition for the page.
@@ -63,7 +63,7 @@ pub enum Form {
 
 /// `falsify compare`
 pub fn compare(options: &CompareOptions) -> ExitCode {
-    let gates = match options.fail_if.iter().map(|text| parse(text)).collect::<Result<Vec<Gate>, _>>() {
+    let gates = match options.fail_if.iter().map(|text| parse(text)).collect::<Result<Vec<Condition>, _>>() {
         Ok(gates) => gates,
         Err(error) => return refused(&error),
     };
@@ -93,12 +93,26 @@ pub fn compare(options: &CompareOptions) -> ExitCode {
     judge(&gates, &comparison)
 }
 
-/// Reads a condition on the columns of a comparison.
+/// A condition on a comparison.
+#[derive(Debug)]
+pub struct Condition {
+    gate: Gate,
+    /// Whether it is about searches instead of places, drivers and controllers.
+    searches: bool,
+}
+
+/// Reads a condition on the columns of a comparison, or on those of its searches.
 ///
 /// # Errors
-/// It has another form, or names no column of a comparison.
-pub fn parse(text: &str) -> Result<Gate, GateError> {
-    Gate::of_table(text, &report::comparison_reference())
+/// It has another form, or names no column of either.
+pub fn parse(text: &str) -> Result<Condition, GateError> {
+    match Gate::of_table(text, &report::comparison_reference()) {
+        Ok(gate) => Ok(Condition { gate, searches: false }),
+        Err(error) => match Gate::of_table(text, &report::compared_search_reference()) {
+            Ok(gate) => Ok(Condition { gate, searches: true }),
+            Err(_) => Err(error),
+        },
+    }
 }
 
 fn refused(error: &GateError) -> ExitCode {
@@ -115,19 +129,22 @@ fn refused(error: &GateError) -> ExitCode {
 }
 
 /// Judges a comparison and reports which conditions are true; returns the exit code.
-pub fn judge(gates: &[Gate], comparison: &ReportComparison) -> ExitCode {
-    let (mut code, table) = (ExitCode::Done, report::compared_cells(&comparison.cells));
-    for gate in gates {
+pub fn judge(conditions: &[Condition], comparison: &ReportComparison) -> ExitCode {
+    let mut code = ExitCode::Done;
+    let cells: Vec<String> = comparison.cells.iter().map(report::comparison_title).collect();
+    let searches: Vec<String> = comparison.searches.iter().map(report::compared_search_title).collect();
+    for Condition { gate, searches: about_searches } in conditions {
+        let (table, places, things) = if *about_searches {
+            (report::compared_search_table(&comparison.searches), &searches, "search")
+        } else {
+            (report::compared_cells(&comparison.cells), &cells, "place, driver and controller")
+        };
         let judged = gate.judge(&table);
         if judged.iter().all(|judged| *judged == Judged::Elsewhere) {
-            console::fail(&format!(
-                "--fail-if {}: it speaks of no place, driver and controller of the comparison",
-                gate.text()
-            ));
+            console::fail(&format!("--fail-if {}: it speaks of no {things} of the comparison", gate.text()));
             return ExitCode::Usage;
         }
-        for (cell, judged) in comparison.cells.iter().zip(judged) {
-            let place = report::comparison_title(cell);
+        for (place, judged) in places.iter().zip(judged) {
             match judged {
                 Judged::Broken(values) => {
                     console::fail(&format!("--fail-if {}: {} in {place}", gate.text(), report::shown(&values)));
@@ -184,5 +201,20 @@ fn as_json(comparison: &ReportComparison) -> serde_json::Value {
         })
         .collect();
     let cells = report::json_rows(&report::compared_cells(&comparison.cells));
-    json!({ "before": before, "after": after, "notes": notes, "cells": cells, "failures": changes })
+    let searches = report::json_rows(&report::compared_search_table(&comparison.searches));
+    let starts: Vec<_> = comparison
+        .searches
+        .iter()
+        .enumerate()
+        .flat_map(|(number, search)| search.changes.iter().map(move |change| (number, change)))
+        .map(|(search, change)| {
+            let [before, after] = change.sides.each_ref().map(|side| {
+                side.as_ref().map(|failure| {
+                    json!({ "name": failure.name(), "attributable": failure.attributable, "impact_speed_mps": failure.impact_speed })
+                })
+            });
+            json!({ "search": search, "run": change.run, "start": change.start, "before": before, "after": after })
+        })
+        .collect();
+    json!({ "before": before, "after": after, "notes": notes, "cells": cells, "failures": changes, "searches": searches, "starts": starts })
 }

@@ -50,7 +50,7 @@ impl GateOptions {
     pub fn compare(&self, run: &RunReport, output: Output) -> ExitCode {
         let Some(baseline) = &self.baseline else { return ExitCode::Done };
         let conditions = self.fail_if.iter().filter(|text| self.is_of_comparison(text));
-        let gates: Vec<Gate> = conditions.filter_map(|text| compare::parse(text).ok()).collect();
+        let gates: Vec<compare::Condition> = conditions.filter_map(|text| compare::parse(text).ok()).collect();
         let is_report = baseline.join("manifest.toml").is_file();
         let against = |report: &CampaignReport| {
             let before = if is_report { baseline.clone() } else { baseline.join(&report.name) };

@@ -27,6 +27,8 @@ pub struct Simulator<'a> {
     chosen: Vec<WalkCommand>,
     episodes: u64,
     starts: BTreeSet<u64>,
+    /// The least of these numbers, and the hash of that start.
+    first_start: Option<(u64, u64)>,
     failures: Vec<Failure>,
     spent: bool,
     stop: &'a (dyn Fn() -> bool + Sync),
@@ -48,6 +50,8 @@ pub struct SearchOutcome {
     pub episodes: u64,
     /// Number of different starts of these episodes.
     pub starts: u64,
+    /// The least number of these starts and [`Outcome::start`] of it: searches with equal ones have equal starts.
+    pub first_start: Option<(u64, u64)>,
     /// The failures, in the order in which they were found.
     pub failures: Vec<Failure>,
     /// Whether it was stopped from outside.
@@ -70,6 +74,7 @@ impl<'a> Simulator<'a> {
             chosen,
             episodes: 0,
             starts: BTreeSet::new(),
+            first_start: None,
             failures: Vec::new(),
             spent: false,
             stop,
@@ -172,6 +177,7 @@ impl<'a> Simulator<'a> {
     fn note(&mut self, outcome: Outcome) {
         self.episodes += 1;
         self.starts.insert(self.start);
+        self.first_start = earlier(self.first_start, Some((self.start, outcome.start)));
         if let Some(cell) = FailureCell::new(&self.env) {
             let commands = self.commands.clone();
             self.failures.push(Failure { start: self.start, ticks: self.used, commands, outcome, cell });
@@ -203,6 +209,7 @@ impl<'a> Simulator<'a> {
             self.heard += share.heard;
             self.episodes += share.episodes;
             self.starts.extend(share.starts);
+            self.first_start = earlier(self.first_start, share.first_start);
             self.stopped |= share.stopped;
             self.spent |= share.spent;
             self.failures.extend(share.failures.into_iter().map(|failure| {
@@ -220,8 +227,14 @@ impl<'a> Simulator<'a> {
             ticks: self.used,
             episodes: self.episodes,
             starts: self.starts.len() as u64,
+            first_start: self.first_start,
             failures: self.failures,
             stopped: self.stopped,
         }
     }
+}
+
+/// The start with the lesser number.
+fn earlier(one: Option<(u64, u64)>, other: Option<(u64, u64)>) -> Option<(u64, u64)> {
+    one.into_iter().chain(other).min()
 }

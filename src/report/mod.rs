@@ -29,8 +29,9 @@ pub use aggregate::{
 };
 pub use catalogue::{catalogue, column_reference};
 pub use compare::{
-    Caveat, Changed, ComparedCell, FailureChange, Incomparable, ReportComparison, Side, SideEpisode, compare_reports,
-    compared_cells, comparison_reference,
+    Caveat, Changed, ComparedCell, ComparedSearch, FailureChange, Incomparable, ReportComparison, Side, SideEpisode,
+    StartChange, compare_reports, compared_cells, compared_search_reference, compared_search_table,
+    comparison_reference,
 };
 pub use failure_modes::FailureModes;
 pub use folder::{Formats, ReportFolder, WriteError, write_csv, write_file, write_table};
@@ -49,7 +50,10 @@ pub use render::{
     failures_for_terminal, junit, labelled_map, map_page, narrative, overview_for_terminal, overview_page,
     protocol_for_terminal, results_for_terminal, searches_for_terminal, shown, spawn_map, strip, town_map,
 };
-pub use render::{PlayedPair, Replay, comparison_for_terminal, comparison_page, comparison_title, worst_changes};
+pub use render::{
+    PlayedPair, Replay, compared_search_title, comparison_for_terminal, comparison_page, comparison_title,
+    worst_changes,
+};
 pub use scenario_files::{MOST_HELD_BYTES, held_places};
 pub use table_stream::TableStream;
 pub use text_forms::{csv_text, json_rows};

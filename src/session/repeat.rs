@@ -137,7 +137,8 @@ impl Source {
 
 /// The row of a failure in the table of its search.
 fn search_row(search: &Search, failure: Failure, verdict: Option<&Verdict>) -> report::Row {
-    let spent = SearchOutcome { ticks: 0, episodes: 0, starts: 0, failures: vec![failure], stopped: false };
+    let spent =
+        SearchOutcome { ticks: 0, episodes: 0, starts: 0, first_start: None, failures: vec![failure], stopped: false };
     let key = search.key.clone();
     let (budget, verdicts, evaluated) = (search.budget, vec![verdict.copied()], Vec::new());
     report::search_failures(&[SearchResult { key, budget, spent, verdicts, evaluated, error: None }])

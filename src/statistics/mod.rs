@@ -20,7 +20,7 @@ pub use moments::{mean, sample_deviation};
 pub use normal::{normal_below, normal_quantile};
 pub use quantile::{interquartile_mean, quantile};
 pub use sample::{Estimate, Sample};
-pub use student::{mean_interval, student_quantile, student_tails};
+pub use student::{mean_interval, mean_p, student_quantile, student_tails};
 pub use uncertainty::Uncertainty;
 pub use weighted::Weighted;
 pub use wilson::{wilson, wilson_at};

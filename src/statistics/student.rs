@@ -13,6 +13,18 @@ pub fn mean_interval(values: &[f64]) -> (f64, Option<(f64, f64)>) {
     (mean, Some((mean - half, mean + half)))
 }
 
+/// The two-sided p-value of numbers whose mean is 0 in truth, such as paired differences; none for a single one, or if all are 0.
+pub fn mean_p(values: &[f64]) -> Option<f64> {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let squares: f64 = values.iter().map(|each| (each - mean) * (each - mean)).sum();
+    if values.len() < 2 || (squares == 0.0 && mean == 0.0) {
+        return None;
+    }
+    let error = (squares / (n - 1.0) / n).sqrt();
+    Some(if error > 0.0 { student_tails(mean / error, n - 1.0) } else { 0.0 })
+}
+
 /// The share of Student's t that is farther from 0 than `t`, on both sides together: a two-sided p-value. The degrees of
 /// freedom are above 0 and need not be whole.
 pub fn student_tails(t: f64, degrees: f64) -> f64 {
@@ -76,6 +88,18 @@ fn incomplete_beta(a: f64, b: f64, x: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::statistics::recorded;
+
+    #[test]
+    fn the_test_of_a_mean_is_students() {
+        let p = mean_p(&[1.0, 2.0, 0.5]).unwrap();
+        // The mean is 7/6 and the variance 7/12. With 2 degrees of freedom Student's distribution has a closed form.
+        let t = 7.0 / 6.0 / libm::sqrt(7.0 / 12.0 / 3.0);
+        let closed = 1.0 - t / libm::sqrt(2.0 + t * t);
+        assert!((p - closed).abs() < 1e-9, "{p} {closed}");
+        assert_eq!(mean_p(&[0.0, 0.0, 0.0]), None);
+        assert_eq!(mean_p(&[1.0]), None);
+        assert_eq!(mean_p(&[1.0, 1.0]), Some(0.0));
+    }
 
     #[test]
     fn the_interval_is_students() {

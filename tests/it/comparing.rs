@@ -18,7 +18,7 @@ falsifier home = homing()
 campaign two {
   vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds
   evaluate { towns: [harbour] policies: [slow, changed] pedestrians: [random, intercept] episodes: 15 }
-  search { towns: [harbour] policies: [slow] falsifiers: [home] budget: 3_000 runs: 1 episodes: 0 }
+  search { towns: [harbour] policies: [slow, changed] falsifiers: [home] budget: 3_000 runs: 1 episodes: 0 }
 }
 "#;
 
@@ -110,10 +110,33 @@ fn a_changed_driver_differs_and_an_equal_one_does_not() {
     let pairs = drivers["cells"].as_array().unwrap();
     assert!(pairs.iter().all(|cell| cell["policy"] == "slow" && cell["other_policy"] == "changed"), "{pairs:?}");
 
+    // Searches are compared over the starts that both tried.
+    let search = |object: &serde_json::Value, policy: &str| {
+        let searches = object["searches"].as_array().unwrap();
+        searches.iter().find(|search| search["policy"] == policy).unwrap().clone()
+    };
+    for policy in ["slow", "changed"] {
+        let equal = search(&same, policy);
+        assert!(equal["tried_starts"].as_u64().unwrap() > 3, "{equal}");
+        assert!(equal["failed_starts_same"].as_u64().unwrap() > 0, "{equal}");
+        assert_eq!((&equal["failed_starts_new"], &equal["failed_starts_fixed"]), (&0.into(), &0.into()), "{equal}");
+    }
+    assert_eq!(search(&changed, "slow")["failed_starts_new"], 0);
+    let own = search(&changed, "changed");
+    let number = |part: &str| own[part].as_u64().unwrap();
+    assert!(number("failed_starts_new") + number("failed_starts_fixed") > 0, "{own}");
+    assert_eq!(search(&drivers, "slow")["other_policy"], "changed");
+    for start in changed["starts"].as_array().unwrap() {
+        assert!(start["before"]["name"].is_string() || start["after"]["name"].is_string(), "{start}");
+    }
+
     let gate =
         |condition: &str| falsify(&["compare", "old/two", "new/two", "--fail-if", condition], here).status.code();
     assert_eq!(gate("common_starts >= 15"), Some(7));
     assert_eq!(gate("common_starts > 15"), Some(0));
+    assert_eq!(gate("tried_starts > 0"), Some(7));
+    assert_eq!(gate("tried_starts > 1000"), Some(0));
+    assert_eq!(gate("tried_starts > 0 and falsifier == none_such"), Some(2), "it speaks of nothing");
     assert_eq!(gate("common_start > 15"), Some(2), "no such column");
     assert_eq!(gate("common_starts > 15 and policy == none_such"), Some(2), "it speaks of nothing");
     let baseline = ["run", "two.scn", "--out", "new", "--set", "share=0.9", "--baseline", "old", "--fail-if"];

@@ -7,7 +7,7 @@ use crate::campaign::SearchResult;
 use crate::compile::SearchKey;
 use crate::record::columns::TOWN;
 use crate::record::{Column, Interval, Table};
-use crate::statistics::{holm, mean_interval, student_tails};
+use crate::statistics::{holm, mean_interval, mean_p};
 
 /// Two falsifiers against one driver, or one falsifier against two drivers, compared run by run: equal runs have equal starts.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,18 +31,6 @@ pub struct SearchComparison {
 
 /// The stem of the files of the table.
 pub const SEARCH_COMPARISONS: &str = "search_comparisons";
-
-/// The two-sided p-value of paired differences by Student's t; none for a single pair, or if all pairs are equal.
-fn paired(differences: &[f64]) -> Option<f64> {
-    let n = differences.len() as f64;
-    let mean = differences.iter().sum::<f64>() / n;
-    let squares: f64 = differences.iter().map(|each| (each - mean) * (each - mean)).sum();
-    if differences.len() < 2 || (squares == 0.0 && mean == 0.0) {
-        return None;
-    }
-    let error = (squares / (n - 1.0) / n).sqrt();
-    Some(if error > 0.0 { student_tails(mean / error, n - 1.0) } else { 0.0 })
-}
 
 /// All comparisons of the searches of a campaign, in the order of their first side.
 ///
@@ -111,7 +99,7 @@ fn compare(
             ],
             difference: differences.iter().sum::<f64>() / n,
             student: mean_interval(&differences).1,
-            p: paired(&differences),
+            p: mean_p(&differences),
             p_holm: None,
         })
     };
@@ -162,21 +150,4 @@ pub fn search_comparison_columns() -> Table<'static, SearchComparison> {
         )
         .of(|row: &SearchComparison| row.p_holm),
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_paired_test_is_students() {
-        let p = paired(&[1.0, 2.0, 0.5]).unwrap();
-        // The mean is 7/6 and the variance 7/12. With 2 degrees of freedom Student's distribution has a closed form.
-        let t = 7.0 / 6.0 / libm::sqrt(7.0 / 12.0 / 3.0);
-        let closed = 1.0 - t / libm::sqrt(2.0 + t * t);
-        assert!((p - closed).abs() < 1e-9, "{p} {closed}");
-        assert_eq!(paired(&[0.0, 0.0, 0.0]), None);
-        assert_eq!(paired(&[1.0]), None);
-        assert_eq!(paired(&[1.0, 1.0]), Some(0.0));
-    }
 }

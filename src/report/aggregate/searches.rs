@@ -234,11 +234,30 @@ const CELL: Column<String> = Column::new(
     "how the two met: place on the car, direction of the walk relative to the car, impact speed in m/s, walking speed in m/s, the driver's \
      mode; failures in one cell count as one finding",
 );
+/// The name of a table of searches.
+pub const SEARCHES: &str = "searches";
+/// The number of starts of a search.
+pub const STARTS: Column<u64> = Column::new(
+    "starts",
+    "",
+    "different starts of these episodes; starts 0, 1, 2, … of a run are the same for all falsifiers",
+);
+/// The hash of the first start.
+pub const FIRST_START: Column<String> = Column::new(
+    "first_start",
+    "",
+    "number of the first of these starts and hash of it as it was drawn: searches with equal ones have the same starts",
+);
 /// The stem of the files of the table of failures.
 pub const FAILURES: &str = "search_failures";
 
+/// The number of its block.
+pub const SEARCH_BLOCK: Column<u64> =
+    Column::new(BLOCK.name, "", "number of the `search` block in its campaign, from 0");
+/// The number of its run.
+pub const SEARCH_RUN: Column<u64> = Column::new(RUN.name, "", "number of the run, from 0");
 /// The budget of each run.
-const BUDGET: Column<u64> = Column::new("budget_ticks", "", "simulator ticks that each run may use");
+pub const BUDGET: Column<u64> = Column::new("budget_ticks", "", "simulator ticks that each run may use");
 // The columns of searches that cells of searches summarise.
 const FAILURE_COUNT: &str = "failures";
 const FAILURE_RATE: &str = "failure_rate";
@@ -264,14 +283,13 @@ pub fn search_key<'t, R>(key: impl Fn(&R) -> &SearchKey + Copy + 't) -> [Entry<'
             .meaning("reward that it maximises; empty for a falsifier without a reward"),
         TOWN.of(move |row: &R| key(row).town.clone()),
         POLICY.of(move |row: &R| key(row).policy.clone()),
-        Column::<u64>::new(BLOCK.name, "", "number of the `search` block in its campaign, from 0")
-            .of(move |row: &R| u64::from(key(row).block)),
+        SEARCH_BLOCK.of(move |row: &R| u64::from(key(row).block)),
     ]
 }
 
 /// The number of a search's run.
 fn run<'t, R>(key: impl Fn(&R) -> &SearchKey + 't) -> Entry<'t, R> {
-    Column::<u64>::new(RUN.name, "", "number of the run, from 0").of(move |row: &R| u64::from(key(row).run))
+    SEARCH_RUN.of(move |row: &R| u64::from(key(row).run))
 }
 
 /// A search with its figures.
@@ -288,7 +306,7 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
     type Row<'a> = Searched<'a>;
     let (count, number) = (Column::<u64>::new, Column::<f64>::new);
     Table::new(
-        "searches",
+        SEARCHES,
         "One row for each search: a falsifier in one town against one policy, one run. Rates within a search are shares of what it tried, \
          not the failure rate of the driver.",
     )
@@ -309,14 +327,8 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
         count("episodes", "", "episodes that came to an end, without one that the budget cut off")
             .of(|row: &Row<'_>| row.0.spent.episodes),
     )
-    .column(
-        count(
-            "starts",
-            "",
-            "different starts of these episodes; starts 0, 1, 2, … of a run are the same for all falsifiers",
-        )
-        .of(|row: &Row<'_>| row.0.spent.starts),
-    )
+    .column(STARTS.of(|row: &Row<'_>| row.0.spent.starts))
+    .column(FIRST_START.of(|row: &Row<'_>| row.0.spent.first_start.map(|(number, hash)| format!("{number}:{hash:016x}"))))
     .column(count(FAILURE_COUNT, "", "episodes that ended in a collision").of(|row: &Row<'_>| row.1.failures as u64))
     .column(number(FAILURE_RATE, "", "their share of `episodes`").of(|row: &Row<'_>| row.1.failure_rate))
     .column(

@@ -69,6 +69,14 @@ pub enum Caveat {
         /// All episodes of the matched runs of both.
         all: u64,
     },
+    /// Searches with other starts.
+    #[error(
+        "{searches} searches have other starts on the other side, or come from an earlier version, and are left out"
+    )]
+    SearchStarts {
+        /// Their number.
+        searches: u64,
+    },
 }
 
 fn made_by((version, code): &(String, String)) -> String {

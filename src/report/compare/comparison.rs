@@ -5,6 +5,7 @@ use polars::prelude::{BooleanChunked, DataFrame, PolarsResult};
 
 use super::caveat::{Caveat, caveats};
 use super::matching::{Incomparable, Matched, Side, matched};
+use super::searches::{ComparedSearch, MatchedSearches, compared_searches};
 use crate::judge::Label;
 use crate::record::columns::START;
 use crate::record::{CellKey, EPISODES, EpisodeTable};
@@ -24,6 +25,8 @@ pub struct ReportComparison {
     pub cells: Vec<ComparedCell>,
     /// The common starts from which at least one side has a collision. Cell by cell, in the order of the first report.
     pub changes: Vec<FailureChange>,
+    /// One for each falsifier, town and driver, in the order of the first report.
+    pub searches: Vec<ComparedSearch>,
 }
 
 /// A place, a driver and a controller on both sides.
@@ -126,7 +129,11 @@ impl ReportComparison {
 /// # Errors
 /// Nothing can be compared, or a table cannot be read.
 pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportComparison, Incomparable> {
-    let Matched { pairs, unmatched } = matched(before, after)?;
+    let MatchedSearches { searches, apart } = compared_searches(before, after)?;
+    let Matched { pairs, unmatched } = match matched(before, after) {
+        Err(Incomparable::NoRun { .. } | Incomparable::NoDriver { .. }) if !searches.is_empty() => Matched::default(),
+        other => other?,
+    };
     let mut notes = caveats(before.report.manifest(), after.report.manifest());
     let mut cells: Vec<Vec<(StoredRun, StoredRun)>> = Vec::new();
     for pair in pairs {
@@ -195,7 +202,7 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
         }
         compared.push(found);
     }
-    if compared.iter().all(|cell| cell.starts == 0) {
+    if compared.iter().all(|cell| cell.starts == 0) && searches.iter().all(|search| search.starts == 0) {
         let because = notes.iter().find(|note| !matches!(note, Caveat::Trainings { .. })).map(ToString::to_string);
         return Err(Incomparable::NoStart { because });
     }
@@ -212,8 +219,11 @@ pub fn compare_reports(before: Side<'_>, after: Side<'_>) -> Result<ReportCompar
     if unpaired > 0 {
         notes.push(Caveat::Unpaired { episodes: unpaired, all });
     }
+    if apart > 0 {
+        notes.push(Caveat::SearchStarts { searches: apart });
+    }
     let folders = [before, after].map(|side| side.report.folder().to_path_buf());
-    Ok(ReportComparison { folders, caveats: notes, cells: compared, changes })
+    Ok(ReportComparison { folders, caveats: notes, cells: compared, changes, searches })
 }
 
 impl ComparedCell {

@@ -50,6 +50,7 @@ pub enum Incomparable {
 }
 
 /// Runs of both sides with the same place, controller and number.
+#[derive(Default)]
 pub(super) struct Matched {
     /// The pairs.
     pub pairs: Vec<(StoredRun, StoredRun)>,

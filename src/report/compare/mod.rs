@@ -1,14 +1,16 @@
 //! Two sides, start by start: two reports, or two driving policies of one report.
 //!
 //! Runs are matched by their keys, and episodes by their numbers where their starts are equal by hash. So every difference is between two
-//! episodes that began alike. What differs between the reports besides is a [`Caveat`].
+//! episodes that began alike. Searches are matched by falsifier, town, budget and first start, and compared over the starts that both tried. What differs between the reports besides is a [`Caveat`].
 
 mod caveat;
 mod matching;
 mod comparison;
+mod searches;
 mod table;
 
 pub use caveat::Caveat;
 pub use comparison::{Changed, ComparedCell, FailureChange, ReportComparison, SideEpisode, compare_reports};
 pub use matching::{Incomparable, Side};
+pub use searches::{ComparedSearch, StartChange, compared_search_reference, compared_search_table};
 pub use table::{compared_cells, comparison_reference};

@@ -21,6 +21,6 @@ pub use comparison::{Comparison, Test, adjust};
 pub use figure::Figure;
 pub use gather::{Evidence, Gathering};
 pub use learning::{Baseline, Doubt, Learning, Learnt, Reason, TrainingDifference, Untrained, doubts};
-pub use sides::sides;
+pub use sides::{most_unseen, sides};
 pub use tables::{cell_table, comparison_columns, comparison_table, evident_cells, transfer_columns, transfer_table};
 pub use transfer::{Change, Transfer};

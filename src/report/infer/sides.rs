@@ -47,7 +47,7 @@ pub fn sides(first: &[DataFrame], second: &[DataFrame], seed: &Seed) -> PolarsRe
 
 /// The greatest share of pairs that may disagree in one direction when none of this number does: the high end of Clopper and Pearson's 95 %
 /// interval for 0 of n.
-fn most_unseen(pairs: u64) -> f64 {
+pub fn most_unseen(pairs: u64) -> f64 {
     1.0 - libm::pow(0.025, 1.0 / pairs.max(1) as f64)
 }
 

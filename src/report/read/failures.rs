@@ -15,7 +15,7 @@ use crate::record::columns::{
     POLICY, REWARD, RUN_ID, TOWN, TRAIN_POLICY, TRAIN_TOWN, VERDICT,
 };
 use crate::record::{Column, EPISODES, EpisodeTable, HumanMargins, RunKey, Table};
-use crate::report::aggregate::{FAILURE, FAILURES, FALSIFIER, FailureClass};
+use crate::report::aggregate::{FAILURE, FAILURES, FALSIFIER, FailureClass, START};
 
 /// The number of rows of a table that are read at once.
 const ROWS: usize = 1 << 17;
@@ -27,6 +27,8 @@ pub struct ListedFailure {
     pub run: String,
     /// The number of the episode, or of the failure of a search.
     pub number: u64,
+    /// The number of its start: that of the episode, or that which a search gave it.
+    pub start: u64,
     /// The controller of the pedestrian; for a search, its falsifier.
     pub controller: String,
     /// Whether a search found it.
@@ -191,6 +193,7 @@ pub fn listed(rows: &DataFrame) -> PolarsResult<BTreeMap<usize, ListedFailure>> 
         let failure = ListedFailure {
             run: id.to_string(),
             number: table.episode(row).into(),
+            start: table.episode(row).into(),
             controller: cell.controller,
             searched: false,
             reward: cell.reward,
@@ -224,6 +227,7 @@ fn searched(rows: &DataFrame, filter: &FailureFilter, found: &mut Vec<ListedFail
         let failure = ListedFailure {
             run: text(&RUN_ID, row)?,
             number: FAILURE.read(rows)?.get(row).unwrap_or_default(),
+            start: START.read(rows)?.get(row).unwrap_or_default(),
             controller: text(&FALSIFIER, row)?,
             searched: true,
             reward: text(&REWARD, row)?,
@@ -299,6 +303,7 @@ mod tests {
         ListedFailure {
             run: "1a2b3c4d".into(),
             number: 3,
+            start: 3,
             controller: "random".into(),
             searched: false,
             reward: "r1".into(),

@@ -4,8 +4,10 @@ mod stored;
 mod divergence;
 mod gate;
 mod failures;
+mod searches;
 
 pub use divergence::divergence;
 pub use failures::{FailureFilter, FailureOrder, ListedFailure, failure_list, listed};
 pub use gate::{Gate, GateError, Judged};
+pub use searches::StoredSearch;
 pub use stored::{Difference, ReadError, StoredFailure, StoredReport, StoredRun, differences, failure};

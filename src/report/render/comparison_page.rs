@@ -2,7 +2,7 @@
 
 use maud::{Markup, PreEscaped, html};
 
-use super::comparison_text::{changes, counts, headline, list, rates, title};
+use super::comparison_text::{changes, counts, headline, list, rates, searches, start_changes, start_list, title};
 use super::page::{OWN_SCRIPTS, Replay, head, json};
 use crate::report::{FailureChange, ReportComparison};
 
@@ -49,6 +49,22 @@ pub fn comparison_page(comparison: &ReportComparison, pairs: &[PlayedPair]) -> S
                             h3 { (title(cell)) }
                             p { (cell.starts) " common starts, " (cell.runs) " runs" }
                             div.wide { (rates(cell).to_html()) }
+                        }
+                    }
+                    @if !comparison.searches.is_empty() {
+                        section #searches {
+                            h2 { "Searches over the starts that both tried" }
+                            p { "Share of these starts from which an attributable failure was found. A search goes where its driver fails, so a start that is fixed was not proved safe." }
+                            div.wide { (searches(comparison).to_html()) }
+                            @for word in ["new", "fixed"] {
+                                @let all = start_changes(comparison, word);
+                                @if !all.is_empty() {
+                                    details.all {
+                                        summary { (word) ": " (all.len()) ", the worst first" }
+                                        div.wide { (start_list(&all[..all.len().min(LISTED)]).to_html()) }
+                                    }
+                                }
+                            }
                         }
                     }
                     section #failures {

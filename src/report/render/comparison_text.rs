@@ -1,8 +1,10 @@
 //! A comparison of two sides as tables, for a terminal and for a page.
 
 use super::table::{Column, Table, Value};
-use crate::record::CellKey;
-use crate::report::{Changed, ComparedCell, FailureChange, FailureOrder, Figure, ReportComparison};
+use crate::report::{
+    Changed, ComparedCell, ComparedSearch, FailureChange, FailureOrder, Figure, ListedFailure, ReportComparison,
+    StartChange,
+};
 
 /// Most kinds that a terminal shows.
 const KINDS: usize = 12;
@@ -31,6 +33,17 @@ pub fn comparison_for_terminal(comparison: &ReportComparison, shown: usize) -> S
         text.push_str(&format!("\n{word}: {}, the worst first\n", all.len()));
         text.push_str(&list(&all[..all.len().min(shown)]).to_terminal());
     }
+    if !comparison.searches.is_empty() {
+        text.push_str("\nsearches: starts from which an attributable failure was found\n");
+        text.push_str(&searches(comparison).to_terminal());
+    }
+    for word in ["new", "fixed"] {
+        let all = start_changes(comparison, word);
+        if !all.is_empty() {
+            text.push_str(&format!("\n{word} starts of searches: {}, the worst first\n", all.len()));
+            text.push_str(&start_list(&all[..all.len().min(shown)]).to_terminal());
+        }
+    }
     if let Some(worst) = changes(comparison, "new").first() {
         let [one, other] = &worst.sides;
         text.push_str(&format!(
@@ -44,13 +57,8 @@ pub fn comparison_for_terminal(comparison: &ReportComparison, shown: usize) -> S
 
 /// The place, the controller and the drivers of a cell.
 pub fn title(cell: &ComparedCell) -> String {
-    let [before, after] = &cell.keys;
-    let driver = |key: &CellKey| key.policy.clone();
-    let drivers = if before.policy == after.policy {
-        driver(before)
-    } else {
-        format!("{} and {}", driver(before), driver(after))
-    };
+    let before = &cell.keys[0];
+    let drivers = drivers(&cell.keys.each_ref().map(|key| key.policy.clone()));
     let who = if before.is_trained() { before.who() } else { before.controller.clone() };
     format!("{drivers} in {}, {who}", before.town)
 }
@@ -122,6 +130,74 @@ pub fn changes<'a>(comparison: &'a ReportComparison, word: &str) -> Vec<&'a Fail
     let mut found: Vec<&FailureChange> = comparison.changes.iter().filter(|change| change.word() == word).collect();
     found.sort_by(|a, b| FailureOrder::Severity.compare(a.failure(), b.failure()));
     found
+}
+
+/// The falsifier, the drivers and the town of a search.
+pub fn search_title(search: &ComparedSearch) -> String {
+    format!("{} against {} in {}", search.falsifier, drivers(&search.policies), search.town)
+}
+
+/// The driver of both sides, or both drivers.
+fn drivers([before, after]: &[String; 2]) -> String {
+    if before == after { before.clone() } else { format!("{before} and {after}") }
+}
+
+/// The searches of both sides over the starts that both tried.
+pub fn searches(comparison: &ReportComparison) -> Table {
+    let mut head = vec![Column::text("search")];
+    head.extend(["starts", "before", "after", "difference (95 %)", "p (Holm)", "new", "fixed"].map(Column::number));
+    let row = |search: &ComparedSearch| {
+        let shown = match search.interval {
+            Some(interval) => difference(search.difference(), interval),
+            None => format!("{:+.3}", search.difference()),
+        };
+        vec![
+            Value::Text(search_title(search)),
+            Value::Count(search.starts),
+            Value::Number(Some(search.shares[0]), 3),
+            Value::Number(Some(search.shares[1]), 3),
+            Value::Text(shown),
+            Value::Text(search.holm.map_or("–".into(), p)),
+            Value::Count(search.attributable.new),
+            Value::Count(search.attributable.fixed),
+        ]
+    };
+    Table { head, rows: comparison.searches.iter().map(row).collect(), ..Table::default() }
+}
+
+/// The starts of searches with an attributable failure on one side only, as a word says, those that count most against the driver first.
+pub fn start_changes<'a>(comparison: &'a ReportComparison, word: &str) -> Vec<(&'a ComparedSearch, &'a StartChange)> {
+    let all = comparison.searches.iter().flat_map(|search| search.changes.iter().map(move |change| (search, change)));
+    let mut found: Vec<_> =
+        all.filter(|(_, change)| change.word(|failure| failure.attributable) == Some(word)).collect();
+    found.sort_by(|(_, a), (_, b)| {
+        let worst = |change: &'a StartChange| attributable(change).expect("it is of this word");
+        FailureOrder::Severity.compare(worst(a), worst(b))
+    });
+    found
+}
+
+/// The attributable failure of a start: that of the second side, or else of the first.
+fn attributable(change: &StartChange) -> Option<&ListedFailure> {
+    change.sides.iter().rev().flatten().find(|failure| failure.attributable)
+}
+
+/// Starts of searches, each with the name of its failure.
+pub fn start_list(changes: &[(&ComparedSearch, &StartChange)]) -> Table {
+    let mut head = vec![Column::text("failure"), Column::number("start"), Column::number("m/s")];
+    head.extend(["driver", "falsifier", "kind"].map(Column::text));
+    let row = |(search, change): &(&ComparedSearch, &StartChange)| {
+        let failure = attributable(change)?;
+        Some(vec![
+            Value::Code(failure.name()),
+            Value::Count(change.start),
+            Value::Number(Some(failure.impact_speed), 1),
+            failure.policy.clone().into(),
+            search.falsifier.clone().into(),
+            failure.kind().into(),
+        ])
+    };
+    Table { head, rows: changes.iter().filter_map(row).collect(), ..Table::default() }
 }
 
 /// The worst new changes, then the worst fixed ones, at most this number; new ones take at least half if there are that many.

@@ -17,7 +17,9 @@ mod comparison_text;
 mod comparison_page;
 
 pub use comparison_page::{PlayedPair, comparison_page};
-pub use comparison_text::{comparison_for_terminal, title as comparison_title, worst_changes};
+pub use comparison_text::{
+    comparison_for_terminal, search_title as compared_search_title, title as comparison_title, worst_changes,
+};
 pub use episode::{Narrative, animation, narrative, strip};
 pub use junit::{Suite, junit, shown};
 pub use modes::{accumulation_figure, file_names, mode_panels, modes_section, rule_bars};
