@@ -39,11 +39,10 @@ impl Aeb {
     pub fn signature() -> Signature {
         let time = || Type::non_negative(Dimension::TIME);
         let acceleration = || Type::positive(Dimension::ACCELERATION);
-        Signature::new(
+        LaneFollower::signature(
             "aeb",
             "A driver that sees no actors, with automatic emergency braking by time to collision. It trusts the positions that it is given: add sensors.",
             vec![
-                LaneFollower::param(),
                 Param::with_default(
                     "warning",
                     time(),

@@ -1,6 +1,9 @@
+//! Yielding to pedestrians at crosswalks, for the drivers that have the key.
+
 use super::{Actor, Path, Perception};
 use crate::geometry::{Point, Pose};
 use crate::road::crosswalk;
+use crate::signature::{Arguments, Param, Type};
 
 /// A pedestrian this near to a crosswalk wants to use it (m).
 ///
@@ -14,10 +17,33 @@ const FAR: f64 = 80.0;
 const PASSED: f64 = 1.0;
 /// Slower pedestrians have no direction (m/s).
 const AT_REST: f64 = 0.2;
+/// How far before a crosswalk a car stops, if its gap at rest were 0 (m): there is the line of a stop.
+const STOP_LINE: f64 = 1.0;
+
+/// The key of a driver that can yield.
+pub(super) fn param() -> Param {
+    Param::with_default(
+        "crosswalks",
+        Type::Choice(&["ignore", "yield"]),
+        "ignore",
+        "Whether it stops before a crosswalk on which it sees a pedestrian, or one within 1.5 m of it that has not crossed yet.",
+    )
+}
+
+/// Whether a driver with these arguments yields.
+pub(super) fn yields(arguments: &Arguments) -> bool {
+    arguments.choice("crosswalks") == "yield"
+}
+
+/// The distance from the ego's front to the line of a stop (m) before the first crosswalk at which it must yield; none when it may drive on.
+pub(super) fn gap(perception: &Perception<'_>, path: &Path) -> Option<f64> {
+    let along = to_yield_at(perception, path)?;
+    Some((along - perception.ego.half.x - STOP_LINE).max(0.0))
+}
 
 /// The distance along the path from the middle of the ego to the first crosswalk that a visible pedestrian uses or is about to use (m); none
 /// when there is none within 80 m, and for a crosswalk that the ego's front has reached.
-pub(super) fn to_yield_at(perception: &Perception<'_>, path: &Path) -> Option<f64> {
+fn to_yield_at(perception: &Perception<'_>, path: &Path) -> Option<f64> {
     let (ego, here) = (&perception.ego, perception.ego.pose.position());
     let mut first: Option<f64> = None;
     for corners in &perception.town.crosswalks {

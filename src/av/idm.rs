@@ -39,9 +39,6 @@ pub struct Idm {
 /// Lateral acceleration in bends (m/s²).
 const LATERAL: f64 = 2.0;
 
-/// How far before a crosswalk it stops, if its gap at rest were 0 (m): there is the line of a stop.
-const STOP_LINE: f64 = 1.0;
-
 /// The first road user, red light or crosswalk in the corridor.
 #[derive(Debug, Clone, Copy)]
 struct Leader {
@@ -105,12 +102,7 @@ impl Idm {
                     "0.5 m",
                     "How far beside its body its corridor reaches.",
                 ),
-                Param::with_default(
-                    "crosswalks",
-                    Type::Choice(&["ignore", "yield"]),
-                    "ignore",
-                    "Whether it stops before a crosswalk on which it sees a pedestrian, or one within 1.5 m of it that has not crossed yet.",
-                ),
+                crosswalks::param(),
             ],
         )
     }
@@ -126,7 +118,7 @@ impl Idm {
             hardest: arguments.number("hardest_braking"),
             reaction_allowance: arguments.number("reaction_allowance"),
             margin: arguments.number("margin"),
-            yields: arguments.choice("crosswalks") == "yield",
+            yields: crosswalks::yields(arguments),
             path: Path::default(),
             mode: DrivingMode::Cruise,
         }
@@ -177,12 +169,8 @@ impl Idm {
                 kind: LeaderKind::RedLight,
             })
         });
-        let yielding = self.yields.then(|| crosswalks::to_yield_at(perception, &self.path)).flatten();
-        let crosswalk = yielding.map(|along| Leader {
-            gap: (along - ego.half.x - STOP_LINE).max(0.0),
-            speed: 0.0,
-            kind: LeaderKind::Crosswalk,
-        });
+        let yielding = self.yields.then(|| crosswalks::gap(perception, &self.path)).flatten();
+        let crosswalk = yielding.map(|gap| Leader { gap, speed: 0.0, kind: LeaderKind::Crosswalk });
         bodies.chain(lights).chain(crosswalk).min_by(|a, b| a.gap.total_cmp(&b.gap))
     }
 

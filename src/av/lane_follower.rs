@@ -1,8 +1,8 @@
 use super::route_trace::RouteTrace;
-use super::{DrivingMode, Path, Perception, lane_keeping};
+use super::{DrivingMode, Path, Perception, crosswalks, lane_keeping};
 use crate::geometry::wrap_angle;
 use crate::seed::Stream;
-use crate::signature::{Arguments, Param, Type};
+use crate::signature::{Arguments, Param, Signature, Type};
 use crate::sim::{Control, LightColour};
 
 /// Lateral acceleration in bends, and deceleration before bends and red lights (m/s²).
@@ -12,10 +12,13 @@ const PUSH: f64 = 1.5;
 /// Range of the search for red lights (m).
 const LIGHTS: f64 = 40.0;
 
-/// Keeps the lane, slows down before bends and stops at red lights, and ignores other road users: the driver inside the guarded drivers.
+/// Keeps the lane, slows down before bends and stops at red lights: the driver inside the guarded drivers. It ignores other road users, except
+/// that it can yield to pedestrians at crosswalks.
 #[derive(Debug, Clone)]
 pub struct LaneFollower {
     limit_share: f64,
+    /// Whether it yields to pedestrians at crosswalks.
+    yields: bool,
     path: Path,
     /// The way ahead.
     pub trace: RouteTrace,
@@ -35,19 +38,25 @@ pub struct Intent {
 }
 
 impl LaneFollower {
-    /// The key that every driver with a lane follower inside takes.
-    pub fn param() -> Param {
-        Param::with_default(
+    /// The signature of a driver with a lane follower inside: its own keys after those of the lane follower.
+    pub fn signature(name: &'static str, doc: &'static str, own: Vec<Param>) -> Signature {
+        let limit_share = Param::with_default(
             "limit_share",
             Type::share(),
             "0.9",
             "Share of the speed limit that it wants to drive (assumed).",
-        )
+        );
+        Signature::new(name, doc, [limit_share].into_iter().chain(own).chain([crosswalks::param()]).collect())
     }
 
     /// Makes one from checked arguments.
     pub fn new(arguments: &Arguments) -> Self {
-        Self { limit_share: arguments.number("limit_share"), path: Path::default(), trace: RouteTrace::default() }
+        Self {
+            limit_share: arguments.number("limit_share"),
+            yields: crosswalks::yields(arguments),
+            path: Path::default(),
+            trace: RouteTrace::default(),
+        }
     }
 
     /// The speed limit at which it drives this speed (m/s).
@@ -68,14 +77,20 @@ impl LaneFollower {
         let limit = self.limit_share * perception.speed_limit;
         let bends = lane_keeping::speed_for_bends(&self.path, limit, COMFORT, COMFORT);
         let light = self.red_light(perception);
-        let wanted = light.map_or(bends, |gap| bends.min((2.0 * COMFORT * gap).sqrt()));
+        let crosswalk = self.yields.then(|| crosswalks::gap(perception, &self.path)).flatten();
+        let before = |stop: Option<f64>| stop.map_or(bends, |gap| bends.min((2.0 * COMFORT * gap).sqrt()));
+        let wanted = before(light).min(before(crosswalk));
         let mode = match () {
+            () if wanted < before(light) => DrivingMode::Yield,
             () if wanted < bends => DrivingMode::RedLight,
             () if bends < 0.1 => DrivingMode::Arrived,
             () if bends < limit - 0.1 => DrivingMode::Turn,
             () => DrivingMode::Cruise,
         };
-        let acceleration = ((wanted - speed) / 0.5).clamp(-2.0 * COMFORT, PUSH);
+        // A car that stopped beyond the line would be on the crosswalk.
+        let stop = crosswalk.filter(|_| mode == DrivingMode::Yield).map(|gap| -speed * speed / (2.0 * gap).max(0.1));
+        let tracked = (wanted - speed) / 0.5;
+        let acceleration = stop.map_or(tracked, |stop| tracked.min(stop)).clamp(-2.0 * COMFORT, PUSH);
         Intent { acceleration, steer: lane_keeping::steer(&self.path, perception), wanted, mode }
     }
 

@@ -35,11 +35,10 @@ const SLACK: f64 = 0.15;
 impl OracleBrake {
     /// Its keys in a scenario.
     pub fn signature() -> Signature {
-        Signature::new(
+        LaneFollower::signature(
             "oracle_brake",
             "Knows everybody at once and brakes with everything at the last tick that still avoids a moving collision: what braking alone can reach.",
             vec![
-                LaneFollower::param(),
                 Param::with_default(
                     "assumes",
                     Type::Choice(&["any_motion", "same_velocity"]),

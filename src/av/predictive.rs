@@ -32,11 +32,10 @@ const LADDER: [f64; 9] = [1.5, 0.75, 0.0, -0.75, -1.5, -2.5, -3.5, -4.5, -6.0];
 impl Predictive {
     /// Its keys in a scenario.
     pub fn signature() -> Signature {
-        Signature::new(
+        LaneFollower::signature(
             "predictive",
             "Forecasts every actor at constant velocity and takes the greatest acceleration along its lane that hits none.",
             vec![
-                LaneFollower::param(),
                 Param::with_default(
                     "horizon",
                     Type::Quantity { dimension: Dimension::TIME, min: 0.1, max: 10.0 },

@@ -28,18 +28,15 @@ const SIDEWAYS: (f64, f64, f64, f64) = (1.0, 0.2, 0.8, 0.1);
 impl RssGuarded {
     /// Its keys in a scenario.
     pub fn signature() -> Signature {
-        Signature::new(
+        LaneFollower::signature(
             "rss_guarded",
             "A driver that sees no actors, guarded by Responsibility-Sensitive Safety along its lane.",
-            vec![
-                LaneFollower::param(),
-                Param::with_default(
-                    "figures",
-                    Type::Choice(&["ad_rss", "jrc", "bare"]),
-                    "ad_rss",
-                    "What it assumes of itself: ad-rss-lib's figures (response 1 s, accelerates 3.5, brakes 4 m/s^2), those of the JRC's comparison (0.75 s, 3, 6), or bare ones (0.5 s, 0, 8). Pedestrians are CARLA's (0.5 s, 2, 2 to 4 m/s^2).",
-                ),
-            ],
+            vec![Param::with_default(
+                "figures",
+                Type::Choice(&["ad_rss", "jrc", "bare"]),
+                "ad_rss",
+                "What it assumes of itself: ad-rss-lib's figures (response 1 s, accelerates 3.5, brakes 4 m/s^2), those of the JRC's comparison (0.75 s, 3, 6), or bare ones (0.5 s, 0, 8). Pedestrians are CARLA's (0.5 s, 2, 2 to 4 m/s^2).",
+            )],
         )
     }
 

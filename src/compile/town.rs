@@ -5,7 +5,7 @@ use crate::diagnostic::{Diagnostic, Sources, Span};
 use crate::geometry::{OrientedBox, Point, Pose, Vector};
 use crate::lang::diagnostics;
 use crate::lang::hir::{Block, Declaration};
-use crate::road::design::{BuildingRow, DesignError, Node, Street, StreetProfile, TownDesign};
+use crate::road::design::{BuildingRow, Carriageway, DesignError, Node, Street, StreetProfile, TownDesign};
 use crate::road::{LaneFilter, Road, Shape, SpeedSign, Town, TownParts, crosswalk, opendrive};
 use crate::signature::{Form, Param, Signature, Type, Value, short};
 use crate::units::Dimension;
@@ -52,7 +52,7 @@ fn designed() -> Signature {
     let length = |min, max| Type::Quantity { dimension: Dimension::LENGTH, min, max };
     let street = Signature::new(
         "street",
-        "A two-lane street with sidewalks along straight lines. Where streets share a point they meet: two bend, three make a T-junction, four a crossing.",
+        "A street with sidewalks along straight lines. Traffic keeps to the right. Where streets share a point they meet: two bend, three make a T-junction, four a crossing. Streets with different lanes meet only in junctions. There cars turn right from the rightmost lane and left from the leftmost one.",
         vec![
             Param::required(
                 "through",
@@ -60,6 +60,18 @@ fn designed() -> Signature {
                 "The points it leads through, at least two, within 10 km of the origin.",
             ),
             Param::optional("speed_limit", Type::positive(Dimension::SPEED), "Speed limit on the signs at its ends."),
+            Param::with_default(
+                "lanes",
+                Type::Integer { min: 1, max: 4 },
+                "1",
+                "Number of driving lanes in each direction in which it is driven. Drivers keep the lane in which they start.",
+            ),
+            Param::with_default(
+                "one_way",
+                Type::Boolean,
+                "false",
+                "Whether all its lanes lead in the direction of its points. The points stay the middle of the street.",
+            ),
         ],
     );
     let row_houses = Signature::new(
@@ -80,12 +92,7 @@ fn designed() -> Signature {
             "town",
             "",
             vec![
-                Param::with_default(
-                    "lane_width",
-                    length(2.0, 20.0),
-                    "3.5 m",
-                    "Width of a driving lane; one in either direction.",
-                ),
+                Param::with_default("lane_width", length(2.0, 20.0), "3.5 m", "Width of a driving lane."),
                 Param::with_default(
                     "shoulder",
                     length(0.0, 20.0),
@@ -97,7 +104,7 @@ fn designed() -> Signature {
                     "bend_radius",
                     length(3.0, 1000.0),
                     "12 m",
-                    "Radius of the middle of a street where it bends: 0.5 m more than half its width at least.",
+                    "Radius of the middle of a street where it bends: 0.5 m more than half the width of the street at least.",
                 ),
                 Param::with_default(
                     "corner_radius",
@@ -288,7 +295,7 @@ pub fn lower(
     town.crosswalks.extend(crosswalks);
     let drawn = declaration.kind != "opendrive";
     // The first look-up of a lane is expensive, and in a described town most objects stand far from every street.
-    let reach = UNDER_SLACK + if drawn { profile(block).half_width() } else { f64::INFINITY };
+    let reach = UNDER_SLACK + if drawn { half_width(block) } else { f64::INFINITY };
     let near = |own: &OrientedBox| town.roads.iter().any(|road| comes_near(road, own, reach));
     // One message for a row or a grove.
     let mut reported = None;
@@ -533,6 +540,18 @@ fn profile(block: &Block) -> StreetProfile {
     StreetProfile { lane_width: number("lane_width"), shoulder: number("shoulder"), sidewalk: number("sidewalk") }
 }
 
+fn carriageway(street: &Block) -> Carriageway {
+    let lanes = street.arguments.integer("lanes") as u32;
+    Carriageway { forward: lanes, backward: if street.arguments.boolean("one_way") { 0 } else { lanes } }
+}
+
+/// Half of the width of the widest street (m).
+fn half_width(town: &Block) -> f64 {
+    let profile = profile(town);
+    let widths = town.nested("street").map(|street| carriageway(street).street_half_width(&profile));
+    widths.fold(0.0, f64::max)
+}
+
 fn design(declaration: &Declaration) -> TownDesign {
     let block = &declaration.block;
     let number = |key: &str| block.arguments.number(key);
@@ -555,6 +574,7 @@ fn design(declaration: &Declaration) -> TownDesign {
             name: street_name(street, index + 1),
             nodes: points.map(&mut node_at).collect(),
             speed_limit: street.arguments.has("speed_limit").then(|| street.arguments.number("speed_limit")),
+            carriageway: carriageway(street),
         });
     }
     if lights {

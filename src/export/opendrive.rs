@@ -337,10 +337,20 @@ fn write_lane(xml: &mut Xml, road: &Road, section: &LaneSection, lane: &Lane) {
             }
         }
         // Junctions have no marks on their connecting roads.
-        let middle = lane.id == 0 && section.lanes.iter().any(|lane| lane.id == 1);
+        // The mark of a lane is at its outer edge, that of lane 0 between the directions.
+        let driving = |id: i32| section.lanes.iter().any(|lane| lane.id == id && lane.kind == LaneKind::Driving);
         let kind = match lane.kind {
             _ if road.junction.is_some() => "none",
-            _ if middle => "broken",
+            // With one lane in each direction cars may pass each other; with more the directions are kept apart.
+            _ if lane.id == 0 && driving(1) && driving(-1) => {
+                if driving(2) || driving(-2) {
+                    "solid"
+                } else {
+                    "broken"
+                }
+            }
+            _ if lane.id == 0 && (driving(1) || driving(-1)) => "solid",
+            LaneKind::Driving if driving(lane.id + lane.id.signum()) => "broken",
             LaneKind::Driving => "solid",
             _ => "none",
         };

@@ -197,11 +197,16 @@ mod tests {
 
     #[test]
     fn every_way_through_a_junction_is_taken_and_named() {
-        use super::super::design::{Node, Street, TownDesign};
+        use super::super::design::{Carriageway, Node, Street, TownDesign};
         use crate::geometry::Point;
         use crate::seed::Seed;
         let node = |x, y| Node { name: String::new(), position: Point::new(x, y), lights: false };
-        let street = |nodes: Vec<usize>| Street { name: String::new(), nodes, speed_limit: None };
+        let street = |nodes: Vec<usize>| Street {
+            name: String::new(),
+            nodes,
+            speed_limit: None,
+            carriageway: Carriageway::default(),
+        };
         let design = TownDesign {
             nodes: vec![node(-80.0, 0.0), node(0.0, 0.0), node(80.0, 0.0), node(0.0, 80.0)],
             streets: vec![street(vec![0, 1, 2]), street(vec![1, 3])],
@@ -238,11 +243,16 @@ mod tests {
 
     #[test]
     fn given_lanes_are_taken_and_then_forks_are_drawn_again() {
-        use super::super::design::{Node, Street, TownDesign};
+        use super::super::design::{Carriageway, Node, Street, TownDesign};
         use crate::geometry::Point;
         use crate::seed::Seed;
         let node = |(x, y)| Node { name: String::new(), position: Point::new(x, y), lights: false };
-        let street = |nodes: Vec<usize>| Street { name: String::new(), nodes, speed_limit: None };
+        let street = |nodes: Vec<usize>| Street {
+            name: String::new(),
+            nodes,
+            speed_limit: None,
+            carriageway: Carriageway::default(),
+        };
         let design = TownDesign {
             nodes: [(-80.0, 0.0), (0.0, 0.0), (80.0, 0.0), (0.0, 80.0)].map(node).into(),
             streets: vec![street(vec![0, 1, 2]), street(vec![1, 3])],

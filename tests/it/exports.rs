@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use falsify::internal::export;
 use falsify::internal::geometry::{OrientedBox, Point, Pose};
-use falsify::internal::road::design::{BuildingRow, Node, Street, TownDesign};
+use falsify::internal::road::design::{BuildingRow, Carriageway, Node, Street, TownDesign};
 use falsify::internal::road::{Road, SpeedSign, Town, TownParts, TrafficLight, opendrive};
 use falsify::session::{CheckOptions, Input, Session};
 use proptest::prelude::*;
@@ -132,6 +132,8 @@ proptest! {
         lights in any::<bool>(),
         limit in prop::option::of(5.0..40.0f64),
         house in (-200.0..400.0f64, -200.0..-60.0f64, -3.0..3.0f64),
+        lanes in prop::collection::vec((1..=3u32, any::<bool>()), 12),
+        narrow in any::<bool>(),
     ) {
         let across = (0..9).filter(|node| node % 3 < 2).map(|node| [node, node + 1]);
         let up = (0..6).map(|node| [node + 3, node]);
@@ -148,11 +150,17 @@ proptest! {
             Node { name: format!("n{place}"), position, lights: lights && legs(place) > 2 }
         }));
         let number = |place: &usize| used.iter().position(|own| own == place).unwrap();
-        town.streets.extend(pairs.iter().map(|pair| Street {
+        town.streets.extend(pairs.iter().zip(&lanes).map(|(pair, &(lanes, one_way))| Street {
             name: format!("{pair:?} <&>"),
             nodes: pair.iter().map(number).collect(),
             speed_limit: limit,
+            carriageway: match narrow {
+                true => Carriageway::default(),
+                false => Carriageway { forward: lanes, backward: if one_way { 0 } else { lanes } },
+            },
         }));
+        // Streets of different lanes cannot bend into each other.
+        prop_assume!(town.build().is_ok());
         // Beyond the end of every road.
         town.buildings.push(OrientedBox::new(Pose::new(house.0, house.1, house.2), 8.0, 3.0));
         check_round_trip(&Town::new(town.build().unwrap()));

@@ -211,6 +211,9 @@ fn in_town(town: &str, spawn: &str, episode: &str, policy: &str) -> Arc<Scenario
     let text = format!(
         "edition 1\nimport \"std/ncap.scn\"\nimport \"std/drivers.scn\"\n\
          policy yielding = idm(time_headway: 1.5 s, crosswalks: yield)\n\
+         policy yielding_aeb = aeb(crosswalks: yield)\npolicy yielding_rss = rss_guarded(crosswalks: yield)\n\
+         policy yielding_predictive = predictive(crosswalks: yield)\n\
+         policy yielding_oracle = oracle_brake(crosswalks: yield)\n\
          town here {{ {town} }}\nspawn path = given_path({spawn})\n\
          episode here {{ {episode} }}\n\
          campaign c {{ vehicle: model3  adversary: adult_target  episode: here  spawn: path\n\
@@ -249,23 +252,29 @@ fn a_driver_that_heeds_crosswalks_stops_for_those_who_use_them() {
         let crossing = trace.pedestrian(0).iter().take_while(|state| state.pose.y < 1.0).count();
         trace.vehicle(0)[crossing.min(trace.vehicle(0).len() - 1)].state.pose.x + 2.396
     };
-    let (outcome, trace) = drive(&after("9 s"), "yielding");
-    assert!(!outcome.is_collision(), "{outcome:?}");
-    assert!((-8.0..-1.5).contains(&front(&trace)), "it waits before the crosswalk: {}", front(&trace));
-    assert!(
-        trace.vehicle(0).iter().any(|frame| frame.state.speed < 0.3),
-        "it stops for a pedestrian at the kerb: {:?}",
-        trace.vehicle(0).iter().map(|frame| frame.state.speed).fold(f64::MAX, f64::min)
-    );
-    let last = trace.vehicle(0).last().unwrap().state;
-    assert!(last.speed > 1.0 || last.pose.x > 5.0, "it goes on afterwards: {last:?}");
+    let slowest = |trace: &Trace| trace.vehicle(0).iter().map(|frame| frame.state.speed).fold(f64::MAX, f64::min);
+    for policy in ["yielding", "yielding_aeb", "yielding_rss", "yielding_predictive", "yielding_oracle"] {
+        let (outcome, trace) = drive(&after("9 s"), policy);
+        assert!(!outcome.is_collision(), "{policy}: {outcome:?}");
+        assert!((-8.0..-1.5).contains(&front(&trace)), "{policy} waits before the crosswalk: {}", front(&trace));
+        assert!(slowest(&trace) < 0.3, "{policy} stops for a pedestrian at the kerb: {}", slowest(&trace));
+        let last = trace.vehicle(0).last().unwrap().state;
+        assert!(last.speed > 1.0 || last.pose.x > 5.0, "{policy} goes on afterwards: {last:?}");
+    }
+    for policy in ["careful", "aeb", "predictive"] {
+        let (_, trace) = drive(&after("20 s"), policy);
+        assert!(
+            slowest(&trace) > 8.0,
+            "{policy} drives past a pedestrian that stands at the kerb: {}",
+            slowest(&trace)
+        );
+    }
     let (outcome, trace) = drive(&after("4.5 s"), "blind");
     assert!(outcome.is_collision() && outcome.on_crosswalk, "{outcome:?}");
     assert!(trace.contact().is_some());
     // A pedestrian at the kerb 18 m before the crosswalk has no claim to it.
     let (_, trace) = drive(&after("9 s").replace("(0 m, ", "(-20 m, "), "yielding");
-    let slowest = trace.vehicle(0).iter().map(|frame| frame.state.speed).fold(f64::MAX, f64::min);
-    assert!(slowest > 8.0, "{slowest}");
+    assert!(slowest(&trace) > 8.0, "{}", slowest(&trace));
 }
 
 const CROSSING: &str = "street east { through: [(-250 m, 0 m), (0 m, 0 m), (150 m, 0 m)] }\n\
@@ -292,6 +301,36 @@ fn every_driver_takes_the_stated_turns() {
                 let last = trace.vehicle(0).last().unwrap().state;
                 assert!(arrived, "{policy} does not turn {turn}{start}: it ends at {last:?}");
             }
+        }
+    }
+}
+
+#[test]
+fn every_driver_keeps_its_lane_through_a_crossing_of_wide_streets() {
+    let east = |keys: &str| {
+        format!(
+            "street east {{ through: [(-250 m, 0 m), (0 m, 0 m), (150 m, 0 m)]  {keys} }}\n\
+             street north {{ through: [(0 m, -150 m), (0 m, 0 m), (0 m, 150 m)]  one_way: true }}"
+        )
+    };
+    let drivers =
+        ["blind", "behavior", "careful", "aeb", "rss", "predictive", "oracle", "lav_ideal", "interfuser_ideal"];
+    // Only the inner lane leads to the left, too; the one-way street cannot be entered to the right.
+    let route = "ego_route: [straight],";
+    let streets =
+        [("lanes: 2", [(-1.75, route), (-5.25, "")]), ("lanes: 2  one_way: true", [(1.75, route), (-1.75, "")])];
+    for (keys, lanes) in streets {
+        for (policy, (lane, route)) in drivers.into_iter().flat_map(|policy| lanes.map(|lane| (policy, lane))) {
+            let spawn = format!(
+                "ego_poses: [(-40 m, {lane} m, 0 deg)],  {route}\n\
+                 through: [(-140 m, 60 m), (-140 m, 61 m)],  speeds: [1 m/s]"
+            );
+            let scenario = in_town(&east(keys), &spawn, "hold: 400  ticks: 400", policy);
+            let (_, trace) = scripted(&scenario, 1).swap_remove(0);
+            let states = || trace.vehicle(0).iter().map(|frame| frame.state.pose);
+            let aside = states().map(|pose| (pose.y - lane).abs()).fold(0.0, f64::max);
+            assert!(aside < 0.6, "{policy} at {lane} m in a street with {keys}: {aside:.2} m beside its lane");
+            assert!(states().any(|pose| pose.x > 25.0), "{policy} at {lane} m: {:?}", states().last());
         }
     }
 }

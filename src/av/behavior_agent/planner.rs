@@ -301,9 +301,10 @@ mod tests {
 
     /// A block with one street around it.
     fn block() -> Town {
-        use crate::road::design::{Node, Street, TownDesign};
+        use crate::road::design::{Carriageway, Node, Street, TownDesign};
         let node = |(x, y)| Node { name: String::new(), position: Point::new(x, y), lights: false };
-        let street = |nodes| Street { name: String::new(), nodes, speed_limit: None };
+        let street =
+            |nodes| Street { name: String::new(), nodes, speed_limit: None, carriageway: Carriageway::default() };
         let nodes = [(0.0, 0.0), (90.0, 0.0), (180.0, 0.0), (180.0, 80.0), (90.0, 80.0), (0.0, 80.0)];
         let design = TownDesign {
             nodes: nodes.into_iter().map(node).collect(),

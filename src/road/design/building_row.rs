@@ -1,4 +1,5 @@
 use super::TownDesign;
+use super::layout::Layout;
 use super::network::Network;
 use super::surface::{Surfaces, Tile};
 use crate::geometry::{OrientedBox, Pose, Vector};
@@ -21,13 +22,16 @@ pub struct BuildingRow {
 pub(super) fn add(
     row: &BuildingRow,
     design: &TownDesign,
+    layout: &Layout,
     network: &Network,
     surfaces: &Surfaces,
     obstacles: &mut Vec<OrientedBox>,
 ) {
     let mut taken: Vec<Tile> = obstacles.iter().map(Tile::new).collect();
-    for road in network.along.iter().flatten() {
-        for house in houses(row, design, &network.roads[road.0 as usize]) {
+    for (road, edge) in network.along.iter().zip(&layout.edges) {
+        let Some(road) = road else { continue };
+        let half_width = design.streets[edge.street].carriageway.street_half_width(&design.profile);
+        for house in houses(row, half_width, &network.roads[road.0 as usize]) {
             let tile = Tile::new(&house);
             if !surfaces.lie_under(&tile) && !taken.iter().any(|other| other.overlaps(&tile)) {
                 taken.push(tile);
@@ -37,12 +41,12 @@ pub(super) fn add(
     }
 }
 
-/// As many houses as fit along a straight road, in its middle, on either side.
-fn houses(row: &BuildingRow, design: &TownDesign, road: &Road) -> impl Iterator<Item = OrientedBox> {
+/// As many houses as fit along a straight road of half a width (m), in its middle, on either side.
+fn houses(row: &BuildingRow, half_width: f64, road: &Road) -> impl Iterator<Item = OrientedBox> {
     let pitch = row.length + row.gap;
     let count = ((road.length + row.gap) / pitch).floor().max(0.0);
     let first = (road.length - (count * pitch - row.gap)) / 2.0 + row.length / 2.0;
-    let across = design.profile.half_width() + row.setback + row.depth / 2.0;
+    let across = half_width + row.setback + row.depth / 2.0;
     let start = road.plan_view.pose(0.0);
     let half = Vector::new(row.length / 2.0, row.depth / 2.0);
     let places = [1.0, -1.0].into_iter().flat_map(move |side| {

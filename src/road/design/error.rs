@@ -140,6 +140,57 @@ pub enum DesignError {
         /// The least it may be (m).
         needed: f64,
     },
+    /// Two one-way streets lead both to a node, or both away from it.
+    #[error(
+        "no car can drive on at node `{node}`: streets `{first}` and `{second}` are one-way against each other there"
+    )]
+    OneWayAgainst {
+        /// The node.
+        node: String,
+        /// A street.
+        first: String,
+        /// The other one.
+        second: String,
+    },
+    /// Two streets with different lanes meet without a junction.
+    #[error(
+        "streets `{first}` and `{second}` have different lanes and meet at node `{node}`; only a junction of three or four streets joins such streets"
+    )]
+    UnequalLanes {
+        /// The node.
+        node: String,
+        /// A street.
+        first: String,
+        /// The other one.
+        second: String,
+    },
+    /// A street is too wide for its bend.
+    #[error(
+        "street `{street}` bends at node `{node}` with a radius of {radius} m; for its lanes at least {needed:.1} m are needed"
+    )]
+    TightBend {
+        /// The node.
+        node: String,
+        /// The street.
+        street: String,
+        /// The radius of all bends (m).
+        radius: f64,
+        /// The least that it may be here (m).
+        needed: f64,
+    },
+    /// No lane leads on from a street at a junction, or none leads into it.
+    #[error(
+        "no way leads {} street `{street}` at node `{node}`: all other streets there are one-way {} the node",
+        if *stuck { "on from" } else { "into" }, if *stuck { "towards" } else { "away from" }
+    )]
+    NoWay {
+        /// The node.
+        node: String,
+        /// The street.
+        street: String,
+        /// Whether cars cannot leave the street; otherwise they cannot reach it.
+        stuck: bool,
+    },
     /// A node that is no junction has traffic lights.
     #[error("node `{node}` has traffic lights and is no junction")]
     LightsWithoutJunction {
@@ -172,7 +223,10 @@ impl DesignError {
             Self::SamePlace { first, second }
             | Self::Crossing { first, second, .. }
             | Self::Overlap { first, second, .. } => vec![first, second],
-            Self::SharpAngle { node, first, second, .. } => vec![first, second, node],
+            Self::SharpAngle { node, first, second, .. }
+            | Self::OneWayAgainst { node, first, second }
+            | Self::UnequalLanes { node, first, second } => vec![first, second, node],
+            Self::TightBend { node, street, .. } | Self::NoWay { node, street, .. } => vec![street, node],
             Self::ShortLeg { street, from, to, .. } => vec![street, from, to],
             Self::BuildingOnLane { road, .. } => vec![road],
         }

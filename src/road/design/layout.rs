@@ -1,6 +1,7 @@
 use std::f64::consts::{FRAC_PI_6, PI, TAU};
 
-use super::{DesignError, Street, TownDesign};
+use super::carriageway::Approach;
+use super::{Carriageway, DesignError, Street, TownDesign};
 use crate::geometry::{Point, wrap_angle};
 use crate::road::RoadEnd;
 
@@ -12,6 +13,8 @@ const SAME_PLACE: f64 = 0.01;
 const LEAST_ROAD: f64 = 5.0;
 /// Streets in line to within this angle need no bend (rad).
 const IN_LINE: f64 = 1e-9;
+/// How much more than half the width of a street the radius of its bend is at least (m).
+const BEND_MARGIN: f64 = 0.5;
 /// The least length of the straight part that a bend replaces (m); it prevents roads of a few millimetres.
 const LEAST_TANGENT: f64 = 1.0;
 
@@ -92,6 +95,21 @@ impl Layout {
         if leg + 1 == legs.len() { gap + TAU } else { gap }
     }
 
+    /// The lanes of a leg's street.
+    pub fn carriageway(&self, design: &TownDesign, leg: &Leg) -> Carriageway {
+        design.streets[self.edges[leg.edge].street].carriageway
+    }
+
+    /// The lanes of a leg, seen from its node.
+    pub fn approach(&self, design: &TownDesign, leg: &Leg) -> Approach {
+        self.carriageway(design, leg).at(leg.end, &design.profile)
+    }
+
+    /// The distance from the middle of a leg to the outer edge of its sidewalks (m).
+    fn half_width(&self, design: &TownDesign, leg: &Leg) -> f64 {
+        self.carriageway(design, leg).street_half_width(&design.profile)
+    }
+
     fn joint(&self, design: &TownDesign, node: usize, faults: &mut Vec<DesignError>) -> Joint {
         let legs = &self.legs[node];
         let mut sound = true;
@@ -113,13 +131,52 @@ impl Layout {
                 sound = false;
             }
         }
-        match legs.len() {
+        let joint = match legs.len() {
             _ if !sound => Joint::Nothing,
             0 => Joint::Nothing,
             1 => Joint::DeadEnd,
             2 if (self.gap(node, 0) - PI).abs() <= IN_LINE => Joint::Straight,
             2 => Joint::Bend,
             _ => Joint::Junction,
+        };
+        match self.lane_fault(design, node, joint) {
+            Some(fault) => {
+                faults.push(fault);
+                Joint::Nothing
+            }
+            None => joint,
+        }
+    }
+
+    /// The fault of the lanes that meet at a node.
+    fn lane_fault(&self, design: &TownDesign, node: usize, joint: Joint) -> Option<DesignError> {
+        let legs = &self.legs[node];
+        let street = |leg: &Leg| design.streets[self.edges[leg.edge].street].name.clone();
+        let name = || design.nodes[node].name.clone();
+        let approach = |leg: &Leg| self.approach(design, leg);
+        match joint {
+            Joint::Nothing | Joint::DeadEnd => None,
+            Joint::Straight | Joint::Bend => {
+                let (first, second) = (approach(&legs[0]), approach(&legs[1]));
+                let (node, streets) = (name(), (street(&legs[0]), street(&legs[1])));
+                if first.inward + second.inward == 0 || first.outward + second.outward == 0 {
+                    return Some(DesignError::OneWayAgainst { node, first: streets.0, second: streets.1 });
+                }
+                if (first.inward, first.outward) != (second.outward, second.inward) {
+                    return Some(DesignError::UnequalLanes { node, first: streets.0, second: streets.1 });
+                }
+                let needed = self.half_width(design, &legs[0]) + BEND_MARGIN;
+                let tight = joint == Joint::Bend && design.bend_radius < needed;
+                tight.then(|| DesignError::TightBend { node, street: streets.0, radius: design.bend_radius, needed })
+            }
+            Joint::Junction => legs.iter().enumerate().find_map(|(index, leg)| {
+                let others =
+                    || legs.iter().enumerate().filter(move |(other, _)| *other != index).map(|(_, leg)| approach(leg));
+                let own = approach(leg);
+                let stuck = own.inward > 0 && others().all(|other| other.outward == 0);
+                let unreachable = own.outward > 0 && others().all(|other| other.inward == 0);
+                (stuck || unreachable).then(|| DesignError::NoWay { node: name(), street: street(leg), stuck })
+            }),
         }
     }
 
@@ -157,14 +214,17 @@ impl Layout {
             }
             Joint::Junction => {
                 // The outer edges of two neighbouring streets are joined by an arc of the corner's radius, and so the
-                // middles by an arc about the same centre.
-                let radius = design.profile.half_width() + design.corner_radius;
-                let count = self.legs[node].len();
-                [leg, (leg + count - 1) % count]
-                    .map(|side| self.gap(node, side))
+                // middles by an arc about the same centre. If one street is wider, the arc is that of two such streets.
+                let legs = &self.legs[node];
+                let count = legs.len();
+                let (next, last) = ((leg + 1) % count, (leg + count - 1) % count);
+                let half_width =
+                    |other: usize| self.half_width(design, &legs[leg]).max(self.half_width(design, &legs[other]));
+                [(leg, next), (last, last)]
+                    .map(|(side, other)| (self.gap(node, side), half_width(other) + design.corner_radius))
                     .into_iter()
-                    .filter(|&gap| gap < PI)
-                    .map(|gap| radius / libm::tan(gap / 2.0))
+                    .filter(|&(gap, _)| gap < PI)
+                    .map(|(gap, radius)| radius / libm::tan(gap / 2.0))
                     .fold(design.junction_radius, f64::max)
             }
         }

@@ -17,41 +17,47 @@ const STOP_HALF_LENGTH: f64 = 1.5;
 /// Half width of a traffic light's trigger box, in lane widths.
 const STOP_HALF_WIDTH: f64 = 0.25;
 
-/// Speed signs at the start of both driving lanes of every street with a limit, repeated after each node.
+/// Speed signs at the start of all driving lanes of every street with a limit, repeated after each node.
 pub(super) fn speed_signs(design: &TownDesign, layout: &Layout, network: &Network) -> Vec<SpeedSign> {
     let half = SIGN_HALF_SIZE * design.profile.lane_width;
     let mut signs = Vec::new();
     for (road, edge) in network.along.iter().zip(&layout.edges) {
         let (Some(road), Some(limit)) = (*road, design.streets[edge.street].speed_limit) else { continue };
         for begin in [RoadEnd::Start, RoadEnd::End] {
-            let lane = if begin == RoadEnd::Start { -1 } else { 1 };
-            let pose = lane_pose(network, road, lane, begin, SIGN_DISTANCE);
-            signs.push(SpeedSign { limit, trigger: OrientedBox::new(pose, half, half) });
+            let approach = design.streets[edge.street].carriageway.at(begin, &design.profile);
+            for lane in (1..=approach.outward).map(|place| approach.outward_lane(place)) {
+                let pose = lane_pose(network, road, lane, begin, SIGN_DISTANCE);
+                signs.push(SpeedSign { limit, trigger: OrientedBox::new(pose, half, half) });
+            }
         }
     }
     signs
 }
 
-/// One traffic light on every approach to a junction with lights. The legs take turns, each alone or with the one opposite to it.
+/// A traffic light over each lane that leads to a junction with lights. The legs with such lanes take turns, each alone or with the one opposite to it.
 pub(super) fn traffic_lights(design: &TownDesign, layout: &Layout, network: &Network) -> Vec<TrafficLight> {
     let half_width = STOP_HALF_WIDTH * design.profile.lane_width;
     let mut lights = Vec::new();
     for (node, legs) in layout.legs.iter().enumerate().filter(|(node, _)| design.nodes[*node].lights) {
         let Some(junction) = network.at[node] else { continue };
-        let turns = turns(legs, design.opposite_lights);
+        let approach = |leg: &Leg| layout.approach(design, leg);
+        let legs: Vec<&Leg> = legs.iter().filter(|leg| approach(leg).inward > 0).collect();
+        let turns = turns(&legs, design.opposite_lights);
         let count = turns.iter().max().map_or(0, |last| last + 1);
         for (turn, leg) in turns.into_iter().zip(legs) {
             let Some((road, end)) = network.mouth(leg) else { continue };
-            let lane = if end == RoadEnd::End { -1 } else { 1 };
-            let stop = lane_pose(network, road, lane, end, STOP_DISTANCE);
-            lights.push(TrafficLight {
-                group: network.junctions[junction.0 as usize].id,
-                turn,
-                turns: count,
-                road,
-                stop,
-                trigger: OrientedBox::new(stop, STOP_HALF_LENGTH, half_width),
-            });
+            let approach = approach(leg);
+            for lane in (1..=approach.inward).map(|place| approach.inward_lane(place)) {
+                let stop = lane_pose(network, road, lane, end, STOP_DISTANCE);
+                lights.push(TrafficLight {
+                    group: network.junctions[junction.0 as usize].id,
+                    turn,
+                    turns: count,
+                    road,
+                    stop,
+                    trigger: OrientedBox::new(stop, STOP_HALF_LENGTH, half_width),
+                });
+            }
         }
     }
     lights
@@ -59,12 +65,12 @@ pub(super) fn traffic_lights(design: &TownDesign, layout: &Layout, network: &Net
 
 /// The turn of each leg of a junction. A leg is opposite to another one if the other is the one most nearly in line with it, and the other way
 /// round, to within 45 degrees.
-fn turns(legs: &[Leg], opposite: bool) -> Vec<u32> {
+fn turns(legs: &[&Leg], opposite: bool) -> Vec<u32> {
     let bend = |a: &Leg, b: &Leg| (wrap_angle(a.heading - b.heading).abs() - PI).abs();
     let partner = |leg: usize| {
         let others = (0..legs.len()).filter(|other| *other != leg);
-        let nearest = others.min_by(|a, b| bend(&legs[leg], &legs[*a]).total_cmp(&bend(&legs[leg], &legs[*b])));
-        nearest.filter(|other| opposite && bend(&legs[leg], &legs[*other]) < FRAC_PI_4)
+        let nearest = others.min_by(|a, b| bend(legs[leg], legs[*a]).total_cmp(&bend(legs[leg], legs[*b])));
+        nearest.filter(|other| opposite && bend(legs[leg], legs[*other]) < FRAC_PI_4)
     };
     let mut turns: Vec<u32> = Vec::new();
     let mut next = 0;
@@ -80,5 +86,5 @@ fn turns(legs: &[Leg], opposite: bool) -> Vec<u32> {
 fn lane_pose(network: &Network, road: RoadIndex, lane: LaneId, end: RoadEnd, distance: f64) -> Pose {
     let road = &network.roads[road.0 as usize];
     let s = if end == RoadEnd::Start { distance } else { road.length - distance };
-    road.lane_pose(0, lane, s).expect("streets have a driving lane in each direction")
+    road.lane_pose(0, lane, s).expect("the lane is one of its street")
 }

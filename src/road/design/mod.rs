@@ -2,19 +2,22 @@
 //!
 //! A street becomes one straight road between each two of its nodes. Where two streets meet, the roads are joined by an
 //! arc; where three or four meet, they are cut back and joined by a junction with one connecting road for every way
-//! through it. All reference lines run along the middle of the street, so that the left edge of a connecting road's only
-//! driving lane is an arc which is tangent to the middles of both streets.
+//! of a lane through it. All reference lines run along the middle of the street. The reference line of a connecting road is tangent to the
+//! middles of both streets; its lane offset leads from the left edge of the lane before it to that of the lane after it.
 
 mod town_design;
+mod carriageway;
 mod error;
 mod layout;
 mod corner;
+mod turning_lanes;
 mod network;
 mod surface;
 mod lights_and_signs;
 mod building_row;
 
 pub use building_row::BuildingRow;
+pub use carriageway::Carriageway;
 pub use error::DesignError;
 pub use town_design::{Node, Street, StreetProfile, TownDesign};
 

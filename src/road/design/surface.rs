@@ -144,6 +144,9 @@ fn tiles(road: &Road) -> Vec<Tile> {
     for lane in &road.sections[0].lanes {
         *(if lane.id > 0 { &mut left } else { &mut right }) += lane.width.value(0.0);
     }
+    // The offset of the lanes moves from one value to the other.
+    let ends = [0.0, road.length].map(|s| road.lane_offset.value(s));
+    let (left, right) = (left + ends[0].max(ends[1]), right - ends[0].min(ends[1]));
     road.plan_view.pieces().iter().flat_map(|piece| piece_tiles(piece, left, right)).collect()
 }
 
@@ -174,11 +177,13 @@ fn middles(design: &TownDesign, layout: &Layout) -> Vec<(usize, Tile)> {
     let mut middles = Vec::new();
     for (node, legs) in layout.legs.iter().enumerate().filter(|(node, _)| layout.joints[*node] == Joint::Junction) {
         for leg in legs {
-            let cut = layout.edges[leg.edge].cuts[usize::from(leg.end == RoadEnd::End)];
+            let edge = &layout.edges[leg.edge];
+            let cut = edge.cuts[usize::from(leg.end == RoadEnd::End)];
+            let half_width = design.streets[edge.street].carriageway.half_width(&design.profile);
             let centre =
                 design.nodes[node].position + Vector::new(libm::cos(leg.heading), libm::sin(leg.heading)) * (cut / 2.0);
             let pose = Pose::new(centre.x, centre.y, leg.heading);
-            middles.push((node, Tile::new(&OrientedBox::new(pose, cut / 2.0, design.profile.lane_width))));
+            middles.push((node, Tile::new(&OrientedBox::new(pose, cut / 2.0, half_width))));
         }
     }
     middles

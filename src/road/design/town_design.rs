@@ -1,5 +1,6 @@
 use super::{
-    BuildingRow, DesignError, building_row, layout::Layout, lights_and_signs, network::Network, surface::Surfaces,
+    BuildingRow, Carriageway, DesignError, building_row, layout::Layout, lights_and_signs, network::Network,
+    surface::Surfaces,
 };
 use crate::geometry::{OrientedBox, Point};
 use crate::road::TownParts;
@@ -52,9 +53,11 @@ pub struct Street {
     pub nodes: Vec<usize>,
     /// The limit on its speed signs (m/s); without it there are no signs.
     pub speed_limit: Option<f64>,
+    /// Its driving lanes.
+    pub carriageway: Carriageway,
 }
 
-/// The cross-section of a street: on either side of its middle a driving lane, a shoulder and a sidewalk.
+/// The widths of a street's parts: driving lanes, and on either side of them a shoulder and a sidewalk.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StreetProfile {
     /// Width of a driving lane (m).
@@ -69,13 +72,6 @@ impl Default for StreetProfile {
     /// The cross-section of the streets in CARLA's Town01 and Town02.
     fn default() -> Self {
         Self { lane_width: 4.0, shoulder: 0.3, sidewalk: 4.0 }
-    }
-}
-
-impl StreetProfile {
-    /// The distance from the middle of the street to the outer edge of the sidewalk (m).
-    pub fn half_width(&self) -> f64 {
-        self.lane_width + self.shoulder + self.sidewalk
     }
 }
 
@@ -119,7 +115,7 @@ impl TownDesign {
         }
         let mut obstacles = self.buildings.clone();
         if let Some(row) = &self.block_buildings {
-            building_row::add(row, self, &network, &surfaces, &mut obstacles);
+            building_row::add(row, self, &layout, &network, &surfaces, &mut obstacles);
         }
         Ok(TownParts {
             name: self.name.clone(),
@@ -134,7 +130,7 @@ impl TownDesign {
 
     /// The faults in single numbers.
     fn measure_faults(&self) -> Vec<DesignError> {
-        let half_width = self.profile.half_width();
+        let half_width = Carriageway::default().street_half_width(&self.profile);
         let mut limits = vec![
             ("lane width", self.profile.lane_width, 2.0, 20.0),
             ("shoulder", self.profile.shoulder, 0.0, 20.0),
@@ -148,7 +144,7 @@ impl TownDesign {
             limits.push(("length of buildings", row.length, 1.0, 1000.0));
             limits.push(("gap between buildings", row.gap, 0.0, 1000.0));
         }
-        // The bend's limit follows from the widths, which must be sound first.
+        // The bend's limit follows from the widths, which must be sound first. Wider streets have a fault of their own where they bend.
         if half_width.is_finite() {
             limits.push(("bend radius", self.bend_radius, half_width + 0.5, 1000.0));
         }

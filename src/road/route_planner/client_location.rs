@@ -95,12 +95,17 @@ fn to_the_right(road: &Road, section: usize, id: LaneId, s: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::geometry::Pose;
-    use crate::road::design::{Node, Street, TownDesign};
+    use crate::road::design::{Carriageway, Node, Street, TownDesign};
 
     #[test]
     fn the_bits_differ_from_ours_by_rounding_only() {
         let node = |x, y| Node { name: String::new(), position: Point::new(x, y), lights: false };
-        let street = Street { name: String::new(), nodes: vec![0, 1, 2], speed_limit: None };
+        let street = Street {
+            name: String::new(),
+            nodes: vec![0, 1, 2],
+            speed_limit: None,
+            carriageway: Carriageway::default(),
+        };
         let nodes = vec![node(-300.0, 0.0), node(0.0, 17.0), node(150.0, 220.0)];
         let town = Town::new(TownDesign { nodes, streets: vec![street], ..TownDesign::default() }.build().unwrap());
         let waypoints = town.generate_waypoints(1.7);

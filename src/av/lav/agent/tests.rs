@@ -3,14 +3,19 @@ use std::sync::Arc;
 use super::*;
 use crate::av::{Actor, Light, PerfectSensors};
 use crate::geometry::{Obstacles, OrientedBox, Point, Pose, Vector};
-use crate::road::design::{Node, Street, TownDesign};
+use crate::road::design::{Carriageway, Node, Street, TownDesign};
 use crate::road::{LaneFilter, Town};
 use crate::seed::Seed;
 use crate::sim::{ActorId, ActorStart, LightColour, PedestrianBody, Start, VehicleBlueprint, WalkCommand, World};
 
 fn town(nodes: &[(f64, f64)], streets: &[&[usize]]) -> Arc<Town> {
     let node = |&(x, y): &(f64, f64)| Node { name: String::new(), position: Point::new(x, y), lights: false };
-    let street = |nodes: &&[usize]| Street { name: String::new(), nodes: nodes.to_vec(), speed_limit: None };
+    let street = |nodes: &&[usize]| Street {
+        name: String::new(),
+        nodes: nodes.to_vec(),
+        speed_limit: None,
+        carriageway: Carriageway::default(),
+    };
     let design = TownDesign {
         nodes: nodes.iter().map(node).collect(),
         streets: streets.iter().map(street).collect(),
