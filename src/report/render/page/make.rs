@@ -15,7 +15,7 @@ use super::verdicts::verdicts;
 use super::worst::{failures, worst};
 use crate::compile::Campaign;
 use crate::report::FoundFailure;
-use crate::report::render::sections::drivers;
+use crate::report::render::sections::{PROTOCOL, drivers};
 use crate::report::render::summary::{INCOMPLETE, SMOKE};
 use crate::report::render::svg::Figure;
 
@@ -44,7 +44,10 @@ pub fn page(contents: &Contents<'_>) -> PolarsResult<Page> {
     let cells = named(contents.cells);
     let rates = run_rates(contents.runs)?;
     let text = |id, name, html| Part { id, name, html, figures: Vec::new() };
-    let mut parts = Vec::new();
+    // The results of a protocol's tests are what its campaign is run for.
+    let (leading, others): (Vec<_>, Vec<_>) = contents.sections.iter().partition(|section| section.id == PROTOCOL);
+    let mut parts: Vec<Part> =
+        leading.into_iter().map(|section| text(section.id, section.name, section.to_html())).collect();
     let link = |found: &FoundFailure| contents.players.link(&found.name());
     if let Some(section) = drivers(contents.drivers, contents.cells, link) {
         parts.push(text(section.id, section.name, section.to_html()));
@@ -71,7 +74,7 @@ pub fn page(contents: &Contents<'_>) -> PolarsResult<Page> {
     let starts = spawns(contents.tally, &cells, &contents.campaign.towns);
     parts.extend(figures("places", "Starts", "Where episodes start", "", starts));
     parts.extend(figures("learning", "Learning", "How the controllers learnt", "", learning(contents.trainings)));
-    for section in contents.sections {
+    for section in others {
         parts.push(text(section.id, section.name, section.to_html()));
     }
     parts.push(text("meaning", "Names", meaning(contents.campaign)));

@@ -21,7 +21,7 @@ pub use drivers::drivers;
 pub use failures::failures_for_terminal;
 pub use learnt::learnt;
 pub use names::{distinct, place, who};
-pub use protocol::protocol;
+pub use protocol::{PROTOCOL, protocol};
 pub use published::published_section;
 pub use results::{errors, results};
 pub use searches::search_section;

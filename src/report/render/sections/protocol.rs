@@ -4,6 +4,8 @@ use crate::env::TestCriterion;
 use crate::report::render::table::{Column, Section, Table, Value};
 use crate::report::{Colour, ProtocolCell};
 
+/// The id of the section.
+pub const PROTOCOL: &str = "protocol";
 /// How to read the tables.
 const READING: &str = "A cell is the impact speed (km/h) at the test speed of its column; 0 is no contact. Along the path it is the speed \
      of the car less that of the target. `!` marks a test speed that the driver did not hold within 1 km/h. A test is over when the car has \
@@ -34,7 +36,7 @@ pub fn protocol(cells: &[ProtocolCell], layers: &[ProtocolCell]) -> Option<Secti
     tables.extend(tests.iter().map(|(number, cells)| of_test(names[*number], cells)));
     let notes = vec![READING.into(), LIMITS.into()];
     Some(Section {
-        id: "protocol",
+        id: PROTOCOL,
         name: "Protocol",
         title: "How did the drivers do in the protocol's tests?",
         tables,
@@ -175,13 +177,31 @@ fn robustness<'a>(drivers: &[&'a str], of: impl Fn(&str) -> Vec<&'a Layered<'a>>
             Value::Number(score(worst.iter().copied()), 2),
         ]
     };
-    let note = "A cell is a test, an overlap and a test speed. *Worse*: a variation of the target within the layers has a worse colour than the nominal test.";
+    let note = "A cell is a test, an overlap and a test speed. *Worse*: a variation of the target within the layers has a worse colour than the \
+         nominal test. *Score*: the mean of the colours' shares of the points, 1 when all cells are green.";
     Table {
         title: "Robustness: is the nominal result true within the layers?".into(),
         head: std::iter::once(Column::text("driver")).chain(names.map(Column::number)).collect(),
         rows: drivers.iter().map(row).collect(),
-        notes: vec![note.into()],
+        notes: vec![headline(drivers, &of), note.into()],
     }
+}
+
+/// Which drivers touch no target in the nominal tests, and which within the layers.
+fn headline<'a>(drivers: &[&'a str], of: &impl Fn(&str) -> Vec<&'a Layered<'a>>) -> String {
+    let without = |touches: &dyn Fn(&Layered<'_>) -> bool| {
+        let clean = drivers.iter().filter(|driver| !of(driver).into_iter().any(touches));
+        match clean.map(|driver| format!("`{driver}`")).collect::<Vec<_>>() {
+            names if names.is_empty() => "no driver".to_string(),
+            names => names.join(", "),
+        }
+    };
+    let touched = |cell: &ProtocolCell| cell.impact_speed.is_none_or(|speed| speed > 0.0);
+    format!(
+        "**Without contact in all nominal tests: {}. Without contact within the layers: {}.**",
+        without(&|each| each.nominal.is_some_and(touched)),
+        without(&|each| touched(each.worst())),
+    )
 }
 
 /// The nominal colour of each cell of a driver, and the worst one within the layers where that is worse.
@@ -209,7 +229,7 @@ fn of_driver(driver: &str, of: &[&Layered<'_>]) -> Table {
         row
     };
     Table {
-        title: format!("{driver}: nominal → worst"),
+        title: format!("{driver}: nominal → worst within the layers, impact speed (km/h)"),
         head,
         rows: keys.iter().map(row).collect(),
         ..Table::default()

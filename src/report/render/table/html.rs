@@ -92,7 +92,7 @@ fn value(value: &Value) -> Markup {
             Value::Difference(Some(number), Some((low, high))) => {
                 (format!("{number:+.2}")) " " small { (format!("{low:+.2}..{high:+.2}")) }
             },
-            Value::Change(before, after) => { (self::value(before)) " → " (self::value(after)) },
+            Value::Change(before, after) => span.change { (self::value(before)) " " span { "→ " (self::value(after)) } },
             Value::Lines(lines) => @for (place, line) in lines.iter().enumerate() {
                 @if place > 0 { " " br; }
                 (self::value(line))
