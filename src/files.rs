@@ -47,6 +47,19 @@ pub fn text(path: &Path) -> io::Result<String> {
     String::from_utf8(bytes(path)?).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))
 }
 
+/// The text of a stream without a known end, such as the standard input.
+///
+/// # Errors
+/// It cannot be read, it has more than [`MOST_BYTES`], or it is not UTF-8.
+pub fn text_of(stream: impl Read) -> io::Result<String> {
+    let mut bytes = Vec::new();
+    stream.take(MOST_BYTES + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > MOST_BYTES {
+        return Err(too_long());
+    }
+    String::from_utf8(bytes).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))
+}
+
 fn too_long() -> io::Error {
     io::Error::other(format!("it has more than {} MiB", MOST_BYTES >> 20))
 }
@@ -68,6 +81,8 @@ mod tests {
         // Sparse, so that it takes no room.
         File::create(&path).unwrap().set_len(MOST_BYTES + 1).unwrap();
         assert_eq!(bytes(&path).unwrap_err().to_string(), "it has more than 256 MiB");
+        assert_eq!(text_of(&b"abc"[..]).unwrap(), "abc");
+        assert_eq!(text_of(io::repeat(b'a')).unwrap_err().to_string(), "it has more than 256 MiB");
         #[cfg(unix)]
         assert!(bytes(Path::new("/dev/zero")).unwrap_err().to_string().contains("regular files"));
     }

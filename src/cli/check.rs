@@ -8,6 +8,7 @@ use super::input::{GivenOptions, session};
 use super::{console, failure, sample};
 use crate::compile::Plan;
 use crate::diagnostic::{Severity, records, sarif};
+use crate::files;
 use crate::lang::error_index::mistakes;
 use crate::lang::{Reader, reason};
 use crate::session::{Checked, Disk, Error};
@@ -93,7 +94,7 @@ pub fn check(options: &CheckOptions) -> ExitCode {
             console::fail("--fix changes files, and `-` is the standard input");
             return ExitCode::Usage;
         }
-        session = match std::io::read_to_string(std::io::stdin()) {
+        session = match files::text_of(std::io::stdin()) {
             Ok(text) => session.with_reader(InputAndFiles(text)),
             Err(error) => {
                 console::fail(&format!("cannot read the standard input: {}", reason(&error)));

@@ -17,6 +17,9 @@ const SHOWN: usize = 50;
 /// Whether a line of the output could not be written.
 static LOST: AtomicBool = AtomicBool::new(false);
 
+/// Whether the reader of the output has closed it.
+static CLOSED: AtomicBool = AtomicBool::new(false);
+
 /// Writes a line to the error stream. A failure of this cannot be reported, and does not end the command.
 pub fn note(line: &str) {
     let _ = writeln!(anstream::stderr(), "{line}");
@@ -35,9 +38,15 @@ pub fn warn(message: &str) {
 /// Prints a line. A closed reader, as after `| head`, is not an error; [`lost`] reports other losses.
 pub fn say(line: &str) {
     let mut output = anstream::stdout();
-    let written = writeln!(output, "{line}").and_then(|()| output.flush());
-    if written.is_err_and(|error| error.kind() != std::io::ErrorKind::BrokenPipe) {
-        LOST.store(true, Ordering::Relaxed);
+    settle(writeln!(output, "{line}").and_then(|()| output.flush()));
+}
+
+/// Notes a failure to write to the output.
+fn settle(written: std::io::Result<()>) {
+    match written {
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => CLOSED.store(true, Ordering::Relaxed),
+        Err(_) => LOST.store(true, Ordering::Relaxed),
+        Ok(()) => {}
     }
 }
 
@@ -45,8 +54,13 @@ pub fn say(line: &str) {
 pub fn say_objects(objects: &[impl Serialize]) {
     let line = |object| serde_json::to_string(object).expect("texts and numbers have a form in JSON") + "\n";
     let lines: Vec<String> = objects.iter().map(line).collect();
-    // A closed reader is not an error.
-    let _ = std::io::stdout().write_all(lines.concat().as_bytes());
+    let mut output = std::io::stdout();
+    settle(output.write_all(lines.concat().as_bytes()).and_then(|()| output.flush()));
+}
+
+/// Whether the reader of the output has closed it, as after `| head`. Then further output is not needed.
+pub fn closed() -> bool {
+    CLOSED.load(Ordering::Relaxed)
 }
 
 /// Whether a line of the output could not be written, for example to a full disk.

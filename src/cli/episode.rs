@@ -1,6 +1,5 @@
 //! Options of the commands that repeat episodes of a report.
 
-use std::io::Read;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -8,6 +7,8 @@ use clap::Args;
 
 use super::console;
 use super::exit_code::ExitCode;
+use crate::files;
+use crate::lang::reason;
 use crate::session::{self, EpisodePath, NoEpisodeName};
 
 /// Options of all commands that repeat episodes of a report.
@@ -70,20 +71,26 @@ pub fn resolved(names: &[Named]) -> Result<Vec<EpisodePath>, ExitCode> {
     Ok(all)
 }
 
+/// The most characters of a line that an error quotes.
+const MOST_QUOTED: usize = 80;
+
 fn on_input() -> Result<Vec<EpisodePath>, ExitCode> {
     let refused = |reason: String| {
         console::fail(&reason);
         Err(ExitCode::Usage)
     };
-    let mut text = String::new();
-    if let Err(error) = std::io::stdin().read_to_string(&mut text) {
-        return refused(format!("the names cannot be read from the input: {error}"));
-    }
+    let text = match files::text_of(std::io::stdin()) {
+        Ok(text) => text,
+        Err(error) => return refused(format!("the names cannot be read from the input: {}", reason(&error))),
+    };
     let mut names = Vec::new();
     for (number, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
         match line.trim().parse() {
             Ok(name) => names.push(name),
-            Err(error) => return refused(format!("line {} of the input, `{line}`: {error}", number + 1)),
+            Err(error) => {
+                let start: String = line.chars().take(MOST_QUOTED).collect();
+                return refused(format!("line {} of the input, `{}`: {error}", number + 1, start.escape_debug()));
+            }
         }
     }
     if names.is_empty() { refused("the input has no name of an episode".into()) } else { Ok(names) }

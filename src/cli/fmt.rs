@@ -1,4 +1,4 @@
-use std::io::{Read, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -6,7 +6,7 @@ use clap::Args;
 use super::console;
 use super::exit_code::ExitCode;
 use crate::diagnostic::Sources;
-use crate::lang;
+use crate::{files, lang};
 
 /// Shown after the help.
 pub const EXAMPLES: &str = "\
@@ -73,11 +73,13 @@ fn file(path: &Path, check: bool) -> ExitCode {
 }
 
 fn input(check: bool) -> ExitCode {
-    let mut text = String::new();
-    if let Err(error) = std::io::stdin().read_to_string(&mut text) {
-        console::fail(&format!("cannot read the input: {}", lang::reason(&error)));
-        return ExitCode::Usage;
-    }
+    let text = match files::text_of(std::io::stdin()) {
+        Ok(text) => text,
+        Err(error) => {
+            console::fail(&format!("cannot read the input: {}", lang::reason(&error)));
+            return ExitCode::Usage;
+        }
+    };
     match lay_out(Path::new("<input>"), &text) {
         Ok(laid_out) if check => {
             if laid_out == text {

@@ -97,7 +97,11 @@ pub fn new(options: &NewOptions) -> ExitCode {
 /// # Errors
 /// The exit code, after the reason has been printed.
 pub fn write_new(path: &Path, text: &str) -> Result<(), ExitCode> {
-    File::create_new(path).and_then(|mut file| file.write_all(text.as_bytes())).map_err(|error| {
+    let written = File::create_new(path).and_then(|mut file| {
+        // A part of a file would be in the way of the next attempt.
+        file.write_all(text.as_bytes()).inspect_err(|_| drop(std::fs::remove_file(path)))
+    });
+    written.map_err(|error| {
         if error.kind() == ErrorKind::AlreadyExists {
             console::fail(&format!("`{}` exists already and was left alone; name another file", path.display()));
             ExitCode::Usage

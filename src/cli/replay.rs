@@ -59,7 +59,7 @@ pub fn replay(options: &ReplayOptions) -> ExitCode {
     };
     let session = session(options.which.repeat.allow_external);
     let mut ended = ExitCode::Done;
-    for (number, episode) in episodes.iter().enumerate() {
+    for (number, episode) in episodes.iter().enumerate().take_while(|_| !console::closed()) {
         if number > 0 && !options.json {
             console::say("");
         }

@@ -14,7 +14,6 @@ use crate::av::DrivingMode;
 use crate::env::{Ending, Outcome, Spawn};
 use crate::geometry::Pose;
 use crate::judge::{CLEAR, Label, Reference};
-use crate::statistics::Weighted;
 
 impl CellKey {
     /// The key in a row of a table.
@@ -276,14 +275,13 @@ impl<'a> EpisodeTable<'a> {
         self.in_sight.get(row)
     }
 
-    /// The collisions that a reference driver avoids, with their weights.
+    /// The rows of collisions that a reference driver avoids.
     ///
     /// # Errors
     /// The column is missing or holds something else.
-    pub fn avoided(&self, reference: Reference) -> PolarsResult<Weighted> {
-        let (avoids, mut all) = (AVOIDS.read(reference.name(), self.table)?, Weighted::default());
-        self.rows().filter(|row| avoids.get(*row) == Some(true)).for_each(|row| all.include(self.weight(row)));
-        Ok(all)
+    pub fn avoided(&self, reference: Reference) -> PolarsResult<impl Iterator<Item = usize>> {
+        let avoids = AVOIDS.read(reference.name(), self.table)?;
+        Ok(self.rows().filter(|row| avoids.get(*row) == Some(true)))
     }
 
     /// The start.

@@ -25,14 +25,23 @@ impl Tally {
     /// # Errors
     /// A column is missing or holds something else.
     pub fn of(table: &DataFrame) -> PolarsResult<Self> {
+        let mut tally = Self::default();
+        tally.add_all(table)?;
+        Ok(tally)
+    }
+
+    /// Adds the rows of a table of episodes to the counts.
+    ///
+    /// # Errors
+    /// As [`Tally::of`].
+    pub fn add_all(&mut self, table: &DataFrame) -> PolarsResult<()> {
         let (outcomes, collisions) = (OUTCOME.read(table)?, COLLISION.read(table)?);
         let weights = Weights::read(table)?;
-        let mut tally = Self::default();
         for row in 0..table.height() {
             let (in_error, hit) = (outcomes.get(row) == Some(named::ERROR), collisions.get(row).unwrap_or_default());
-            tally.count(weights.get(row), in_error, hit);
+            self.count(weights.get(row), in_error, hit);
         }
-        Ok(tally)
+        Ok(())
     }
 
     fn count(&mut self, weight: f64, in_error: bool, collision: bool) {

@@ -16,7 +16,7 @@ mod moments;
 
 pub use adjust::{benjamini_hochberg, holm};
 pub use mcnemar::mcnemar;
-pub use moments::{mean, sample_deviation};
+pub use moments::{RunningMean, mean, sample_deviation};
 pub use normal::{normal_below, normal_quantile};
 pub use quantile::{interquartile_mean, quantile};
 pub use sample::{Estimate, Sample};

@@ -48,6 +48,7 @@ mod layers;
 mod learning;
 mod natural_walking;
 mod onnx;
+mod outputs;
 mod maps;
 mod messages;
 mod page;

@@ -250,6 +250,59 @@ fn under_any_limit_there_is_the_right_result_or_a_clear_error() {
     }
 }
 
+/// The superuser has no limit of processes, so the program runs as another user. As that user this test sees its own processes alone, since
+/// no other has its number.
+#[test]
+fn under_any_limit_of_processes_there_is_the_right_result_or_a_clear_error() {
+    const USER: &str = "--reuid=3989654";
+    let as_user = |words: &[&str]| Command::new("setpriv").args([USER, "--clear-groups"]).args(words).output();
+    if !as_user(&["true"]).is_ok_and(|output| output.status.success()) {
+        loud!("skipped: this user may not become another one");
+        return;
+    }
+    use std::os::unix::fs::PermissionsExt;
+    let place = campaign();
+    for path in [place.path().to_path_buf(), place.path().join("cut.scn")] {
+        fs::set_permissions(path, fs::Permissions::from_mode(0o777)).unwrap();
+    }
+    // The folder of the build may be closed to the other user, and a copy of the program is not. A link needs no room.
+    let program = place.path().join("falsify");
+    if fs::hard_link(env!("CARGO_BIN_EXE_falsify"), &program).is_err() {
+        fs::copy(env!("CARGO_BIN_EXE_falsify"), &program).unwrap();
+    }
+    let run = |limits: &str, out: &str| {
+        let (folder, out) = (place.path().display().to_string(), place.path().join(out).display().to_string());
+        let script =
+            format!("cd {folder} && {limits} exec ./falsify run cut.scn --threads 2 --progress none --out {out}");
+        as_user(&["timeout", "-s", "KILL", "60", "bash", "-c", &script]).unwrap()
+    };
+    let free = run("", "free");
+    assert!(free.status.success(), "{free:?}");
+    let episodes = |out: &str| fs::read(place.path().join(out).join("cut/episodes.csv")).unwrap();
+    for limits in [
+        "ulimit -u 3;",
+        "ulimit -u 4;",
+        "ulimit -u 5;",
+        "ulimit -u 6;",
+        "ulimit -u 7;",
+        "ulimit -u 8;",
+        "ulimit -u 7 -n 40;",
+        "ulimit -u 6 -v 700000;",
+        "ulimit -u 5 -v 700000 -n 40;",
+    ] {
+        let output = run(limits, "limited");
+        match output.status.code() {
+            Some(0) => assert!(episodes("limited") == episodes("free"), "{limits}"),
+            Some(1 | 2 | 6) => {
+                assert!(error(&output).contains("error:") && !error(&output).contains("bug"), "{limits}: {output:?}");
+            }
+            // Without memory the system ends it with its reason.
+            other => assert!(error(&output).contains("memory allocation"), "{limits}: {other:?} {output:?}"),
+        }
+        let _ = fs::remove_dir_all(place.path().join("limited"));
+    }
+}
+
 #[test]
 fn verify_sees_every_file_of_a_report_and_survives_damaged_tables() {
     let place = campaign();

@@ -136,11 +136,13 @@ pub struct Failures {
     drivers: Vec<Vec<FoundFailure>>,
     /// The runs of untrained controllers that were added, without their reward.
     untrained: Vec<RunKey>,
+    /// The run of the last rows, and whether it counts.
+    last: Option<(RunKey, bool)>,
 }
 
 impl Failures {
-    /// Adds the collisions of one run: all rows of a table of episodes, which have the same key. An untrained controller walks the same for
-    /// every reward, so its runs for further rewards are left out.
+    /// Adds the collisions of one run or of a part of it: all rows of a table of episodes, which have the same key. The parts of a run follow
+    /// each other. An untrained controller walks the same for every reward, so its runs for further rewards are left out.
     ///
     /// # Errors
     /// Those of polars; none for a table made by `episodes`.
@@ -150,16 +152,13 @@ impl Failures {
         }
         let episodes = EpisodeTable::new(run)?;
         let key = episodes.key()?;
-        if !key.cell.is_trained() {
-            let same = RunKey {
-                id: RunId::default(),
-                cell: CellKey { reward: String::new(), ..key.cell.clone() },
-                run: key.run,
-            };
-            if self.untrained.contains(&same) {
-                return Ok(());
-            }
-            self.untrained.push(same);
+        let counts = match &self.last {
+            Some((last, counts)) if *last == key => *counts,
+            _ => key.cell.is_trained() || self.is_new(&key),
+        };
+        self.last = Some((key.clone(), counts));
+        if !counts {
+            return Ok(());
         }
         let place = self.place(&key.cell.policy);
         for row in episodes.rows().filter(|row| episodes.is_collision(*row)) {
@@ -175,6 +174,17 @@ impl Failures {
             insert(&mut self.drivers[place], found, by);
         }
         Ok(())
+    }
+
+    /// Whether a run of an untrained controller is the first of any reward, which is noted.
+    fn is_new(&mut self, key: &RunKey) -> bool {
+        let cell = CellKey { reward: String::new(), ..key.cell.clone() };
+        let same = RunKey { id: RunId::default(), cell, run: key.run };
+        let new = !self.untrained.contains(&same);
+        if new {
+            self.untrained.push(same);
+        }
+        new
     }
 
     /// Adds the failures that searches found.

@@ -2,8 +2,8 @@ use std::collections::BTreeMap;
 
 use polars::prelude::{DataFrame, PolarsResult};
 
-use super::metrics::runs;
-use super::protocol::{ProtocolCell, protocol_cells};
+use super::protocol::{ProtocolCell, ProtocolRun};
+use super::run_totals::RunTotals;
 use super::{Episodes, Failures, Run};
 use crate::compile::Evaluation;
 use crate::record::{self, EPISODES, EpisodeTable};
@@ -57,7 +57,7 @@ pub fn gather(
 ) -> Result<Gathered, WriteError> {
     let failed = |source| WriteError::Table { name: EPISODES.into(), source };
     let mut gathered = Gathered {
-        runs: runs(&record::episodes(&[])).map_err(failed)?,
+        runs: RunTotals::new().table().map_err(failed)?,
         episodes: 0,
         ticks: 0,
         all_tried: true,
@@ -78,45 +78,38 @@ pub fn gather(
     let mut file = folder.stream(EPISODES, record::episodes(&[]).schema())?;
     for run in episodes.runs() {
         let evaluation = run.evaluation;
-        let mut whole: Option<DataFrame> = None;
+        let (mut totals, mut tally) = (RunTotals::new(), record::Tally::default());
+        let mut protocol = ProtocolRun::new(evaluation);
         for part in run.parts() {
             let part = part.map_err(failed)?;
             file.add(&part)?;
             gathered.tally.add(&part).map_err(failed)?;
             let drives = gathered.count(&run, &part).map_err(failed)?;
             *drove.entry((&evaluation.town, &evaluation.policy)).or_default() |= drives;
-            match &mut whole {
-                Some(whole) => drop(whole.vstack_mut(&part).map_err(failed)?),
-                None => whole = Some(part),
+            totals.add(&part).map_err(failed)?;
+            tally.add_all(&part).map_err(failed)?;
+            if evaluation.controller.name() == "trained" {
+                gathered.note_starts(evaluation, &part).map_err(failed)?;
             }
+            gathered.failures.add(&part).map_err(failed)?;
+            if let Some(protocol) = &mut protocol {
+                protocol.add(&part).map_err(failed)?;
+            }
+            kinds.add(&part).map_err(failed)?;
+            evidence.add(&part).map_err(failed)?;
         }
-        let Some(mut whole) = whole else {
-            gathered.all_tried = false;
-            continue;
-        };
-        gathered.all_tried &= is_finished(evaluation, &whole).map_err(failed)?;
-        // Sums must not depend on the number of parts.
-        whole.rechunk_mut();
-        gathered.runs.vstack_mut(&runs(&whole).map_err(failed)?).map_err(failed)?;
-        if evaluation.controller.name() == "trained" {
-            gathered.note_starts(evaluation, &whole).map_err(failed)?;
+        gathered.all_tried &=
+            tally.episodes > 0 && evaluation.is_finished_with(tally.episodes, tally.valid, tally.collisions);
+        gathered.runs.vstack_mut(&totals.table().map_err(failed)?).map_err(failed)?;
+        if tally.episodes > 0 {
+            gathered.protocol.extend(protocol.into_iter().flat_map(ProtocolRun::cells));
         }
-        gathered.failures.add(&whole).map_err(failed)?;
-        gathered.protocol.extend(protocol_cells(evaluation, &whole).map_err(failed)?);
-        kinds.add(&whole).map_err(failed)?;
-        evidence.add(&whole).map_err(failed)?;
     }
     gathered.runs.rechunk_mut();
     gathered.every_driver_drove = drove.values().all(|drove| *drove);
     file.finish()?;
     gathered.evidence = evidence.finish();
     Ok(gathered)
-}
-
-/// Whether a run has all its episodes, or as many as its stopping rule asks for.
-fn is_finished(evaluation: &Evaluation, run: &DataFrame) -> PolarsResult<bool> {
-    let tally = record::Tally::of(run)?;
-    Ok(evaluation.is_finished_with(tally.episodes, tally.valid, tally.collisions))
 }
 
 impl Gathered {
@@ -149,9 +142,9 @@ impl Gathered {
         Ok(drives)
     }
 
-    /// Records the starts of a run.
-    fn note_starts(&mut self, evaluation: &Evaluation, run: &DataFrame) -> PolarsResult<()> {
-        let table = EpisodeTable::new(run)?;
+    /// Records the starts of episodes of a run.
+    fn note_starts(&mut self, evaluation: &Evaluation, part: &DataFrame) -> PolarsResult<()> {
+        let table = EpisodeTable::new(part)?;
         let starts = self.starts.entry(evaluation.town.to_string()).or_default();
         for row in table.rows() {
             if let Some(outcome) = table.outcome(row) {

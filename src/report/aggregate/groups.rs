@@ -30,14 +30,14 @@ impl Groups {
         DataFrame::new(self.rows.len(), self.keys.clone())
     }
 
+    /// The rows of each group.
+    pub fn rows(&self) -> &[Vec<usize>] {
+        &self.rows
+    }
+
     /// The number of rows of each group.
     pub fn sizes(&self, name: &str) -> Column {
         self.column(name, |rows| rows.len() as u32)
-    }
-
-    /// The number of rows of each group for which something holds.
-    pub fn count(&self, name: &str, holds: impl Fn(usize) -> bool) -> Column {
-        self.column(name, |rows| rows.iter().filter(|row| holds(**row)).count() as u32)
     }
 
     /// The sum of a whole number over each group.

@@ -1,9 +1,10 @@
 use polars::prelude::{Column, DataFrame, PolarsResult};
 
 use super::groups::Groups;
+use super::run_totals::to_runs;
 use crate::judge::{Label, Reference};
-use crate::record::metric::{self, How, Which};
-use crate::record::{self, CellKey, ColumnReference, Metric, TableReference, columns};
+use crate::record::metric::{self, How};
+use crate::record::{self, CellKey, ColumnReference, Metric, TableReference};
 use crate::statistics::{Weighted, wilson};
 
 /// The tables of metrics.
@@ -94,50 +95,7 @@ pub const CELLS: &str = "cells";
 /// # Errors
 /// Those of polars; none for a table made by [`episodes`](crate::record::episodes).
 pub fn metrics(episodes: &DataFrame) -> PolarsResult<Metrics> {
-    Metrics::of_runs(runs(episodes)?)
-}
-
-/// Aggregates episodes to runs. The episodes of a run must be consecutive. Several tables of whole runs give the same result as one table.
-///
-/// # Errors
-/// As [`metrics`].
-pub fn runs(episodes: &DataFrame) -> PolarsResult<DataFrame> {
-    to_runs(episodes, &record::metrics())
-}
-
-fn to_runs(episodes: &DataFrame, metrics: &[Metric]) -> PolarsResult<DataFrame> {
-    let groups = Groups::new(episodes, record::run_key_names())?;
-    let mut runs = groups.table()?;
-    let outcome = columns::OUTCOME.read(episodes)?;
-    // An episode without error counts.
-    let valid = |row: usize| outcome.get(row).is_some_and(|outcome| outcome != record::IN_ERROR);
-    for metric in metrics {
-        match metric.how {
-            How::Count(count) => {
-                runs.with_column(counted(&groups, episodes, &count, valid)?)?;
-            }
-            How::Mean(mean) => {
-                let values = episodes.column(mean.column)?.f64()?;
-                runs.with_column(match mean.of_valid {
-                    true => groups.mean(mean.name, |row| valid(row).then(|| values.get(row).unwrap_or(0.0))),
-                    false => groups.mean(mean.name, |row| values.get(row)),
-                })?;
-            }
-            How::Rate(_) => {}
-        }
-    }
-    for metric in metrics {
-        if let How::Rate(rate) = metric.how {
-            let (part, whole) = (rate.part.read(&runs)?, rate.whole.read(&runs)?);
-            // A share is missing when the whole is zero.
-            let share = |(part, whole)| (whole > 0).then(|| f64::from(part) / f64::from(whole));
-            let shares = part.into_no_null_iter().zip(whole.into_no_null_iter()).map(share);
-            let column = Column::new(rate.name.into(), shares.collect::<Vec<Option<f64>>>());
-            runs.with_column(column)?;
-        }
-    }
-    add_intervals(&mut runs, metrics)?;
-    Ok(runs)
+    Metrics::of_runs(to_runs(episodes, &record::metrics())?)
 }
 
 fn to_cells(runs: &DataFrame, metrics: &[Metric]) -> PolarsResult<DataFrame> {
@@ -160,7 +118,7 @@ fn to_cells(runs: &DataFrame, metrics: &[Metric]) -> PolarsResult<DataFrame> {
 }
 
 /// Adds Wilson's intervals to runs or cells.
-fn add_intervals(table: &mut DataFrame, metrics: &[Metric]) -> PolarsResult<()> {
+pub(super) fn add_intervals(table: &mut DataFrame, metrics: &[Metric]) -> PolarsResult<()> {
     for metric in metrics {
         let How::Rate(rate) = metric.how else { continue };
         let pairs = weighted(rate.part, table)?.into_iter().zip(weighted(rate.whole, table)?);
@@ -174,32 +132,6 @@ fn add_intervals(table: &mut DataFrame, metrics: &[Metric]) -> PolarsResult<()> 
 /// A count of runs or cells. Episodes have no weights in these tables yet, so every weight is 1.
 fn weighted(count: metric::Count, table: &DataFrame) -> PolarsResult<Vec<Weighted>> {
     Ok(count.read(table)?.into_no_null_iter().map(|count| u64::from(count).into()).collect())
-}
-
-/// The number of episodes of each run that count.
-fn counted(
-    groups: &Groups,
-    episodes: &DataFrame,
-    count: &metric::Count,
-    valid: impl Fn(usize) -> bool,
-) -> PolarsResult<Column> {
-    let name = count.name();
-    Ok(match count.which {
-        Which::Valid => groups.count(&name, valid),
-        Which::InError => groups.count(&name, |row| !valid(row)),
-        Which::True(column) => {
-            let flags = episodes.column(column)?.bool()?;
-            groups.count(&name, |row| flags.get(row) == Some(true))
-        }
-        Which::Passed => {
-            let collided = columns::COLLISION.read(episodes)?;
-            groups.count(&name, |row| valid(row) && collided.get(row) == Some(false))
-        }
-        Which::Labelled(label) => {
-            let verdicts = columns::VERDICT.read(episodes)?;
-            groups.count(&name, |row| verdicts.get(row) == Some(label.name()))
-        }
-    })
 }
 
 /// The reference of the tables of runs and of cells, without the columns that [`infer`](crate::report::infer) adds to the latter.
@@ -318,6 +250,7 @@ mod tests {
     use crate::geometry::Pose;
     use crate::judge::{ContactSide, Sight, Trial, Verdict};
     use crate::record::{EpisodeRow, RunKey, episodes};
+    use crate::report::aggregate::run_totals::RunTotals;
 
     fn row(run: u32, episode: u32, hit: Option<(bool, f64)>) -> EpisodeRow {
         let ending = hit.map_or(Ending::Timeout, |(front, impact_speed)| Ending::Collision {
@@ -453,6 +386,18 @@ mod tests {
         // All other columns stay the same.
         let before = metrics(&record::episodes(&[])).unwrap();
         assert_eq!((cells.width(), runs.width()), (before.cells.width() + 2, before.runs.width() + 1));
+    }
+
+    #[test]
+    fn parts_of_a_run_give_the_bits_of_the_whole_run() {
+        let rows: Vec<_> = (0..40).map(|n| row(0, n, (n % 3 == 0).then(|| (n % 2 == 0, 0.1 * f64::from(n))))).collect();
+        let wanted = to_runs(&episodes(&rows), &record::metrics()).unwrap();
+        for size in [1, 7, 40] {
+            let mut totals = RunTotals::new();
+            rows.chunks(size).for_each(|part| totals.add(&episodes(part)).unwrap());
+            assert!(totals.table().unwrap().equals_missing(&wanted), "{size}");
+        }
+        assert_eq!(RunTotals::new().table().unwrap().shape(), (0, wanted.width()));
     }
 
     #[test]

@@ -10,6 +10,7 @@ mod drivers;
 mod groups;
 mod metrics;
 mod gathered;
+mod run_totals;
 mod learning_curve;
 mod survival;
 mod searches;

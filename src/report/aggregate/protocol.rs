@@ -155,23 +155,42 @@ impl ProtocolCell {
     }
 }
 
-/// The results of an evaluation of scripted targets, a cell for each case of its test; none for other evaluations.
-pub(super) fn protocol_cells(evaluation: &Evaluation, episodes: &DataFrame) -> PolarsResult<Vec<ProtocolCell>> {
-    let spawn = &evaluation.scenario.spawn;
-    let Some(walk) = spawn.target_walk.as_ref().filter(|_| evaluation.controller.name() == "scripted") else {
-        return Ok(Vec::new());
-    };
-    let id = evaluation.id.to_string();
-    let names = (id.as_str(), &*evaluation.town, &*evaluation.policy, spawn.name.as_str());
-    let mut cells: Vec<_> = (0..walk.cases.len()).map(|case| ProtocolCell::new(names, walk, case)).collect();
-    let table = EpisodeTable::new(episodes)?;
-    for row in table.rows().filter(|row| table.error(*row).is_none()) {
-        let episode = table.episode(row);
-        let impact = table.impact_speed(row).map_or(0.0, |speed| walk.judged_speed(speed, walk.command()));
-        let case = episode as usize % cells.len();
-        cells[case].note(impact, Some(table.spawn(row).ego_speed), || Some(format!("{id}:{episode}")));
+/// The results of an evaluation of scripted targets, a cell for each case of its test, while its episodes are added.
+pub(super) struct ProtocolRun<'a> {
+    id: String,
+    walk: &'a TargetWalk,
+    cells: Vec<ProtocolCell>,
+}
+
+impl<'a> ProtocolRun<'a> {
+    /// Starts without any episode; none for other evaluations.
+    pub fn new(evaluation: &'a Evaluation) -> Option<Self> {
+        let spawn = &evaluation.scenario.spawn;
+        let walk = spawn.target_walk.as_ref().filter(|_| evaluation.controller.name() == "scripted")?;
+        let id = evaluation.id.to_string();
+        let names = (id.as_str(), &*evaluation.town, &*evaluation.policy, spawn.name.as_str());
+        let cells = (0..walk.cases.len()).map(|case| ProtocolCell::new(names, walk, case)).collect();
+        Some(Self { id, walk, cells })
     }
-    Ok(cells)
+
+    /// Adds episodes: a part of the table of the run.
+    pub fn add(&mut self, part: &DataFrame) -> PolarsResult<()> {
+        let table = EpisodeTable::new(part)?;
+        for row in table.rows().filter(|row| table.error(*row).is_none()) {
+            let episode = table.episode(row);
+            let impact =
+                table.impact_speed(row).map_or(0.0, |speed| self.walk.judged_speed(speed, self.walk.command()));
+            let case = episode as usize % self.cells.len();
+            let name = || Some(format!("{}:{episode}", self.id));
+            self.cells[case].note(impact, Some(table.spawn(row).ego_speed), name);
+        }
+        Ok(())
+    }
+
+    /// The cells.
+    pub fn cells(self) -> Vec<ProtocolCell> {
+        self.cells
+    }
 }
 
 /// The worst results that searches found within the layers of tests: a cell for each driver, search and case.

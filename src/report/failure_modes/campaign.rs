@@ -16,6 +16,8 @@ pub struct FailureModes<'a> {
     seed: Seed,
     /// The keys of the evaluations, in the plan's order.
     keys: Vec<RunKey>,
+    /// The run of the last rows, of which more may follow, and the number of runs of its cell.
+    last: Option<(RunSample<'a>, usize)>,
     /// The runs of cells of which more runs are expected.
     open: Vec<Vec<RunSample<'a>>>,
     cells: Vec<CellModes<'a>>,
@@ -25,11 +27,11 @@ impl<'a> FailureModes<'a> {
     /// For a campaign that has been run from this seed, before its first episode is added.
     pub fn new(campaign: &'a Campaign, trainings: &'a [TrainingResult], seed: &Seed) -> Self {
         let keys = campaign.evaluations.iter().map(RunKey::of).collect();
-        Self { campaign, trainings, seed: *seed, keys, open: Vec::new(), cells: Vec::new() }
+        Self { campaign, trainings, seed: *seed, keys, last: None, open: Vec::new(), cells: Vec::new() }
     }
 
-    /// Adds a table of the episodes of one run, as [`episodes`](crate::record::episodes) makes it. Runs may come in any order, each once.
-    /// A run that was not planned, or has no episodes, is ignored.
+    /// Adds a table of the episodes of one run or of a part of it, as [`episodes`](crate::record::episodes) makes it. Runs may come in any
+    /// order, each once; the parts of a run follow each other. A run that was not planned, or has no episodes, is ignored.
     ///
     /// # Errors
     /// Those of polars, when a column is missing or of another type.
@@ -41,8 +43,19 @@ impl<'a> FailureModes<'a> {
         let is_it = |key: &RunKey| (&key.cell, key.run) == (&wanted.cell, wanted.run);
         let Some(place) = self.keys.iter().position(is_it) else { return Ok(()) };
         let planned = self.keys.iter().filter(|key| key.cell == wanted.cell).count();
-        let sample = RunSample::new(&self.campaign.evaluations[place], self.keys[place].clone(), planned, run)?;
-        let place = self.open.iter().position(|cell| cell[0].key.cell == wanted.cell);
+        if !self.last.as_ref().is_some_and(|(last, _)| is_it(&last.key)) {
+            self.close();
+            let sample = RunSample::new(&self.campaign.evaluations[place], self.keys[place].clone());
+            self.last = Some((sample, planned));
+        }
+        let (sample, _) = self.last.as_mut().expect("it was opened above");
+        sample.add(run, planned)
+    }
+
+    /// Ends the run of the last rows. A cell that has all its runs is analysed.
+    fn close(&mut self) {
+        let Some((sample, planned)) = self.last.take() else { return };
+        let place = self.open.iter().position(|cell| cell[0].key.cell == sample.key.cell);
         let place = place.unwrap_or_else(|| {
             self.open.push(Vec::new());
             self.open.len() - 1
@@ -52,7 +65,6 @@ impl<'a> FailureModes<'a> {
             let runs = self.open.remove(place);
             self.analyse(runs);
         }
-        Ok(())
     }
 
     fn analyse(&mut self, mut runs: Vec<RunSample<'a>>) {
@@ -64,6 +76,7 @@ impl<'a> FailureModes<'a> {
 
     /// The cells of all added runs, in the plan's order, for any order of the runs.
     pub fn finish(mut self) -> Vec<CellModes<'a>> {
+        self.close();
         for runs in std::mem::take(&mut self.open) {
             self.analyse(runs);
         }

@@ -44,10 +44,14 @@ pub struct RunSample<'a> {
 }
 
 impl<'a> RunSample<'a> {
-    /// Takes the first episodes of a run, when its cell has this number of runs.
-    pub(super) fn new(evaluation: &'a Evaluation, key: RunKey, runs: usize, frame: &DataFrame) -> PolarsResult<Self> {
-        let table = EpisodeTable::new(frame)?;
-        let mut sample = Self { evaluation, key, all: (0, 0), episodes: 0, failures: Vec::new(), cases: Vec::new() };
+    /// Starts without any episode.
+    pub(super) fn new(evaluation: &'a Evaluation, key: RunKey) -> Self {
+        Self { evaluation, key, all: (0, 0), episodes: 0, failures: Vec::new(), cases: Vec::new() }
+    }
+
+    /// Takes the first episodes of a run from a part of its table, when its cell has this number of runs.
+    pub(super) fn add(&mut self, part: &DataFrame, runs: usize) -> PolarsResult<()> {
+        let (table, sample) = (EpisodeTable::new(part)?, self);
         let (failures, cases) = (MOST_FAILURES.div_ceil(runs), MOST_CASES.div_ceil(runs));
         for row in table.rows().filter(|row| table.error(*row).is_none()) {
             let (episode, collision) = (table.episode(row), table.is_collision(row));
@@ -70,7 +74,7 @@ impl<'a> RunSample<'a> {
                 mode: table.driving_mode(row).unwrap_or(DrivingMode::Unknown),
             };
             let failure = Failure {
-                run: evaluation.trained.run,
+                run: sample.evaluation.trained.run,
                 episode,
                 kind,
                 impact_speed: table.impact_speed(row).unwrap_or_default(),
@@ -79,6 +83,6 @@ impl<'a> RunSample<'a> {
             };
             sample.failures.push(Sampled { failure, digest: table.digest(row).into() });
         }
-        Ok(sample)
+        Ok(())
     }
 }

@@ -6,6 +6,7 @@ use super::place::Place;
 use super::transfer::{PolicyGaps, Transfer, transfers};
 use super::tried::{KEPT, Tried};
 use super::{Figure, learning};
+use crate::record::{EpisodeTable, RunKey};
 use crate::seed::Seed;
 
 /// The evidence of a campaign's results, in addition to means.
@@ -19,12 +20,14 @@ pub struct Evidence {
     pub transfers: Vec<Transfer>,
 }
 
-/// Gathers the evidence from the episodes of a campaign, run by run in the plan's order. A run is one table, for a pedestrian in one town
-/// against one policy. The resampling depends only on the seed and the names of a place.
+/// Gathers the evidence from the episodes of a campaign, run by run in the plan's order. A run is one table or several that follow each
+/// other, for a pedestrian in one town against one policy. The resampling depends only on the seed and the names of a place.
 #[derive(Debug, Clone)]
 pub struct Gathering {
     seed: Seed,
     kept: usize,
+    /// The run of the last rows, of which more may follow.
+    last: Option<(RunKey, Tried)>,
     here: Vec<Tried>,
     gaps: PolicyGaps,
     found: Evidence,
@@ -38,10 +41,10 @@ impl Gathering {
 
     /// Starts with another number of episodes of a run that are kept one by one.
     pub(super) fn keeping(kept: usize, seed: Seed) -> Self {
-        Self { seed, kept, here: Vec::new(), gaps: PolicyGaps::default(), found: Evidence::default() }
+        Self { seed, kept, last: None, here: Vec::new(), gaps: PolicyGaps::default(), found: Evidence::default() }
     }
 
-    /// Adds all episodes of a run.
+    /// Adds the episodes of a run or of a part of it. The parts of a run follow each other.
     ///
     /// # Errors
     /// Those of polars; none for a table made by [`episodes`](crate::record::episodes).
@@ -49,16 +52,29 @@ impl Gathering {
         if run.height() == 0 {
             return Ok(());
         }
-        let tried = Tried::new(run, self.kept)?;
+        let key = EpisodeTable::new(run)?.key()?;
+        if let Some((_, tried)) = self.last.as_mut().filter(|(last, _)| *last == key) {
+            return tried.add(run);
+        }
+        self.close();
+        let mut tried = Tried::new(key.clone(), self.kept);
+        tried.add(run)?;
+        self.last = Some((key, tried));
+        Ok(())
+    }
+
+    /// Ends the run of the last rows.
+    fn close(&mut self) {
+        let Some((_, tried)) = self.last.take() else { return };
         if self.here.first().is_some_and(|first| !first.key.is_beside(&tried.key)) {
             self.found.add(std::mem::take(&mut self.here), &mut self.gaps, &self.seed);
         }
         self.here.push(tried);
-        Ok(())
     }
 
     /// The evidence of all runs.
     pub fn finish(mut self) -> Evidence {
+        self.close();
         self.found.add(self.here, &mut self.gaps, &self.seed);
         adjust(&mut self.found.comparisons);
         learning::adjust(&mut self.found.cells);

@@ -15,7 +15,7 @@ pub fn sides(first: &[DataFrame], second: &[DataFrame], seed: &Seed) -> PolarsRe
     let of_side = |name: &'static str| {
         move |run: &DataFrame| {
             // Cells of a place differ in their keys, so the driver's name tells the sides apart.
-            Tried::new(run, KEPT).map(|mut tried| {
+            Tried::of(run, KEPT).map(|mut tried| {
                 tried.key.policy = name.into();
                 tried
             })

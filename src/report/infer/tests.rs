@@ -202,6 +202,23 @@ fn other_cells_change_no_interval() {
 }
 
 #[test]
+fn parts_of_runs_give_the_bits_of_whole_runs() {
+    let runs = || {
+        vec![
+            run("trained", "r1", 0, "a", "xx..xe.x"),
+            run("trained", "r1", 1, "a", "xe.xx..."),
+            run("random", "r1", 0, "a", ".x......"),
+        ]
+    };
+    let part = |size: usize| {
+        let parts = |run: DataFrame| (0..8).step_by(size).map(move |from| run.slice(from as i64, size));
+        gather(runs().into_iter().flat_map(parts).collect())
+    };
+    assert_eq!(format!("{:?}", part(3)), format!("{:?}", gather(runs())));
+    assert_eq!(format!("{:?}", part(1)), format!("{:?}", gather(runs())));
+}
+
+#[test]
 fn what_is_not_kept_counts_in_sums_and_hardly_changes_an_interval() {
     // Both runs collide in half of the episodes, in blocks of 2 and of 3, so a third of what moves one run also moves the other.
     let word = |turn: usize, size: usize| -> String {

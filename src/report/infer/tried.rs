@@ -2,7 +2,7 @@ use polars::prelude::{DataFrame, PolarsResult};
 
 use super::Figure;
 use crate::judge::{Label, Reference};
-use crate::record::{CellKey, EpisodeTable};
+use crate::record::{CellKey, EpisodeTable, RunKey};
 use crate::seed::Seed;
 use crate::statistics::Weighted;
 
@@ -59,6 +59,8 @@ pub struct Tried {
     pub pet: Vec<f64>,
     /// The collisions that each reference driver avoids.
     pub avoided: [Weighted; Reference::COUNT],
+    /// The greatest number of episodes that are kept one by one.
+    most: usize,
     /// The number of episodes, errors included.
     size: usize,
     /// The number of episodes with each flag, over all episodes.
@@ -76,24 +78,43 @@ impl Tried {
     ///
     /// # Errors
     /// Those of polars; none for a table made by [`episodes`](crate::record::episodes).
-    pub fn new(run: &DataFrame, kept: usize) -> PolarsResult<Self> {
-        let table = EpisodeTable::new(run)?;
-        let key = table.key()?;
-        let size = table.rows().map(|row| table.episode(row) as usize + 1).max().unwrap_or(0);
-        let mut flags = vec![0; size.min(kept)];
-        let mut tried = Self {
+    pub fn of(run: &DataFrame, kept: usize) -> PolarsResult<Self> {
+        let mut tried = Self::new(EpisodeTable::new(run)?.key()?, kept);
+        tried.add(run)?;
+        Ok(tried)
+    }
+
+    /// Starts without any episode, and will keep those with numbers below a limit.
+    pub fn new(key: RunKey, kept: usize) -> Self {
+        Self {
             key: key.cell,
             run: key.run,
             impact_speeds: Vec::new(),
             min_ttc: Vec::new(),
             pet: Vec::new(),
             avoided: Default::default(),
-            size,
+            most: kept,
+            size: 0,
             counts: Default::default(),
             flags: Vec::new(),
-            quantities: std::array::from_fn(|_| Quantity { sum: -0.0, kept: vec![0.0; size.min(kept)] }),
+            quantities: std::array::from_fn(|_| Quantity { sum: -0.0, kept: Vec::new() }),
             weights: Vec::new(),
-        };
+        }
+    }
+
+    /// Adds episodes: a part of the table of the run.
+    ///
+    /// # Errors
+    /// As [`Tried::of`].
+    pub fn add(&mut self, part: &DataFrame) -> PolarsResult<()> {
+        let (table, tried) = (EpisodeTable::new(part)?, self);
+        tried.size = table.rows().map(|row| table.episode(row) as usize + 1).max().unwrap_or(0).max(tried.size);
+        let (kept, here) = (tried.most, tried.size.min(tried.most));
+        tried.flags.resize(here, 0);
+        tried.quantities.iter_mut().for_each(|quantity| quantity.kept.resize(here, 0.0));
+        if !tried.weights.is_empty() {
+            tried.weights.resize(here, 1.0);
+        }
         for row in table.rows().filter(|row| table.error(*row).is_none()) {
             let episode = table.episode(row) as usize;
             let collision = table.is_collision(row);
@@ -119,9 +140,9 @@ impl Tried {
             if episode >= kept {
                 continue;
             }
-            flags[episode] = known;
+            tried.flags[episode] = known;
             if weight != 1.0 && tried.weights.is_empty() {
-                tried.weights = vec![1.0; flags.len()];
+                tried.weights = vec![1.0; here];
             }
             if let Some(kept) = tried.weights.get_mut(episode) {
                 *kept = weight;
@@ -134,10 +155,9 @@ impl Tried {
             }
         }
         for (avoided, reference) in tried.avoided.iter_mut().zip(Reference::ALL) {
-            *avoided = table.avoided(reference)?;
+            table.avoided(reference)?.for_each(|row| avoided.include(table.weight(row)));
         }
-        tried.flags = flags;
-        Ok(tried)
+        Ok(())
     }
 
     /// Episodes that the driver drove to their end.

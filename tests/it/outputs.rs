@@ -1,0 +1,140 @@
+//! Outputs that cannot be written are errors with their cause; inputs without an end are refused; nothing else on the disk is replaced.
+#![cfg(target_os = "linux")]
+
+use std::fs;
+use std::os::unix::fs::FileTypeExt;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+use crate::program::{command, error, falsify, said};
+
+/// A campaign with a collision that is found in a moment.
+const SCENARIO: &str = r#"
+edition 1
+import "std/paper.scn"
+import "std/drivers.scn"
+import "std/towns.scn"
+campaign cut {
+  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds
+  evaluate { towns: [village] policies: [blind] pedestrians: [random] episodes: 8 }
+}
+"#;
+
+/// A folder with the campaign and its report, `out/cut`.
+fn place() -> tempfile::TempDir {
+    let place = tempfile::tempdir().unwrap();
+    fs::write(place.path().join("cut.scn"), SCENARIO).unwrap();
+    let output = falsify(&["run", "cut.scn", "--out", "out", "--threads", "1"], place.path());
+    assert!(output.status.success(), "{output:?}");
+    place
+}
+
+/// The name of a failure of the report.
+fn failure(place: &Path) -> String {
+    let names = said(&falsify(&["failures", "out/cut", "--names"], place));
+    let (_, name) = names.lines().next().unwrap().rsplit_once('/').unwrap();
+    name.to_owned()
+}
+
+/// Runs `falsify` with its output on a device that is always full.
+fn to_full(arguments: &[&str], folder: &Path) -> Output {
+    let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    command().args(arguments).current_dir(folder).stdout(full).output().unwrap()
+}
+
+#[test]
+fn a_full_output_is_an_error_of_every_command_that_prints() {
+    let place = place();
+    let name = failure(place.path());
+    fs::write(place.path().join("wrong.scn"), "edition 1\nreward r { on hit => x }\n").unwrap();
+    for arguments in [
+        &["failures", "out/cut"][..],
+        &["failures", "out/cut", "--format", "json"],
+        &["failures", "out/cut", "--format", "csv"],
+        &["failures", "out/cut", "--names"],
+        &["compare", "out/cut", "out/cut"],
+        &["compare", "out/cut", "out/cut", "--format", "json"],
+        &["replay", &name, "--report", "out/cut"],
+        &["replay", &name, "--report", "out/cut", "--json"],
+        &["status", "out"],
+        &["export", "--formats"],
+        &["explain", "state"],
+        &["completions", "bash"],
+        &["check", "cut.scn", "--sample", "10", "--format", "json"],
+    ] {
+        let output = to_full(arguments, place.path());
+        assert_eq!(output.status.code(), Some(6), "{arguments:?}: {output:?}");
+        assert!(error(&output).contains("the output cannot be written"), "{arguments:?}: {}", error(&output));
+    }
+    // The mistakes of a file are the worse news.
+    let output = to_full(&["check", "wrong.scn", "--format", "json"], place.path());
+    assert_eq!(output.status.code(), Some(3), "{output:?}");
+}
+
+#[test]
+fn a_device_is_written_to_and_a_file_is_no_folder() {
+    let place = place();
+    let name = failure(place.path());
+    let device = |path: &str| fs::metadata(path).unwrap().file_type().is_char_device();
+    let written = falsify(&["compare", "out/cut", "out/cut", "--page", "/dev/null"], place.path());
+    assert!(written.status.success() && device("/dev/null"), "{written:?}");
+    let full = falsify(&["compare", "out/cut", "out/cut", "--page", "/dev/full"], place.path());
+    assert_eq!(full.status.code(), Some(6), "{full:?}");
+    assert!(device("/dev/full") && error(&full).contains("No space left"), "{}", error(&full));
+    for arguments in [
+        &["export", &name, "--report", "out/cut", "--as", "xosc-1.3", "--out", "cut.scn"][..],
+        &["preview", "cut.scn", "--once", "--out", "cut.scn"],
+        &["map", "cut.scn", "--out", "cut.scn"],
+        &["compare", "out/cut", "out/cut", "--page", "cut.scn/page.html"],
+    ] {
+        let output = falsify(arguments, place.path());
+        assert_eq!(output.status.code(), Some(6), "{arguments:?}: {output:?}");
+        assert!(error(&output).contains("`cut.scn` is no folder"), "{arguments:?}: {}", error(&output));
+    }
+    assert_eq!(fs::read_to_string(place.path().join("cut.scn")).unwrap(), SCENARIO);
+}
+
+#[test]
+fn a_new_scenario_that_cannot_be_written_leaves_nothing() {
+    let place = tempfile::tempdir().unwrap();
+    let mut shell = Command::new("sh");
+    shell.args(["-c", "trap '' XFSZ; ulimit -f 1; exec \"$0\" new a.scn --template own-driver"]);
+    let output = shell.arg(env!("CARGO_BIN_EXE_falsify")).current_dir(place.path()).output().unwrap();
+    assert_eq!(output.status.code(), Some(6), "{output:?}");
+    assert!(error(&output).contains("cannot write `a.scn`"), "{}", error(&output));
+    assert_eq!(fs::read_dir(place.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn an_input_without_an_end_is_refused() {
+    let place = tempfile::tempdir().unwrap();
+    for (arguments, code) in [(&["check", "-"][..], 2), (&["fmt", "--stdin"], 2), (&["replay", "-"], 2)] {
+        let zeros = fs::File::open("/dev/zero").unwrap();
+        let output = command().args(arguments).current_dir(place.path()).stdin(zeros).output().unwrap();
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {output:?}");
+        assert!(error(&output).contains("it has more than 256 MiB"), "{arguments:?}: {}", error(&output));
+    }
+    let line = place.path().join("line");
+    fs::write(&line, vec![0; 1 << 20]).unwrap();
+    let input = fs::File::open(&line).unwrap();
+    let output = command().args(["replay", "-"]).current_dir(place.path()).stdin(input).output().unwrap();
+    assert_eq!(output.status.code(), Some(2), "{:?}", output.status);
+    assert!(error(&output).contains("line 1 of the input") && error(&output).len() < 1000, "{}", error(&output).len());
+}
+
+#[test]
+fn a_reader_that_has_enough_ends_a_list_of_repetitions() {
+    let place = place();
+    let name = failure(place.path());
+    let names = format!("{name}\n").repeat(100_000);
+    fs::write(place.path().join("names"), names).unwrap();
+    let mut child = command()
+        .args(["replay", "-", "--report", "out/cut"])
+        .current_dir(place.path())
+        .stdin(fs::File::open(place.path().join("names")).unwrap())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    assert!(child.wait().unwrap().success());
+}
