@@ -167,7 +167,7 @@ impl Layout {
                 }
                 let needed = self.half_width(design, &legs[0]) + BEND_MARGIN;
                 let tight = joint == Joint::Bend && design.bend_radius < needed;
-                tight.then(|| DesignError::TightBend { node, street: streets.0, radius: design.bend_radius, needed })
+                tight.then_some(DesignError::TightBend { node, street: streets.0, radius: design.bend_radius, needed })
             }
             Joint::Junction => legs.iter().enumerate().find_map(|(index, leg)| {
                 let others =

@@ -25,10 +25,11 @@ pub(super) fn lane_pairs(lanes: u32, exits: &[Exit]) -> Vec<Vec<(u32, u32)>> {
         (numbered().any(|(index, exit)| is_left(index, exit)), numbered().any(|(index, exit)| !is_left(index, exit)));
     // Lanes that have no lane straight on.
     let surplus = straight.map_or(0, |straight| lanes.saturating_sub(exits[straight].lanes));
+    let none = std::ops::RangeInclusive::new(1, 0);
     // The last lane that turns left, the first one that turns right, and the lanes that lead straight on.
     let (left, right, on) = match (straight, has_left, has_right) {
-        (None, true, true) => (lanes.div_euclid(2).max(1), lanes.div_euclid(2) + 1, 1..=0),
-        (None, _, _) => (lanes, 1, 1..=0),
+        (None, true, true) => (lanes.div_euclid(2).max(1), lanes.div_euclid(2) + 1, none),
+        (None, _, _) => (lanes, 1, none),
         (Some(_), true, _) => (surplus.max(1), lanes, surplus + 1..=lanes),
         (Some(_), false, true) => (0, (lanes - surplus + 1).min(lanes), 1..=lanes - surplus),
         (Some(_), false, false) => (0, lanes + 1, 1..=lanes),
