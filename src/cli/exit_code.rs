@@ -25,6 +25,40 @@ pub enum ExitCode {
     Interrupted = 130,
 }
 
+impl ExitCode {
+    /// All of them, in order.
+    pub const ALL: [Self; 11] = [
+        Self::Done,
+        Self::Internal,
+        Self::Usage,
+        Self::Scenario,
+        Self::Nothing,
+        Self::RunFailed,
+        Self::WriteFailed,
+        Self::GateFailed,
+        Self::Differs,
+        Self::Incomplete,
+        Self::Interrupted,
+    ];
+
+    /// Its meaning, for the reference.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Self::Done => "done",
+            Self::Internal => "internal error: a bug of `falsify`",
+            Self::Usage => "wrong usage, or a missing file",
+            Self::Scenario => "errors in a scenario",
+            Self::Nothing => "nothing to run",
+            Self::RunFailed => "a training failed, a driver failed as a program, or a reward was not a number",
+            Self::WriteFailed => "a file cannot be written",
+            Self::GateFailed => "a `--fail-if` condition is true",
+            Self::Differs => "a repeated episode or training came out differently",
+            Self::Incomplete => "work to merge is missing",
+            Self::Interrupted => "interrupted by Ctrl-C or SIGTERM",
+        }
+    }
+}
+
 impl From<ExitCode> for std::process::ExitCode {
     fn from(code: ExitCode) -> Self {
         Self::from(code as u8)

@@ -46,6 +46,7 @@ pub use args::Arguments;
 pub use exit_code::ExitCode;
 #[cfg(any(fuzzing, test))]
 pub use settings::is_read as settings_are_read;
+pub use settings::settings;
 
 use clap::{ArgMatches, Command, CommandFactory, FromArgMatches};
 

@@ -68,6 +68,11 @@ pub fn options() -> Vec<Arg> {
     KEYS.into_iter().map(|(key, _)| option(key).expect("each setting is an option of `run`")).collect()
 }
 
+/// The settings for the reference: the name, the variable of the environment, and the option of `falsify run`.
+pub fn settings() -> Vec<(&'static str, Option<&'static str>, Arg)> {
+    KEYS.into_iter().zip(options()).map(|((key, variable), option)| (key, variable, option)).collect()
+}
+
 /// Finds the file in a folder or the nearest one above it, and reads it; none when there is no such file.
 ///
 /// # Errors

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::{Command, CommandFactory};
-use falsify::internal::cli::Arguments;
+use falsify::internal::cli::{Arguments, ExitCode, settings};
 use falsify::internal::compile::{Catalog, compile};
 use falsify::internal::diagnostic::Sources;
 
@@ -212,4 +212,50 @@ fn the_page_of_options_is_that_of_the_program() {
     }
     let written = std::fs::read_to_string(&place).unwrap_or_default();
     assert!(written == page, "docs/src/reference/options.md is outdated; run this test with UPDATE_REFERENCE=1");
+}
+
+/// Compares the table of a page that starts with this line with that of the program. The text around it is written by hand.
+#[track_caller]
+fn table_is_that_of_the_program(page: &str, head: &str, rows: &[String]) {
+    let place = source().join(page);
+    let text = std::fs::read_to_string(&place).unwrap();
+    let start = text.find(head).unwrap_or_else(|| panic!("{page} has no table `{head}`"));
+    let length: usize =
+        text[start..].split_inclusive('\n').take_while(|line| line.starts_with('|')).map(str::len).sum();
+    let columns = head.matches('|').count() - 1;
+    let table = format!("{head}\n|{}\n{}\n", "---|".repeat(columns), rows.join("\n"));
+    if std::env::var_os("UPDATE_REFERENCE").is_some() {
+        std::fs::write(&place, format!("{}{table}{}", &text[..start], &text[start + length..])).unwrap();
+    } else {
+        assert!(text[start..start + length] == table, "{page} is outdated; run this test with UPDATE_REFERENCE=1");
+    }
+}
+
+#[test]
+fn the_page_of_exit_codes_is_that_of_the_program() {
+    let row = |code: &ExitCode| format!("| {} | {} |", *code as u8, code.meaning());
+    let rows: Vec<String> = ExitCode::ALL.iter().map(row).collect();
+    table_is_that_of_the_program("reference/exit-codes.md", "| code | meaning |", &rows);
+    // The help has the same codes.
+    let help = Arguments::command().get_after_help().unwrap().to_string();
+    let (_, listed) = help.split_once("Exit codes:").unwrap();
+    let numbers: Vec<u8> = listed.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+    assert_eq!(numbers, ExitCode::ALL.map(|code| code as u8));
+}
+
+#[test]
+fn the_page_of_settings_is_that_of_the_program() {
+    let row = |(name, variable, option): (&str, Option<&str>, clap::Arg)| {
+        let help = option.get_help().map(ToString::to_string).unwrap_or_default();
+        let help = help.split_whitespace().collect::<Vec<_>>().join(" ").replace('|', "\\|").replace('<', "&lt;");
+        let possible: Vec<String> =
+            option.get_possible_values().iter().map(|value| format!("`{}`", value.get_name())).collect();
+        let help = if possible.is_empty() { help } else { format!("{help}: {}", possible.join(", ")) };
+        let values = option.get_default_values().iter().map(|value| format!("`{}`", value.to_string_lossy()));
+        let (variable, values) =
+            (variable.map_or(String::new(), |name| format!("`{name}`")), values.collect::<Vec<_>>());
+        format!("| `{name}` | {variable} | {help} | {} |", values.join(", "))
+    };
+    let rows: Vec<String> = settings().into_iter().map(row).collect();
+    table_is_that_of_the_program("reference/settings.md", "| setting | variable | meaning | default |", &rows);
 }
