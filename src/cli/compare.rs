@@ -82,7 +82,7 @@ pub fn compare(options: &CompareOptions) -> ExitCode {
         Err(error) => return failure::failed(&error),
     };
     match options.format {
-        Form::Text => console::say(report::comparison_for_terminal(&comparison, SHOWN).trim_end()),
+        Form::Text => console::say(report::comparison_for_terminal(&comparison, SHOWN, console::width()).trim_end()),
         Form::Json => console::say(&as_json(&comparison).to_string()),
     }
     if let Some(path) = &options.page

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use anstyle::{AnsiColor, Style};
 use serde::Serialize;
+use terminal_size::{Width, terminal_size_of};
 
 use crate::diagnostic::{Colour, Diagnostic, Label, Sources, render};
 
@@ -14,11 +15,21 @@ const WARNING: Style = AnsiColor::Yellow.on_default().bold();
 /// The most diagnostics that are shown at once.
 const SHOWN: usize = 50;
 
+/// The width of text that goes to no terminal, such as a file (columns).
+const WIDTH: u16 = 80;
+
 /// Whether a line of the output could not be written.
 static LOST: AtomicBool = AtomicBool::new(false);
 
 /// Whether the reader of the output has closed it.
 static CLOSED: AtomicBool = AtomicBool::new(false);
+
+/// The width of the terminal that the output goes to (columns); 80 if it goes elsewhere.
+pub fn width() -> u16 {
+    let size = terminal_size_of(std::io::stdout());
+    // Some terminals state a width of 0.
+    size.map(|(Width(width), _)| width).filter(|width| *width > 0).unwrap_or(WIDTH)
+}
 
 /// Writes a line to the error stream. A failure of this cannot be reported, and does not end the command.
 pub fn note(line: &str) {
@@ -95,10 +106,7 @@ fn joined(diagnostics: &[Diagnostic]) -> Vec<Diagnostic> {
     joined
 }
 
-/// The width of text for people (columns).
-const WIDTH: usize = 80;
-
-/// Breaks long lines between words. Lines that continue one are indented as it is, and by two columns more.
+/// Breaks long lines between words, at 80 columns. Lines that continue one are indented as it is, and by two columns more.
 pub fn wrapped(text: &str) -> String {
     let mut all = String::new();
     for line in text.lines() {
@@ -109,7 +117,7 @@ pub fn wrapped(text: &str) -> String {
             if column == 0 {
                 all.push_str(&line[..indent]);
                 column = indent;
-            } else if column + 1 + width > WIDTH {
+            } else if column + 1 + width > usize::from(WIDTH) {
                 all.push('\n');
                 all.push_str(&" ".repeat(indent + 2));
                 column = indent + 2;

@@ -139,7 +139,7 @@ fn tell(listed: &[(PathBuf, ListedFailure)], all: usize) {
     let Some((folder, first)) = listed.first() else {
         return console::say("no failure");
     };
-    console::say(report::failures_for_terminal(listed).trim_end());
+    console::say(report::failures_for_terminal(listed, console::width()).trim_end());
     if listed.len() < all {
         console::say(&format!("{} of {all} failures; --top N shows more", listed.len()));
     }

@@ -57,7 +57,7 @@ impl GateOptions {
             let options = CompareOptions { reports: [before, report.folder.clone()], drivers: None };
             match session(false).compare(&options) {
                 Ok(comparison) => {
-                    let text = report::comparison_for_terminal(&comparison, compare::SHOWN);
+                    let text = report::comparison_for_terminal(&comparison, compare::SHOWN, console::width());
                     match output {
                         Output::Human => console::say(text.trim_end()),
                         // The output has events only.

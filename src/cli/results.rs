@@ -10,10 +10,15 @@ use crate::session::{CampaignReport, OverviewFiles};
 pub fn show(report: &CampaignReport) {
     let CampaignReport { folder, manifest, cells, drivers, searches, protocol: (nominal, layers), .. } = report;
     console::say(&format!("campaign {}", manifest.campaign));
-    let searched = if searches.is_empty() { String::new() } else { report::searches_for_terminal(searches) };
-    let protocol = report::protocol_for_terminal(nominal, layers);
-    for text in [report::results_for_terminal(cells), protocol, searched, report::drivers_for_terminal(drivers, cells)]
-    {
+    let width = console::width();
+    let searched = if searches.is_empty() { String::new() } else { report::searches_for_terminal(searches, width) };
+    let protocol = report::protocol_for_terminal(nominal, layers, width);
+    for text in [
+        report::results_for_terminal(cells, width),
+        protocol,
+        searched,
+        report::drivers_for_terminal(drivers, cells, width),
+    ] {
         if !text.is_empty() {
             console::say(&format!("{}\n", text.trim_end()));
         }

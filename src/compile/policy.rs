@@ -12,6 +12,7 @@ use crate::av::lav::Lav;
 use crate::av::sensors::SensorWrapper;
 use crate::av::{ActuationDelay, Aeb, Cruise, Idm, OracleBrake, Predictive, RssGuarded};
 use crate::env::PolicyMaker;
+use crate::lang::diagnostics;
 use crate::lang::hir::Declaration;
 use crate::signature::{Form, Signature};
 
@@ -54,6 +55,9 @@ pub fn lower(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<P
     }
     if !arguments.has("sensors") {
         return Some(make);
+    }
+    if declaration.kind == Cruise::KIND {
+        lowering.said.push(diagnostics::sensors_without_effect(declaration.block.place("sensors"), declaration.kind));
     }
     let sensors = lowering.program.get(arguments.reference("sensors"));
     let model = Arc::new(sensors::lower(&sensors.block));

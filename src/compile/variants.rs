@@ -35,8 +35,9 @@ pub(super) fn understand(
     diagnostics.extend(lang::apply(settings, &mut loaded));
     // Settings may have kinds, too.
     lang::declare_inline(&mut loaded, &catalog.forms, sources);
-    let (matrices, said) = lang::matrices(&mut loaded, &catalog.forms, settings, sources);
+    let (mut matrices, said) = lang::matrices(&mut loaded, &catalog.forms, settings, sources);
     diagnostics.extend(said);
+    lang::declare_inline_axes(&mut matrices, &mut loaded, &catalog.forms, sources);
     let variants = variants(&loaded, &matrices, catalog, sources, &mut diagnostics);
     (variants, diagnostics)
 }

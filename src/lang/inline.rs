@@ -1,11 +1,11 @@
-//! Kinds with their keys in place of a name: `policies: [idm(time_headway: 1 s)]`.
+//! Kinds with their keys in place of a name: `policies: [idm(time_headway: 1 s)]`, also as values of a `matrix`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use super::Loaded;
-use super::ast::{Declaration, Entry, Expression, ExpressionKind, Name, Property};
+use super::ast::{Declaration, Entry, Expression, ExpressionKind, File, Name, Property};
 use super::suggest::nearest;
+use super::{Loaded, Matrix};
 use crate::diagnostic::{Sources, Span};
 use crate::signature::{Form, Signature, Type};
 
@@ -17,13 +17,9 @@ const LONGEST: usize = 40;
 ///
 /// A call again finds only what has been written since, such as settings from outside.
 pub fn declare_inline(loaded: &mut Loaded, forms: &[Form], sources: &Sources) {
-    let declared = |each: &Arc<Declaration>| Some((each.form.text.clone(), each.name.as_ref()?.text.clone()));
-    let taken = loaded.files.iter().flat_map(|file| &file.declarations).filter_map(declared).collect();
-    let mut inline = Inline { forms, sources, taken, known: BTreeMap::new(), made: Vec::new(), first: 0 };
+    let mut inline = Inline::new(loaded, forms, sources);
     for file in &mut loaded.files {
-        inline.first = file.declarations.len();
-        let known = file.declarations.iter().enumerate().filter(|(_, each)| each.is_inline);
-        inline.known = known.filter_map(|(place, each)| Some((inline.key(each)?, place))).collect();
+        inline.begin(file);
         for declaration in &mut file.declarations {
             if mentions_kinds(&declaration.entries) {
                 inline.declaration(Arc::make_mut(declaration));
@@ -32,6 +28,27 @@ pub fn declare_inline(loaded: &mut Loaded, forms: &[Form], sources: &Sources) {
         for param in &mut file.params {
             if let Some(form) = forms.iter().find(|form| form.name == param.ty.text) {
                 inline.value(&mut param.value, &Type::Reference(form.name));
+            }
+        }
+        file.declarations.extend(inline.made.drain(..).map(Arc::new));
+    }
+}
+
+/// Makes a declaration of each kind that is a value of a matrix, as [`declare_inline`]. It is appended to the file of the matrix. All combinations have all
+/// of them, so what is checked of one combination is true of the others.
+pub fn declare_inline_axes(matrices: &mut [Matrix], loaded: &mut Loaded, forms: &[Form], sources: &Sources) {
+    let params = loaded.files.iter().flat_map(|file| &file.params);
+    let form = |ty: &str| forms.iter().find(|form| form.name == ty).map(|form| form.name);
+    let types: BTreeMap<String, Type> =
+        params.filter_map(|param| Some((param.name.text.clone(), Type::Reference(form(&param.ty.text)?)))).collect();
+    let mut inline = Inline::new(loaded, forms, sources);
+    for matrix in matrices {
+        let place = loaded.files.binary_search_by_key(&matrix.declaration.0, |file| file.source);
+        let file = &mut loaded.files[place.expect("the file of the matrix is loaded")];
+        inline.begin(file);
+        for setting in matrix.combinations.iter_mut().flatten() {
+            if let Some(ty) = types.get(&setting.path[0].text) {
+                inline.value(&mut setting.value, ty);
             }
         }
         file.declarations.extend(inline.made.drain(..).map(Arc::new));
@@ -66,7 +83,20 @@ struct Inline<'a> {
     first: usize,
 }
 
-impl Inline<'_> {
+impl<'a> Inline<'a> {
+    fn new(loaded: &Loaded, forms: &'a [Form], sources: &'a Sources) -> Self {
+        let declared = |each: &Arc<Declaration>| Some((each.form.text.clone(), each.name.as_ref()?.text.clone()));
+        let taken = loaded.files.iter().flat_map(|file| &file.declarations).filter_map(declared).collect();
+        Self { forms, sources, taken, known: BTreeMap::new(), made: Vec::new(), first: 0 }
+    }
+
+    /// Turns to a file, whose declarations in place of names are known.
+    fn begin(&mut self, file: &File) {
+        self.first = file.declarations.len();
+        let known = file.declarations.iter().enumerate().filter(|(_, each)| each.is_inline);
+        self.known = known.filter_map(|(place, each)| Some((self.key(each)?, place))).collect();
+    }
+
     fn declaration(&mut self, declaration: &mut Declaration) {
         let Some(form) = self.forms.iter().find(|form| form.name == declaration.form.text) else { return };
         let kind = declaration.kind.as_ref();

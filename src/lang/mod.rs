@@ -36,7 +36,7 @@ mod inline;
 pub use check::{Checked, check, once};
 pub use format::format;
 pub use formula::functions;
-pub use inline::declare_inline;
+pub use inline::{declare_inline, declare_inline_axes};
 pub use load::{Loaded, Reader, Unreadable, load, reason};
 pub use outline::outline;
 pub use params::{DIMENSIONS, OTHER_TYPES};

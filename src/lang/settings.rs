@@ -267,7 +267,7 @@ fn axes_of<'a>(
                 None => {
                     let mut said: BTreeMap<String, Span> = BTreeMap::new();
                     for member in members(property) {
-                        let value = in_si(member).unwrap_or_else(|| sources.plain_text(member.span));
+                        let value = in_si(member).unwrap_or_else(|| text_of(member, sources));
                         if let Some(first) = said.insert(value, member.span) {
                             diagnostics.push(diagnostics::repeated_member(
                                 member.span,
@@ -289,6 +289,15 @@ fn axes_of<'a>(
                 diagnostics.push(diagnostics::unknown_block(child.form.span, MATRIX, &child.form.text, &[], &[]));
             }
         }
+    }
+}
+
+/// The text by which two values of an axis are equal: a kind with its keys is the same with other blanks.
+fn text_of(value: &Expression, sources: &Sources) -> String {
+    let text = sources.plain_text(value.span);
+    match value.kind {
+        ExpressionKind::Call { .. } => text.split_whitespace().collect(),
+        _ => text.to_string(),
     }
 }
 

@@ -78,6 +78,37 @@ fn a_growing_curve_has_the_rows_of_the_report_after_any_interruption_and_on_any_
 }
 
 #[test]
+fn status_has_the_newest_update_of_a_training_under_way() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    write(here, &SCENARIO.replace("steps: 240", "steps: 100_000_000").replace("runs: 2", "runs: 1"));
+    let mut child = command();
+    child.args(["run", "curves.scn", "-j", "1", "--checkpoint", "0.001"]).current_dir(here);
+    let mut child = child.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let status = |more: &[&str]| said(&falsify(&[&["status"], more].concat(), here));
+    let since = Instant::now();
+    let (text, json) = loop {
+        let text = status(&[]);
+        if text.contains("mean reward") || since.elapsed() > Duration::from_secs(120) {
+            break (text, status(&["--format", "json"]));
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    };
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let under_way = text.lines().find(|line| line.contains("under way: train r1 in harbour against blind, run 0"));
+    assert!(under_way.is_some_and(|line| line.contains("mean reward") && line.contains("% hit")), "{text}");
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let newest = &json["learning"][0];
+    assert_eq!(newest["training"], "r1 in harbour against blind, run 0");
+    // The reward is 1 for a hit and 0 otherwise.
+    assert!(newest["mean_reward"].is_f64() && newest["mean_reward"] == newest["collision_rate"], "{newest}");
+    assert_eq!(newest["steps"].as_u64().unwrap(), 20 * newest["updates"].as_u64().unwrap());
+    // No process works on it any more.
+    assert!(!status(&[]).contains("mean reward"));
+}
+
+#[test]
 fn events_of_a_training_end_with_its_last_row_and_a_curve_that_cannot_be_written_is_a_warning() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();

@@ -29,6 +29,13 @@ pub fn nothing_to_compare(span: Span) -> Diagnostic {
         .here("they belong to rewards, and this campaign trains no pedestrian for a reward")
 }
 
+/// A driver that perceives no actors has sensors.
+pub fn sensors_without_effect(span: Span, kind: &str) -> Diagnostic {
+    Diagnostic::warning("unused", span, "these sensors have no effect")
+        .here(format!("`{kind}` perceives no actors"))
+        .help("remove the key, or use a driver that perceives actors, such as `idm`")
+}
+
 /// A value lies above one that it must not exceed.
 pub fn not_rising(span: Span, low: &str, high: &str, other: Option<Span>) -> Diagnostic {
     let diagnostic = contradiction(span, format!("`{low}` is more than `{high}`"));

@@ -9,21 +9,21 @@ use crate::report::{
 /// Most kinds that a terminal shows.
 const KINDS: usize = 12;
 
-/// The text for a terminal. `shown` is the number of failures in each list.
-pub fn comparison_for_terminal(comparison: &ReportComparison, shown: usize) -> String {
+/// The text for a terminal of this width (columns). `shown` is the number of failures in each list.
+pub fn comparison_for_terminal(comparison: &ReportComparison, shown: usize, width: u16) -> String {
     let [before, after] = &comparison.folders;
     let mut text = format!("before  {}\nafter   {}\n", before.display(), after.display());
     comparison.caveats.iter().for_each(|caveat| text.push_str(&format!("note    {caveat}\n")));
     for cell in &comparison.cells {
         text.push_str(&format!("\n{}: {} common starts\n", title(cell), cell.starts));
         if !cell.figures.is_empty() {
-            text.push_str(&rates(cell).to_terminal());
+            text.push_str(&rates(cell).to_terminal(width));
         }
     }
     text.push_str(&format!("\n{}\n", headline(comparison)));
     if !comparison.changes.is_empty() {
-        text.push_str(&counts(comparison, "verdict", usize::MAX).to_terminal());
-        text.push_str(&counts(comparison, "kind", KINDS).to_terminal());
+        text.push_str(&counts(comparison, "verdict", usize::MAX).to_terminal(width));
+        text.push_str(&counts(comparison, "kind", KINDS).to_terminal(width));
     }
     for word in ["new", "fixed", "same"] {
         let all = changes(comparison, word);
@@ -31,7 +31,7 @@ pub fn comparison_for_terminal(comparison: &ReportComparison, shown: usize) -> S
             continue;
         }
         text.push_str(&format!("\n{word}: {}, the worst first\n", all.len()));
-        text.push_str(&list(&all[..all.len().min(shown)]).to_terminal());
+        text.push_str(&list(&all[..all.len().min(shown)]).to_terminal(width));
     }
     if !comparison.searches.is_empty() {
         text.push_str("\nsearches: starts from which an attributable failure was found\n");

@@ -40,7 +40,7 @@ pub fn overview_page(overview: &Overview<'_>, version: &str) -> String {
 
 /// The overview for a terminal.
 pub fn overview_for_terminal(overview: &Overview<'_>) -> String {
-    table(overview).to_terminal()
+    table(overview).to_terminal(80)
 }
 
 fn reports(overview: &Overview<'_>) -> usize {

@@ -4,7 +4,7 @@ use crate::report::ListedFailure;
 use crate::report::render::table::{Column, Table, Value};
 
 /// Failures with the folders of their reports as text for a terminal. When all are of one report, rows have names without its folder.
-pub fn failures_for_terminal(failures: &[(PathBuf, ListedFailure)]) -> String {
+pub fn failures_for_terminal(failures: &[(PathBuf, ListedFailure)], width: u16) -> String {
     let one = failures.iter().all(|(report, _)| *report == failures[0].0);
     let row = |(report, failure): &(PathBuf, ListedFailure)| {
         let name = failure.name();
@@ -27,7 +27,7 @@ pub fn failures_for_terminal(failures: &[(PathBuf, ListedFailure)]) -> String {
         Column::text("town"),
         Column::text("kind"),
     ];
-    Table { head, rows: failures.iter().map(row).collect(), ..Table::default() }.to_terminal()
+    Table { head, rows: failures.iter().map(row).collect(), ..Table::default() }.to_terminal(width)
 }
 
 /// The controller, with its reward if it was trained for one.

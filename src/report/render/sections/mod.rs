@@ -31,30 +31,30 @@ pub use transfer::transfer;
 use super::table::{Section, Table};
 use crate::report::{Cell, Doubt, DriverResult, Evidence, ProtocolCell, SearchCell};
 
-/// The rates of a campaign's controllers as text for a terminal; empty without cells.
-pub fn results_for_terminal(cells: &[Cell]) -> String {
-    if cells.is_empty() { String::new() } else { results::rates(cells).to_terminal() }
+/// The rates of a campaign's controllers as text for a terminal of this width (columns); empty without cells.
+pub fn results_for_terminal(cells: &[Cell], width: u16) -> String {
+    if cells.is_empty() { String::new() } else { results::rates(cells).to_terminal(width) }
 }
 
-/// What was found about each driver as text for a terminal.
-pub fn drivers_for_terminal(results: &[DriverResult], cells: &[Cell]) -> String {
+/// What was found about each driver as text for a terminal of this width (columns).
+pub fn drivers_for_terminal(results: &[DriverResult], cells: &[Cell], width: u16) -> String {
     let section = drivers(results, cells, |_| None);
     let text = |table: Table| {
         let title = if table.title.is_empty() { String::new() } else { format!("{}\n", table.title) };
-        format!("{title}{}", table.to_terminal())
+        format!("{title}{}", table.to_terminal(width))
     };
     section.into_iter().flat_map(|section| section.tables).map(text).collect()
 }
 
-/// The results in the tests of a protocol as text for a terminal; empty without a test.
-pub fn protocol_for_terminal(cells: &[ProtocolCell], layers: &[ProtocolCell]) -> String {
+/// The results in the tests of a protocol as text for a terminal of this width (columns); empty without a test.
+pub fn protocol_for_terminal(cells: &[ProtocolCell], layers: &[ProtocolCell], width: u16) -> String {
     let tables = protocol(cells, layers).map_or_else(Vec::new, |section| section.tables);
-    tables.iter().map(|table| format!("{}\n{}", table.title, table.to_terminal())).collect()
+    tables.iter().map(|table| format!("{}\n{}", table.title, table.to_terminal(width))).collect()
 }
 
-/// The comparison of falsifiers as text for a terminal.
-pub fn searches_for_terminal(cells: &[SearchCell]) -> String {
-    search_section(cells).tables.iter().map(Table::to_terminal).collect()
+/// The comparison of falsifiers as text for a terminal of this width (columns).
+pub fn searches_for_terminal(cells: &[SearchCell], width: u16) -> String {
+    search_section(cells).tables.iter().map(|table| table.to_terminal(width)).collect()
 }
 
 /// The conclusions from the cells, one section each.

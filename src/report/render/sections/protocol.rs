@@ -55,7 +55,7 @@ fn of_test(test: &str, cells: &[&ProtocolCell]) -> Table {
         let limit = if coloured || limit <= 0.0 { String::new() } else { format!(" (≤ {limit:.0})") };
         Column::number(format!("{:.0} km/h{limit}", speed * 3.6))
     };
-    let mut head = vec![Column::text("driver"), Column::number("overlap")];
+    let mut head = vec![Column::text("driver"), Column::number("overlap").key()];
     head.extend(speeds.iter().map(title));
     head.extend(coloured.then(|| Column::number("score")));
     head.push(Column::number("passed"));
@@ -216,7 +216,7 @@ fn of_driver(driver: &str, of: &[&Layered<'_>]) -> Table {
             keys.push(key);
         }
     }
-    let mut head = vec![Column::text("test"), Column::number("overlap")];
+    let mut head = vec![Column::text("test"), Column::number("overlap").key()];
     head.extend(speeds.iter().map(|speed| Column::number(format!("{:.0} km/h", speed * 3.6))));
     let row = |(test, overlap): &(&str, f64)| {
         let here = |each: &&&Layered<'_>| each.key().test == *test && each.key().overlap == *overlap;

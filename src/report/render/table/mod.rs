@@ -23,6 +23,8 @@ pub struct Column {
     pub name: String,
     /// Their alignment.
     pub align: Align,
+    /// Whether each part of a table that is too wide for a terminal has it, as always the first column.
+    pub is_key: bool,
     /// Whether a terminal shows it.
     pub is_brief: bool,
     /// Whether a page shows it at once; else it shows it in a list of all columns that can be unfolded.
@@ -32,12 +34,17 @@ pub struct Column {
 impl Column {
     /// A column of words.
     pub fn text(name: impl Into<String>) -> Self {
-        Self { name: name.into(), align: Align::Left, is_brief: true, is_shown: true }
+        Self { name: name.into(), align: Align::Left, is_key: false, is_brief: true, is_shown: true }
     }
 
     /// A column of numbers.
     pub fn number(name: impl Into<String>) -> Self {
         Self { align: Align::Right, ..Self::text(name) }
+    }
+
+    /// The same column, in each part of a table that is too wide for a terminal.
+    pub fn key(self) -> Self {
+        Self { is_key: true, ..self }
     }
 
     /// The same column, but not in a terminal, and folded on a page.
@@ -102,7 +109,7 @@ mod tests {
 
     #[test]
     fn a_table_is_the_same_in_three_forms() {
-        assert_eq!(table().to_terminal(), "  who           rate\n  a|<b>  0.50 ± 0.12\n  c                –\n");
+        assert_eq!(table().to_terminal(80), "  who           rate\n  a|<b>  0.50 ± 0.12\n  c                –\n");
         assert_eq!(
             table().to_markdown(),
             "Rates:\n\n| who | rate | runs |\n|---|--:|--:|\n| a\\|<b> | 0.50 ± 0.12 | 1234 |\n| [c](c.svg) | – | 1 of 2 |\n\n\

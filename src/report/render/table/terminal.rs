@@ -3,42 +3,72 @@ use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Width};
 
 use super::{Align, Table, Value};
 
-/// The width of a terminal (columns). Words of wider tables are wrapped.
-const WIDTH: u16 = 80;
 /// The gap before a column.
 const GAP: u16 = 2;
 
 impl Table {
-    /// The brief columns as text for a terminal, without title and notes.
-    pub fn to_terminal(&self) -> String {
+    /// The brief columns as text for a terminal of this width (columns), without title and notes.
+    ///
+    /// Words of wider tables are wrapped. A table that is wider even so comes in parts, each with the key columns.
+    pub fn to_terminal(&self, width: u16) -> String {
         let brief: Vec<usize> = (0..self.head.len()).filter(|column| self.head[*column].is_brief).collect();
-        let mut table = self.terminal_table(&brief);
+        let parts: Vec<String> = self.parts(&brief, width.into()).iter().map(|part| self.part(part, width)).collect();
+        parts.join("\n")
+    }
+
+    /// The columns, in parts for which there is room.
+    fn parts(&self, brief: &[usize], width: usize) -> Vec<Vec<usize>> {
+        let least = |columns: &[usize]| columns.iter().map(|column| self.least_width(*column)).sum::<usize>();
+        let is_key = |column: &usize| self.head[*column].is_key || brief.first() == Some(column);
+        let (keys, others): (Vec<usize>, Vec<usize>) = brief.iter().partition(|column| is_key(column));
+        if least(brief) <= width || others.is_empty() {
+            return vec![brief.to_vec()];
+        }
+        let mut parts: Vec<Vec<usize>> = Vec::new();
+        for column in others {
+            match parts.last_mut().filter(|part| least(part) + self.least_width(column) <= width) {
+                Some(part) => part.push(column),
+                None => parts.push([keys.as_slice(), &[column]].concat()),
+            }
+        }
+        parts
+    }
+
+    /// The least width of a column with its gap (columns). Words stay in one piece, and so do numbers and names that a reader copies, with their blanks.
+    fn least_width(&self, column: usize) -> usize {
+        let head = &self.head[column];
+        let values = || self.rows.iter().map(|row| &row[column]);
+        let is_whole = head.align == Align::Right || values().any(|value| matches!(value, Value::Code(_)));
+        let longest = |text: &str| text.split_whitespace().map(|word| word.chars().count()).max().unwrap_or(0);
+        let least = |text: String| if is_whole { text.chars().count() } else { longest(&text) };
+        let widest = values().map(|value| least(value.to_string())).max().unwrap_or(0);
+        widest.max(longest(&head.name)) + usize::from(GAP)
+    }
+
+    /// Some columns as text. Words are wrapped where there is no room.
+    fn part(&self, columns: &[usize], width: u16) -> String {
+        let mut table = self.terminal_table(columns);
         let wide = table.trim_fmt() + "\n";
-        if wide.lines().all(|line| line.chars().count() <= WIDTH.into()) {
+        if wide.lines().all(|line| line.chars().count() <= width.into()) {
             return wide;
         }
-        table.set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH);
-        for (column, place) in table.column_iter_mut().zip(&brief) {
-            // Numbers and names that a reader copies stay in one piece; their heads may be wrapped.
-            let values = self.rows.iter().map(|row| &row[*place]);
-            let whole =
-                self.head[*place].align == Align::Right || values.clone().any(|value| matches!(value, Value::Code(_)));
-            let widest = values.map(|value| value.to_string().chars().count()).max().unwrap_or(0);
-            if whole && let Ok(widest) = u16::try_from(widest) {
-                column.set_constraint(ColumnConstraint::LowerBoundary(Width::Fixed(widest + GAP)));
+        table.set_content_arrangement(ContentArrangement::Dynamic).set_width(width);
+        for (column, place) in table.column_iter_mut().zip(columns) {
+            if let Ok(least) = u16::try_from(self.least_width(*place)) {
+                column.set_constraint(ColumnConstraint::LowerBoundary(Width::Fixed(least)));
             }
         }
         table.trim_fmt() + "\n"
     }
 
-    fn terminal_table(&self, brief: &[usize]) -> comfy_table::Table {
+    fn terminal_table(&self, columns: &[usize]) -> comfy_table::Table {
         let mut table = comfy_table::Table::new();
         table.load_preset(NOTHING).set_content_arrangement(ContentArrangement::Disabled);
-        table.set_header(brief.iter().map(|column| &self.head[*column].name));
+        table.set_header(columns.iter().map(|column| &self.head[*column].name));
         for row in &self.rows {
-            table.add_row(brief.iter().map(|column| row[*column].to_string()));
+            table.add_row(columns.iter().map(|column| row[*column].to_string()));
         }
-        for (column, place) in table.column_iter_mut().zip(brief) {
+        for (column, place) in table.column_iter_mut().zip(columns) {
             column.set_padding((GAP, 0));
             column.set_cell_alignment(match self.head[*place].align {
                 Align::Left => CellAlignment::Left,
@@ -46,5 +76,42 @@ impl Table {
             });
         }
         table
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Column;
+    use super::*;
+
+    #[test]
+    fn a_table_that_is_too_wide_comes_in_parts_with_its_keys() {
+        let words = |text: &str| Value::Text(text.into());
+        let mut head = vec![Column::text("driver"), Column::number("overlap").key()];
+        head.extend((20..26).map(|speed| Column::number(format!("{speed} km/h"))));
+        let row = |driver: &str| {
+            [words(driver), words("50 %")].into_iter().chain((0..6).map(|_| words("8.6 fails"))).collect()
+        };
+        let table = Table { head, rows: vec![row("careful"), row("blind")], ..Table::default() };
+        let text = table.to_terminal(52);
+        assert!(text.lines().all(|line| line.chars().count() <= 52), "{text}");
+        let parts: Vec<&str> = text.split("\n\n").collect();
+        assert_eq!(parts.len(), 2, "{text}");
+        for part in parts {
+            assert!(part.contains("driver") && part.contains("overlap") && part.contains("careful"), "{part}");
+            assert_eq!(part.matches("8.6 fails").count(), 6, "{part}");
+        }
+        // In one part where there is room.
+        assert_eq!(table.to_terminal(90).matches("driver").count(), 1);
+    }
+
+    #[test]
+    fn words_are_wrapped_and_not_broken() {
+        let words = |text: &str| Value::Text(text.into());
+        let head = vec![Column::text("driver"), Column::text("worst failure"), Column::number("rate")];
+        let rows = vec![vec![words("careful"), words("attributable, 12.5 m/s"), words("0.00 (0.00..0.26)")]];
+        let text = Table { head, rows, ..Table::default() }.to_terminal(44);
+        assert!(text.contains("attributable,") && text.contains("0.00 (0.00..0.26)"), "{text}");
+        assert!(text.lines().all(|line| line.chars().count() <= 44), "{text}");
     }
 }
