@@ -56,8 +56,9 @@ pub fn lower(declaration: &Declaration, lowering: &mut Lowering<'_>) -> Option<P
     if !arguments.has("sensors") {
         return Some(make);
     }
-    if declaration.kind == Cruise::KIND {
-        lowering.said.push(diagnostics::sensors_without_effect(declaration.block.place("sensors"), declaration.kind));
+    let written = declaration.block.places.iter().find(|(key, _)| *key == "sensors");
+    if let Some((_, span)) = written.filter(|_| declaration.kind == Cruise::KIND) {
+        lowering.said.push(diagnostics::sensors_without_effect(*span, declaration.kind));
     }
     let sensors = lowering.program.get(arguments.reference("sensors"));
     let model = Arc::new(sensors::lower(&sensors.block));

@@ -94,16 +94,16 @@ fn a_matrix_takes_kinds_in_place_of_names() {
         let text = SCENARIO.replace("campaign c {", &format!("campaign c {{\n  matrix {{ base: {values} }}"));
         compiled(&text.replace("idm(), careful, base", "base"))
     };
-    let plan = with("[careful, idm(margin: 2 m), idm(margin: 1 m), aeb()]").unwrap_or_else(|said| panic!("{said:?}"));
+    let plan = with("[careful, idm(margin: 2 m), idm(margin: 1 m), cruise()]").unwrap_or_else(|said| panic!("{said:?}"));
     let driver = |campaign: &Campaign| campaign.evaluations[1].policy.to_string();
     let drivers: Vec<String> = plan.campaigns.iter().map(driver).collect();
-    assert_eq!(drivers, ["careful", "idm_margin_2_m", "idm_margin_1_m", "aeb"]);
+    assert_eq!(drivers, ["careful", "idm_margin_2_m", "idm_margin_1_m", "cruise"]);
     let names: Vec<&str> = plan.campaigns.iter().map(|campaign| campaign.name.as_str()).collect();
-    assert_eq!(names, ["c-base=careful", "c-base=idm_margin_2m_", "c-base=idm_margin_1m_", "c-base=aeb__"]);
+    assert_eq!(names, ["c-base=careful", "c-base=idm_margin_2m_", "c-base=idm_margin_1m_", "c-base=cruise__"]);
     // Each is what it is under a name of its own.
-    let own = compiled(&SCENARIO.replace("idm(margin: 1 m)", "aeb()")).unwrap_or_else(|said| panic!("{said:?}"));
-    let aeb = own.campaigns[0].evaluations.iter().find(|each| &*each.policy == "aeb").unwrap();
-    assert_eq!(plan.campaigns[3].evaluations[1].fingerprint, aeb.fingerprint);
+    let own = compiled(&SCENARIO.replace("idm(margin: 1 m)", "cruise()")).unwrap_or_else(|said| panic!("{said:?}"));
+    let alone = own.campaigns[0].evaluations.iter().find(|each| &*each.policy == "cruise").unwrap();
+    assert_eq!(plan.campaigns[3].evaluations[1].fingerprint, alone.fingerprint);
     for (values, expected) in [
         ("[aeb(), idm(margn: 1 m)]", "unknown-key"),
         ("[aeb(), ppo(steps: 10)]", "wrong-type"),
