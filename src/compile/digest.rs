@@ -5,6 +5,9 @@ use super::lowering::Lowering;
 use crate::lang::hir::{Block, Declaration};
 use crate::signature::{DeclarationId, Distribution, Formula, Value};
 
+/// Optional keys that were added to the language later. Where they are left out they change no digest, so that tasks keep their names.
+const ADDED: &[&str] = &["from"];
+
 impl Lowering<'_> {
     /// The fingerprint of a task that depends on these declarations. Towns and policies among them have been lowered before, so
     /// the files they name are known. The empty fingerprint when none is wanted.
@@ -59,7 +62,9 @@ impl Lowering<'_> {
     fn block(&mut self, out: &mut Vec<u8>, declaration: &Declaration, block: &Block, left_out: Option<&str>) {
         text(out, block.word);
         text(out, block.name.as_deref().unwrap_or_default());
-        for (key, value) in block.arguments.iter().filter(|(key, _)| left_out != Some(*key)) {
+        let is_new = |key: &str, value: &Value| ADDED.contains(&key) && *value == Value::Absent;
+        let counts = |(key, value): &(&'static str, &Value)| left_out != Some(*key) && !is_new(key, value);
+        for (key, value) in block.arguments.iter().filter(counts) {
             text(out, key);
             self.value(out, declaration, value);
         }

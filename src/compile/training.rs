@@ -1,4 +1,9 @@
-use crate::rl::{PpoConfig, Schedule};
+use std::sync::Arc;
+
+use super::lowering::Lowering;
+use crate::lang::hir::Declaration;
+use crate::lang::{Reader, diagnostics, reason};
+use crate::rl::{ActorCritic, PpoConfig, Schedule};
 use crate::signature::{Arguments, Form, LEAST, Param, Signature, Type};
 use crate::units::Dimension;
 
@@ -118,6 +123,11 @@ fn params() -> Vec<Param> {
             "false",
             "Whether a training gives the same bits on every processor; it takes about twice as long.",
         ),
+        Param::optional(
+            "from",
+            Type::Path,
+            "Networks that a report has written (`pedestrians/NAME.safetensors`): the training starts with their weights and their standard deviation, instead of drawn ones and `initial_log_std`. `hidden`, `frame_stack` and `normalize_observations` must be theirs.",
+        ),
         Param::with_default("hidden", Type::List(Box::new(count(4096))), "[64, 64]", "Widths of the hidden layers."),
     ]
 }
@@ -161,8 +171,23 @@ pub fn lower(arguments: &Arguments) -> (PpoConfig, usize) {
         normalize_reward: arguments.boolean("normalize_rewards"),
         portable_bits: arguments.boolean("portable_bits"),
         hidden: arguments.list("hidden").iter().map(width).collect(),
+        initial: None,
     };
     (config, count("environments"))
+}
+
+/// The networks of the key `from`, for pedestrians with four numbers of a state and two of an action; none without it, or after reporting what is
+/// wrong.
+pub fn initial(declaration: &Declaration, config: &PpoConfig, lowering: &mut Lowering<'_>) -> Option<Arc<ActorCritic>> {
+    let block = &declaration.block;
+    let path = block.arguments.has("from").then(|| block.arguments.text("from"))?;
+    let bytes = lowering.read.bytes(&lowering.beside(declaration, path)).map_err(|error| reason(&error));
+    let read = bytes.and_then(|bytes| ActorCritic::from_safetensors(&bytes).map_err(|error| error.to_string()));
+    let fitting = read.and_then(|(networks, _)| {
+        config.accepts(&networks, 4, 2).map_err(|error| error.to_string())?;
+        Ok(Arc::new(networks))
+    });
+    fitting.map_err(|reason| lowering.said.push(diagnostics::unusable_model(block.place("from"), path, &reason))).ok()
 }
 
 #[cfg(test)]
@@ -223,6 +248,7 @@ mod tests {
             threads: Some(2),
             portable_bits: true,
             initial_log_std: -1.0,
+            initial: None,
             hidden: vec![32, 16],
         };
         assert_eq!(lowered(text), (config, 3));

@@ -1,8 +1,12 @@
 //! The settings of a training run.
 
-use serde::Serialize;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use serde::{Serialize, Serializer};
 use serde_json::{Map, Value};
 
+use super::actor_critic::ActorCritic;
 use super::schedule::Schedule;
 
 /// The hyperparameters of PPO.
@@ -70,6 +74,9 @@ pub struct PpoConfig {
     pub portable_bits: bool,
     /// The first value of every component of the logarithm of the policy's standard deviation.
     pub initial_log_std: f64,
+    /// Networks whose weights, standard deviation and moments of observations are the first ones, instead of drawn ones.
+    #[serde(skip_serializing_if = "Option::is_none", serialize_with = "as_digest")]
+    pub initial: Option<Arc<ActorCritic>>,
     /// The widths of the hidden layers, the same for actor and critic.
     pub hidden: Vec<usize>,
 }
@@ -103,6 +110,7 @@ impl PpoConfig {
             threads: None,
             portable_bits: false,
             initial_log_std: 0.0,
+            initial: None,
             hidden: vec![64, 64],
         }
     }
@@ -127,14 +135,84 @@ impl PpoConfig {
     }
 
     /// Returns the first setting, in alphabetical order, that differs from those in a JSON object and on which the next updates
-    /// depend.
+    /// depend; then one that only the object has.
     pub(super) fn difference(&self, other: &str) -> Option<String> {
         let other: Map<String, Value> = serde_json::from_str(other).unwrap_or_default();
         let own: Map<String, Value> = serde_json::from_str(&self.to_json()).expect("settings are an object");
         let differs = |(name, value): &(&String, &Value)| {
             !["total_steps", "threads"].contains(&name.as_str()) && other.get(*name) != Some(value)
         };
-        own.iter().find(differs).map(|(name, _)| name.clone())
+        let only_there = || other.keys().find(|name| !own.contains_key(*name)).cloned();
+        own.iter().find(differs).map(|(name, _)| name.clone()).or_else(only_there)
+    }
+}
+
+/// Networks in the settings of a saved training, which has weights of its own.
+fn as_digest<S: Serializer>(networks: &Option<Arc<ActorCritic>>, serializer: S) -> Result<S::Ok, S::Error> {
+    let digest = |networks: &Arc<ActorCritic>| blake3::hash(&networks.to_safetensors(&BTreeMap::new())).to_string();
+    networks.as_ref().map(digest).serialize(serializer)
+}
+
+/// Why networks cannot be the first ones of a training.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum UnsuitableNetworks {
+    /// They are for other states.
+    #[error(
+        "its states have {found} numbers, and those of this training have {expected}; `frame_stack` multiplies them"
+    )]
+    States {
+        /// The numbers of the file.
+        found: usize,
+        /// Those of the training.
+        expected: usize,
+    },
+    /// They give other actions.
+    #[error("its actions have {found} numbers, and those of this training have {expected}")]
+    Actions {
+        /// The numbers of the file.
+        found: usize,
+        /// Those of the training.
+        expected: usize,
+    },
+    /// Their hidden layers have other widths.
+    #[error("its hidden layers are {found:?}, so `hidden` must be that, and it is {expected:?}")]
+    Hidden {
+        /// The widths of the file.
+        found: Vec<usize>,
+        /// Those of the training.
+        expected: Vec<usize>,
+    },
+    /// Only one of the two standardises states.
+    #[error("it was trained with `normalize_observations: {found}`, so this training needs the same")]
+    Normalised {
+        /// Whether the file has moments of observations.
+        found: bool,
+    },
+}
+
+impl PpoConfig {
+    /// Checks whether networks can be the first ones of a training with these settings and this number of components of an observation, with
+    /// `frame_stack` of them, and of an action.
+    ///
+    /// # Errors
+    /// The first reason why they cannot.
+    pub fn accepts(&self, networks: &ActorCritic, obs_dim: usize, action_dim: usize) -> Result<(), UnsuitableNetworks> {
+        let states = (networks.obs_dim(), obs_dim * self.frame_stack);
+        let actions = (networks.action_dim(), action_dim);
+        let hidden = |outputs: Vec<usize>| outputs[..outputs.len() - 1].to_vec();
+        let widths = [networks.actor(), networks.critic()]
+            .map(|mlp| hidden(mlp.layers().iter().map(|layer| layer.outputs).collect()));
+        if states.0 != states.1 {
+            return Err(UnsuitableNetworks::States { found: states.0, expected: states.1 });
+        }
+        if actions.0 != actions.1 {
+            return Err(UnsuitableNetworks::Actions { found: actions.0, expected: actions.1 });
+        }
+        if let Some(found) = widths.into_iter().find(|widths| *widths != self.hidden) {
+            return Err(UnsuitableNetworks::Hidden { found, expected: self.hidden.clone() });
+        }
+        let found = networks.observation_moments().is_some();
+        if found != self.normalize_obs { Err(UnsuitableNetworks::Normalised { found }) } else { Ok(()) }
     }
 }
 

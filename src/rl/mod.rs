@@ -54,7 +54,7 @@ mod event_file;
 
 pub use actor_critic::{ActorCritic, Scratch};
 pub use checkpoint::CheckpointError;
-pub use config::PpoConfig;
+pub use config::{PpoConfig, UnsuitableNetworks};
 pub use env::{Env, Step};
 pub use event_file::{event_file_start, event_of_update};
 pub use frame_stack::FrameStack;

@@ -48,7 +48,7 @@ pub struct Trainer {
 }
 
 impl Trainer {
-    /// Draws the first weights and starts an episode in every environment.
+    /// Draws the first weights, or takes those of the settings, and starts an episode in every environment.
     ///
     /// First weights, the order of minibatches and the action noise of every environment have streams of their own.
     ///
@@ -57,12 +57,20 @@ impl Trainer {
     ///
     /// # Panics
     /// When there is no environment, when environments differ in their dimensions, or when `rollout_steps`,
-    /// `batch_size`, `epochs`, `frame_stack` or a width in `config` is zero.
+    /// `batch_size`, `epochs`, `frame_stack` or a width in `config` is zero, or when its first networks are for other dimensions.
     pub fn new<E: Env>(envs: &mut [E], config: &PpoConfig, seed: &Seed) -> Result<Self, TrainError> {
         let (obs_dim, action_dim) = dimensions(envs, config);
-        let stream = &mut seed.child("init").stream();
-        let mut policy = ActorCritic::new(obs_dim, action_dim, &config.hidden, config.initial_log_std, stream);
-        *policy.observation_moments_mut() = config.normalize_obs.then(|| RunningMoments::new(obs_dim));
+        let drawn = || {
+            let stream = &mut seed.child("init").stream();
+            let mut policy = ActorCritic::new(obs_dim, action_dim, &config.hidden, config.initial_log_std, stream);
+            *policy.observation_moments_mut() = config.normalize_obs.then(|| RunningMoments::new(obs_dim));
+            policy
+        };
+        let policy = config.initial.as_deref().cloned().unwrap_or_else(drawn);
+        assert!(
+            (policy.obs_dim(), policy.action_dim()) == (obs_dim, action_dim),
+            "the first networks fit the environments"
+        );
         let mut this = Self::assemble(envs, policy, config, seed);
         this.set_curriculum(envs);
         let begun = this.collector.begin(envs, &mut this.learner.policy);

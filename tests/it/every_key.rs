@@ -116,7 +116,7 @@ impl Link for InsideLink {
     }
 }
 
-/// Reads one text as `keys.scn`, two maps, two networks that drive, and two that walk.
+/// Reads one text as `keys.scn`, two maps, two networks that drive, two that walk, and networks of a training.
 struct Files(String);
 
 impl Reader for Files {
@@ -143,6 +143,7 @@ impl Reader for Files {
             }
             Some("walker.onnx") => Ok(walker(1)),
             Some("stroller.onnx") => Ok(walker(2)),
+            Some("start.safetensors") => Ok(networks(3, &[64, 64]).to_safetensors(&BTreeMap::new())),
             _ => self.text(path).map(String::into_bytes),
         }
     }
@@ -151,7 +152,12 @@ impl Reader for Files {
 /// A network without training that controls a pedestrian.
 fn walker(seed: u64) -> Vec<u8> {
     let bounds = [(-std::f64::consts::PI, std::f64::consts::PI), (0.0, 3.5)];
-    ActorCritic::new(4, 2, &[8], 0.0, &mut Seed::root(seed).stream()).to_onnx(&bounds, &BTreeMap::new())
+    networks(seed, &[8]).to_onnx(&bounds, &BTreeMap::new())
+}
+
+/// Networks without training.
+fn networks(seed: u64, hidden: &[usize]) -> ActorCritic {
+    ActorCritic::new(4, 2, hidden, 0.0, &mut Seed::root(seed).stream())
 }
 
 /// A straight street of this length (m) as OpenDRIVE.

@@ -94,7 +94,8 @@ fn a_matrix_takes_kinds_in_place_of_names() {
         let text = SCENARIO.replace("campaign c {", &format!("campaign c {{\n  matrix {{ base: {values} }}"));
         compiled(&text.replace("idm(), careful, base", "base"))
     };
-    let plan = with("[careful, idm(margin: 2 m), idm(margin: 1 m), cruise()]").unwrap_or_else(|said| panic!("{said:?}"));
+    let plan =
+        with("[careful, idm(margin: 2 m), idm(margin: 1 m), cruise()]").unwrap_or_else(|said| panic!("{said:?}"));
     let driver = |campaign: &Campaign| campaign.evaluations[1].policy.to_string();
     let drivers: Vec<String> = plan.campaigns.iter().map(driver).collect();
     assert_eq!(drivers, ["careful", "idm_margin_2_m", "idm_margin_1_m", "cruise"]);

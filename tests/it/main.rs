@@ -40,6 +40,7 @@ mod exports;
 mod first_steps;
 mod format;
 mod hostile_input;
+mod initial_networks;
 mod inline_kinds;
 mod kills;
 mod kinds;

@@ -60,7 +60,8 @@ impl Lowering<'_> {
     pub(super) fn training(&mut self, id: DeclarationId) -> Axis<(PpoConfig, usize)> {
         let declaration = self.program.get(id);
         let block = &declaration.block;
-        let (config, environments) = training::lower(&block.arguments);
+        let (mut config, environments) = training::lower(&block.arguments);
+        config.initial = training::initial(declaration, &config, self);
         if config.rollout_steps.saturating_mul(environments) > MOST_DECISIONS {
             let message = format!("an update of more than {MOST_DECISIONS} decisions does not fit in memory");
             self.said.push(diagnostics::contradiction(block.place("steps_per_update"), message));
