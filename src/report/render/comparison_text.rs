@@ -35,13 +35,13 @@ pub fn comparison_for_terminal(comparison: &ReportComparison, shown: usize, widt
     }
     if !comparison.searches.is_empty() {
         text.push_str("\nsearches: starts from which an attributable failure was found\n");
-        text.push_str(&searches(comparison).to_terminal());
+        text.push_str(&searches(comparison).to_terminal(width));
     }
     for word in ["new", "fixed"] {
         let all = start_changes(comparison, word);
         if !all.is_empty() {
             text.push_str(&format!("\n{word} starts of searches: {}, the worst first\n", all.len()));
-            text.push_str(&start_list(&all[..all.len().min(shown)]).to_terminal());
+            text.push_str(&start_list(&all[..all.len().min(shown)]).to_terminal(width));
         }
     }
     if let Some(worst) = changes(comparison, "new").first() {
