@@ -148,6 +148,7 @@ impl PpoConfig {
 }
 
 /// Networks in the settings of a saved training, which has weights of its own.
+#[expect(clippy::ref_option, reason = "the form that serde calls")]
 fn as_digest<S: Serializer>(networks: &Option<Arc<ActorCritic>>, serializer: S) -> Result<S::Ok, S::Error> {
     let digest = |networks: &Arc<ActorCritic>| blake3::hash(&networks.to_safetensors(&BTreeMap::new())).to_string();
     networks.as_ref().map(digest).serialize(serializer)
