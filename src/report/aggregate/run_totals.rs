@@ -101,7 +101,7 @@ fn include<R: Iterator<Item = usize>>(
                 let values = episodes.column(mean.column)?.f64()?;
                 match mean.of_valid {
                     true => {
-                        rows().filter(|row| valid(*row)).for_each(|row| total.include(values.get(row).unwrap_or(0.0)))
+                        rows().filter(|row| valid(*row)).for_each(|row| total.include(values.get(row).unwrap_or(0.0)));
                     }
                     false => rows().filter_map(|row| values.get(row)).for_each(|value| total.include(value)),
                 }
