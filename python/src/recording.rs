@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use falsify::internal::env::Scenario;
 use falsify::internal::geometry::{Obstacles, OrientedBox, Point, Pose};
-use falsify::internal::judge::{Encountered, Recording, Reference};
+use falsify::internal::judge::{Encountered, Recording, RecordingError, Reference, Sizes};
 use falsify::internal::sim::{PedestrianState, VehicleState};
 use numpy::PyReadonlyArray2;
 use numpy::ndarray::ArrayView2;
@@ -15,32 +15,21 @@ use pyo3::types::PyDict;
 use super::episode;
 
 /// Judges the first touch of a car and a pedestrian whose tracks were recorded every `dt` seconds. `ego` has rows of x, y, yaw, speed;
-/// `pedestrian` has rows of x, y or of x, y, yaw, speed. `sizes` are the car's length and width and the pedestrian's radius (m), where
-/// these are not those of the scenario. `boxes` has rows of x, y, yaw, length, width: the obstacles in the place of the scenario's.
+/// `pedestrian` has rows of x, y or of x, y, yaw, speed. `boxes` has rows of x, y, yaw, length, width: the obstacles in the place of the scenario's.
 pub fn judged<'py>(
     py: Python<'py>,
     scenario: &Scenario,
     ego: &PyReadonlyArray2<'_, f64>,
     pedestrian: &PyReadonlyArray2<'_, f64>,
     dt: f64,
-    sizes: [Option<f64>; 3],
+    sizes: Sizes,
     boxes: Option<&PyReadonlyArray2<'_, f64>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (ego, pedestrian) = (ego.as_array(), pedestrian.as_array());
     columns("ego", &ego, &[4], "x, y, heading, speed")?;
     columns("pedestrian", &pedestrian, &[2, 4], "x, y or x, y, heading, speed")?;
     let mut scenario = scenario.clone();
-    let cast = &mut scenario.cast;
-    let [length, width, radius] = sizes;
-    if let Some(length) = within("length", length, 0.1, 100.0)? {
-        cast.ego.blueprint.half_length = length / 2.0;
-    }
-    if let Some(width) = within("width", width, 0.1, 100.0)? {
-        cast.ego.blueprint.half_width = width / 2.0;
-    }
-    if let Some(radius) = within("radius", radius, 0.01, 5.0)? {
-        (cast.pedestrian.body.radius, cast.pedestrian.body.target_box) = (radius, None);
-    }
+    sizes.apply(&mut scenario).map_err(refused)?;
     let obstacles = match boxes {
         Some(boxes) => Arc::new(Obstacles::new(&solids(&boxes.as_array())?)),
         None => scenario.obstacles.clone(),
@@ -61,8 +50,7 @@ pub fn judged<'py>(
             .map(|row| PedestrianState::moving(Pose::new(row[0], row[1], row[2]), row[3]))
             .collect(),
     };
-    let recording =
-        Recording::new(dt, cars.collect(), walkers).map_err(|error| PyValueError::new_err(error.to_string()))?;
+    let recording = Recording::new(dt, cars.collect(), walkers).map_err(refused)?;
     let found = py.detach(|| recording.judged(&scenario, obstacles));
     dictionary(py, &found)
 }
@@ -95,13 +83,8 @@ fn columns(name: &str, array: &ArrayView2<'_, f64>, allowed: &[usize], meaning: 
     }
 }
 
-fn within(name: &str, number: Option<f64>, low: f64, high: f64) -> PyResult<Option<f64>> {
-    match number {
-        Some(number) if !(low..=high).contains(&number) => {
-            Err(PyValueError::new_err(format!("`{name}` is {number}; give {low} to {high} m")))
-        }
-        number => Ok(number),
-    }
+fn refused(error: RecordingError) -> PyErr {
+    PyValueError::new_err(error.to_string())
 }
 
 fn solids(boxes: &ArrayView2<'_, f64>) -> PyResult<Vec<OrientedBox>> {

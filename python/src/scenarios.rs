@@ -7,6 +7,7 @@ use falsify::internal::compile::{Catalog, Overrides, Plan, compile_with};
 use falsify::internal::diagnostic::{Colour, Severity, Sources, records, render};
 use falsify::internal::env::Scenario;
 use falsify::internal::files;
+use falsify::internal::judge::Sizes;
 use falsify::internal::lang::Reader;
 use falsify::internal::process::ProcessOpener;
 use numpy::PyReadonlyArray2;
@@ -216,6 +217,8 @@ impl Choice {
         sizes: [Option<f64>; 3],
         boxes: Option<PyReadonlyArray2<'_, f64>>,
     ) -> PyResult<Bound<'py, PyDict>> {
+        let [length, width, radius] = sizes;
+        let sizes = Sizes { length, width, radius };
         judged(py, &self.scenario, &ego, &pedestrian, dt, sizes, boxes.as_ref())
     }
 }

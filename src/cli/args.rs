@@ -11,6 +11,7 @@ use super::explain::{self, ExplainOptions};
 use super::export::{self, ExportOptions};
 use super::failures::{self, FailuresOptions};
 use super::fmt::{self, FmtOptions};
+use super::judge::{self, JudgeOptions};
 use super::lsp;
 use super::manual::{self, ManualOptions};
 use super::map::{self, MapOptions};
@@ -84,6 +85,9 @@ pub enum Command {
     /// List the failures of reports, those that count most against a driver first.
     #[command(after_help = failures::EXAMPLES)]
     Failures(FailuresOptions),
+    /// Judge a touch that another simulator or a road recorded: would a careful driver have avoided it?
+    #[command(after_help = judge::EXAMPLES)]
+    Judge(JudgeOptions),
     /// Show how much finished work is stored for the campaigns of a folder, and remove what none of them needs.
     #[command(alias = "cells", after_help = cache::EXAMPLES)]
     Cache(CacheOptions),

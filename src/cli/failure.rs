@@ -60,6 +60,7 @@ fn code(error: &Error) -> ExitCode {
         Error::Export { .. } => ExitCode::WriteFailed,
         Error::Unreadable { .. }
         | Error::UnusedMap { .. }
+        | Error::Recording { .. }
         | Error::Gate(_)
         | Error::Threads { .. }
         | Error::Read(_)

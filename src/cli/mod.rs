@@ -26,6 +26,7 @@ mod render;
 mod export;
 mod verify;
 mod failures;
+mod judge;
 mod compare;
 mod check;
 mod sample;
@@ -102,6 +103,7 @@ fn run_command() -> ExitCode {
         args::Command::Verify(options) => verify::verify(&options),
         args::Command::Compare(options) => compare::compare(&options),
         args::Command::Failures(options) => failures::failures(&options),
+        args::Command::Judge(options) => judge::judge(&options),
         args::Command::Cache(options) => cache::cache(&options),
         args::Command::Check(options) => check::check(&options),
         args::Command::Explain(options) => explain::explain(&options),

@@ -38,6 +38,7 @@ mod verdict;
 mod near_miss;
 mod oracle;
 mod recording;
+mod recording_file;
 #[cfg(test)]
 mod tests;
 
@@ -50,7 +51,8 @@ pub use inquiry::Inquiry;
 pub use near_miss::NearMiss;
 pub use oracle::ReferenceOracle;
 pub use reaction::share_of_drivers;
-pub use recording::{Encountered, Recording, RecordingError};
+pub use recording::{Encountered, Recording, RecordingError, Sizes};
+pub use recording_file::RecordingFileError;
 pub use reference::Reference;
 pub use severity::{HARD, fatality_risk, severe_injury_risk};
 pub use sight::Sight;

@@ -16,6 +16,41 @@ pub struct Recording {
     pedestrian: Vec<PedestrianState>,
 }
 
+/// Sizes in the place of those of a scenario (m).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Sizes {
+    /// Length of the car, 0.1 to 100.
+    pub length: Option<f64>,
+    /// Width of the car, 0.1 to 100.
+    pub width: Option<f64>,
+    /// Radius of the pedestrian, 0.01 to 5.
+    pub radius: Option<f64>,
+}
+
+impl Sizes {
+    /// Gives the first car and the first pedestrian of a scenario these sizes.
+    ///
+    /// # Errors
+    /// The name of a size that is out of its range, the size, and the range.
+    pub fn apply(self, scenario: &mut Scenario) -> Result<(), RecordingError> {
+        let within = |quantity, size: Option<f64>, low, high| match size {
+            Some(size) if !(low..=high).contains(&size) => Err(RecordingError::Size { quantity, size, low, high }),
+            size => Ok(size),
+        };
+        let cast = &mut scenario.cast;
+        if let Some(length) = within("length", self.length, 0.1, 100.0)? {
+            cast.ego.blueprint.half_length = length / 2.0;
+        }
+        if let Some(width) = within("width", self.width, 0.1, 100.0)? {
+            cast.ego.blueprint.half_width = width / 2.0;
+        }
+        if let Some(radius) = within("radius", self.radius, 0.01, 5.0)? {
+            (cast.pedestrian.body.radius, cast.pedestrian.body.target_box) = (radius, None);
+        }
+        Ok(())
+    }
+}
+
 /// A recording that cannot be judged.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RecordingError {
@@ -30,6 +65,18 @@ pub enum RecordingError {
     /// The time between two instants is not allowed.
     #[error("the time between two instants is {0} s; give 0.001 s to 0.5 s")]
     Step(f64),
+    /// A size is not allowed.
+    #[error("`{quantity}` is {size}; give {low} to {high} m")]
+    Size {
+        /// The name of the size.
+        quantity: &'static str,
+        /// The size (m).
+        size: f64,
+        /// The least that is allowed (m).
+        low: f64,
+        /// The greatest that is allowed (m).
+        high: f64,
+    },
     /// A number is not allowed.
     #[error("instant {instant}: the {quantity} is {number}; give {low} to {high}")]
     Number {
@@ -123,6 +170,11 @@ impl Recording {
         let gaps = pair.frames().map(|frame| pair.gap(&frame));
         let least_gap = if touch.is_some() { 0.0 } else { gaps.fold(f64::INFINITY, f64::min) };
         Encountered { touch, least_gap, near_miss: NearMiss::new(&pair), verdict: judge(&pair) }
+    }
+
+    /// Judges the first touch on a plane without obstacles: see [`Recording::judged`].
+    pub fn judged_without_obstacles(&self, scenario: &Scenario) -> Encountered {
+        self.judged(scenario, Arc::new(Obstacles::new(&[])))
     }
 
     /// The tracks up to the first touch.

@@ -21,6 +21,14 @@ pub enum Error {
         /// The number of diagnostics that are errors.
         errors: usize,
     },
+    /// A recording cannot be judged.
+    #[error("cannot judge `{}`: {reason}", file.display())]
+    Recording {
+        /// Its file.
+        file: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
     /// A map is given for a town that no file declares.
     #[error("a map is given for the town `{town}`, which nothing uses")]
     UnusedMap {

@@ -1,4 +1,4 @@
-//! The program as a library: `check`, `run`, `merge`, `replay`, `verify`, `status`, `failures`, `compare`, `export`,
+//! The program as a library: `check`, `run`, `merge`, `replay`, `verify`, `status`, `failures`, `judge`, `compare`, `export`,
 //! `preview`.
 //!
 //! A [`Session`] holds what all calls share: the catalogue of the language, the reader of files, an [`Observer`] and a [`Stop`] flag. Each call
@@ -37,6 +37,7 @@ mod export;
 mod export_files;
 mod verify;
 mod failures;
+mod judge;
 mod compare;
 
 pub use campaign_report::{CampaignOutcome, CampaignReport, RunReport, ShardReport};
@@ -51,6 +52,7 @@ pub use failures::{FailuresOptions, FoundFailure};
 pub use growing_curves::NewestUpdate;
 pub use incomplete::{Incomplete, Missing};
 pub use input::Input;
+pub use judge::JudgeOptions;
 pub use list::Listing;
 pub use merge::MergeOptions;
 pub use observer::{Notice, Observer, Silent};
@@ -68,3 +70,5 @@ pub use status::{CampaignProgress, CampaignState, KindProgress, StatusOptions};
 pub use stop::Stop;
 pub use stored::RepeatOptions;
 pub use verify::{Retrained, VerifyOptions, VerifyReport};
+
+pub use crate::judge::{Encountered, Reference, Sizes, Verdict};

@@ -60,6 +60,7 @@ mod policies_elsewhere;
 mod program;
 mod protocols;
 mod recorded_update;
+mod recordings;
 mod reference;
 mod release;
 mod replaying;

@@ -1,0 +1,106 @@
+//! `falsify judge`: verdicts of recordings in CSV files.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use falsify::internal::judge::Recording;
+use proptest::prelude::*;
+
+use crate::program::{error, falsify};
+
+/// A car that drives east at this speed (m/s), and a pedestrian that walks across its axis at 40 m when the car's middle arrives.
+fn crossing(speed: f64, walking: f64, dt: f64) -> String {
+    let mut text =
+        String::from("time_s,pedestrian_x_m,pedestrian_y_m,ego_x_m,ego_y_m,ego_yaw_deg,ego_speed_mps,note\n");
+    let arrives = 40.0 / speed;
+    for instant in 0..((arrives + 1.0) / dt) as u32 {
+        let time = f64::from(instant) * dt;
+        let _ = writeln!(text, "{time:.4},40,{},{},0,0,{speed},x", (time - arrives) * walking, speed * time);
+    }
+    text
+}
+
+fn judged(folder: &Path, text: &str, options: &[&str]) -> serde_json::Value {
+    std::fs::write(folder.join("trace.csv"), text).unwrap();
+    let output = falsify(&[&["judge", "trace.csv", "--json"], options].concat(), folder);
+    assert!(output.status.success(), "{}", error(&output));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+#[test]
+fn a_recorded_touch_has_a_verdict() {
+    let folder = tempfile::tempdir().unwrap();
+    let found = judged(folder.path(), &crossing(8.0, 1.4, 0.05), &[]);
+    assert_eq!(found["verdict"], "preventable");
+    assert_eq!((&found["foreseeable"], &found["attributable"]), (&true.into(), &true.into()));
+    assert_eq!(found["avoided_by"]["cc"], true);
+    let touch = found["touch_s"].as_f64().unwrap();
+    assert!((touch - (40.0 - 2.395) / 8.0).abs() < 0.05, "the bumper is 2.395 m ahead of the middle: {touch} s");
+    // A shorter car is later; the rate of the recording does not matter.
+    let shorter = judged(folder.path(), &crossing(8.0, 1.4, 0.05), &["--length", "3.0"])["touch_s"].as_f64().unwrap();
+    assert!((shorter - touch - 0.895 / 8.0).abs() < 0.02, "{touch} s, {shorter} s");
+    let slow = judged(folder.path(), &crossing(8.0, 1.4, 0.1), &[]);
+    assert_eq!(slow["verdict"], "preventable");
+    assert!((slow["touch_s"].as_f64().unwrap() - touch).abs() < 1e-3);
+    let far: Vec<String> = crossing(8.0, 1.4, 0.05).lines().map(|line| line.replacen(",40,", ",400,", 1)).collect();
+    let missed = judged(folder.path(), &far.join("\n"), &[]);
+    assert!(missed["verdict"].is_null() && missed["touch_s"].is_null(), "{missed}");
+
+    let output = falsify(&["judge", "trace.csv"], folder.path());
+    assert!(String::from_utf8_lossy(&output.stdout).starts_with("no touch; the least distance is "), "{output:?}");
+    std::fs::write(folder.path().join("trace.csv"), crossing(8.0, 1.4, 0.05)).unwrap();
+    let output = falsify(&["judge", "trace.csv"], folder.path());
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(text.contains("verdict: preventable\nthe pedestrian moved as people do: the touch counts"), "{text}");
+}
+
+#[test]
+fn a_file_that_is_no_recording_is_an_error_with_its_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let good = crossing(8.0, 1.4, 0.05);
+    let rows: Vec<&str> = good.lines().collect();
+    let changed = |line: usize, row: &str| {
+        let mut rows = rows.clone();
+        rows[line - 1] = row;
+        rows.join("\n")
+    };
+    for (text, wanted) in [
+        (String::new(), "there is no column `time_s`"),
+        (good.replace("ego_yaw_deg", "yaw"), "there is no column `ego_yaw_deg`; there is time_s, "),
+        (good.replace("note", "pedestrian_speed_mps"), "there is no column `pedestrian_yaw_deg`"),
+        (changed(5, "0.15,40"), "line 5: there are 2 fields; the header has 8"),
+        (changed(5, "0.15,40,-6,fast,0,0,8,x"), "line 5, column `ego_x_m`: `fast` is not a number"),
+        (changed(5, "0.19,40,-6,1.2,0,0,8,x"), "line 5: the time is 0.19 s; with the mean step of 0.05"),
+        (changed(5, "0.15,40,-6,NaN,0,0,8,x"), "instant 3: the x of the car (m) is NaN"),
+        (changed(5, "0.15,40,-6,1.2,0,0,-8,x"), "instant 3: the speed of the car (m/s) is -8; give 0 to 150"),
+        (rows[..2].join("\n"), "there are 1 instants of the car and 1 of the pedestrian"),
+        (crossing(8.0, 1.4, 1.0), "the time between two instants is 1 s"),
+    ] {
+        std::fs::write(folder.path().join("trace.csv"), text).unwrap();
+        let output = falsify(&["judge", "trace.csv"], folder.path());
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
+        assert!(error(&output).starts_with("error: cannot judge `trace.csv`: "), "{}", error(&output));
+        assert!(error(&output).contains(wanted), "{wanted}: {}", error(&output));
+    }
+    let output = falsify(&["judge", "nowhere.csv"], folder.path());
+    assert_eq!(error(&output), "error: cannot judge `nowhere.csv`: there is no such file\n");
+    std::fs::write(folder.path().join("trace.csv"), &good).unwrap();
+    let output = falsify(&["judge", "trace.csv", "--width", "0"], folder.path());
+    assert!(
+        output.status.code() == Some(2) && error(&output).contains("`width` is 0; give 0.1 to 100 m"),
+        "{output:?}"
+    );
+}
+
+proptest! {
+    #[test]
+    fn any_text_is_a_recording_or_an_error_that_names_its_place(rows in "([-0-9.,eNainf\" ]{0,40}\n){0,6}", header in any::<bool>()) {
+        let names = "time_s,ego_x_m,ego_y_m,ego_yaw_deg,ego_speed_mps,pedestrian_x_m,pedestrian_y_m\n";
+        let text = if header { format!("{names}{rows}") } else { rows };
+        if let Err(error) = Recording::from_csv(&text) {
+            let text = error.to_string();
+            let names_a_place = ["line ", "column ", "instant"].iter().any(|word| text.contains(word));
+            prop_assert!(names_a_place || text.contains("between two instants"), "{}", text);
+        }
+    }
+}
