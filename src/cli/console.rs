@@ -1,5 +1,6 @@
 //! Output and error stream.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -94,14 +95,20 @@ pub fn show(diagnostics: &[Diagnostic], sources: &Sources) {
 /// Joins diagnostics with the same repair at the same place: the first has the places of the others, too.
 fn joined(diagnostics: &[Diagnostic]) -> Vec<Diagnostic> {
     let mut joined: Vec<Diagnostic> = Vec::new();
+    // There may be as many diagnostics as lines, so those before are not searched for each.
+    let mut places = BTreeMap::new();
     for each in diagnostics {
         // Other repairs replace the text that is wrong.
-        let elsewhere = matches!(each.fixes.as_slice(), [fix] if fix.span != each.primary.span);
-        let same = |other: &&mut Diagnostic| elsewhere && other.code == each.code && other.fixes == each.fixes;
-        match joined.iter_mut().find(same) {
-            Some(first) => first.labels.push(Label { span: each.primary.span, text: "nor this".into() }),
-            None => joined.push(each.clone()),
+        if let [fix] = each.fixes.as_slice()
+            && fix.span != each.primary.span
+        {
+            let first = *places.entry((each.code, fix.span, fix.text.as_str())).or_insert(joined.len());
+            if let Some(first) = joined.get_mut(first) {
+                first.labels.push(Label { span: each.primary.span, text: "nor this".into() });
+                continue;
+            }
         }
+        joined.push(each.clone());
     }
     joined
 }

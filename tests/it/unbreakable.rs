@@ -97,6 +97,20 @@ fn maps_that_are_too_large_are_refused_and_the_others_are_drawn_soon() {
 }
 
 #[test]
+fn scenarios_that_are_refused_cost_little() {
+    let place = tempfile::tempdir().unwrap();
+    for (name, text) in [("editions", "edition 1\n".repeat((4 << 20) / 10)), ("junk", "§$%&? \n".repeat((4 << 20) / 9))]
+    {
+        let file = format!("{name}.scn");
+        fs::write(place.path().join(&file), text).unwrap();
+        // Optimised this takes two seconds. The time is that of the processor, so other work on the machine does not count.
+        let output = limited("ulimit -v 1000000; ulimit -t 20", &["check", &file], place.path());
+        assert_eq!(output.status.code(), Some(3), "{name}: {:?}", output.status);
+        assert!(error(&output).contains("more"), "{name}: {}", error(&output));
+    }
+}
+
+#[test]
 fn pipes_and_devices_are_refused_at_once() {
     let place = tempfile::tempdir().unwrap();
     assert!(Command::new("mkfifo").arg(place.path().join("pipe")).status().unwrap().success());
