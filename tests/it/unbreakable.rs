@@ -99,8 +99,9 @@ fn maps_that_are_too_large_are_refused_and_the_others_are_drawn_soon() {
 #[test]
 fn scenarios_that_are_refused_cost_little() {
     let place = tempfile::tempdir().unwrap();
-    for (name, text) in [("editions", "edition 1\n".repeat((4 << 20) / 10)), ("junk", "§$%&? \n".repeat((4 << 20) / 9))]
-    {
+    let longest = 2 << 20;
+    for (name, line) in [("editions", "edition 1\n"), ("junk", "§$%&? \n"), ("forms", "x a = b()\n")] {
+        let text = line.repeat(longest / line.len());
         let file = format!("{name}.scn");
         fs::write(place.path().join(&file), text).unwrap();
         // Optimised this takes two seconds. The time is that of the processor, so other work on the machine does not count.

@@ -102,7 +102,12 @@ pub fn gather(
             tally.episodes > 0 && evaluation.is_finished_with(tally.episodes, tally.valid, tally.collisions);
         gathered.runs.vstack_mut(&totals.table().map_err(failed)?).map_err(failed)?;
         if tally.episodes > 0 {
-            gathered.protocol.extend(protocol.into_iter().flat_map(ProtocolRun::cells));
+            for cell in protocol.into_iter().flat_map(ProtocolRun::cells) {
+                // A target walks alike for every reward of the campaign; its cells are shown once.
+                if !gathered.protocol.iter().any(|known| known.repeats(&cell)) {
+                    gathered.protocol.push(cell);
+                }
+            }
         }
     }
     gathered.runs.rechunk_mut();

@@ -117,6 +117,12 @@ impl ProtocolCell {
             && (self.test_speed, self.overlap) == (other.test_speed, other.overlap)
     }
 
+    /// Whether another result is the same one under the name of another run.
+    pub(super) fn repeats(&self, other: &Self) -> bool {
+        let named = Self { run_id: self.run_id.clone(), worst: self.worst.clone(), ..other.clone() };
+        *self == named
+    }
+
     fn new(names: (&str, &str, &str, &str), walk: &TargetWalk, case: usize) -> Self {
         let (run_id, town, policy, test) = names;
         let case = &walk.cases[case];
@@ -323,6 +329,15 @@ mod tests {
             Some(Red),
             "a tenth of the speed is no avoidance"
         );
+    }
+
+    #[test]
+    fn a_cell_of_another_run_is_the_same_only_with_the_same_result() {
+        let one = cell(60.0, 12.0, TestCriterion::EuroNcap);
+        let again = ProtocolCell { run_id: "1a2b3c4d".into(), worst: Some("1a2b3c4d:0".into()), ..one.clone() };
+        assert!(one.repeats(&again));
+        assert!(!one.repeats(&cell(60.0, 13.0, TestCriterion::EuroNcap)));
+        assert!(!one.repeats(&ProtocolCell { policy: "other".into(), ..again }));
     }
 
     #[test]
