@@ -330,7 +330,7 @@ fn every_driver_keeps_its_lane_through_a_crossing_of_wide_streets() {
             let states = || trace.vehicle(0).iter().map(|frame| frame.state.pose);
             let aside = states().map(|pose| (pose.y - lane).abs()).fold(0.0, f64::max);
             assert!(aside < 0.6, "{policy} at {lane} m in a street with {keys}: {aside:.2} m beside its lane");
-            assert!(states().any(|pose| pose.x > 25.0), "{policy} at {lane} m: {:?}", states().last());
+            assert!(states().any(|pose| pose.x > 25.0), "{policy} at {lane} m: {:?}", states().next_back());
         }
     }
 }
