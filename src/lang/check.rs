@@ -56,10 +56,13 @@ impl<'f> Checked<'f> {
     }
 }
 
+/// The number of diagnostics after which checking ends, so that a file in which all is wrong fits into the memory.
+const MOST: usize = 20_000;
+
 /// Checks all files against what the language offers.
 ///
 /// Returns the program and all diagnostics; the program may only be compiled when no diagnostic is an
-/// error.
+/// error. After [`MOST`] diagnostics the declarations that follow are not checked.
 pub fn check<'f>(
     loaded: &Loaded,
     sources: &Sources,
@@ -76,6 +79,9 @@ pub fn check<'f>(
     for (place, file) in loaded.files.iter().enumerate() {
         let context = Context { vocabulary, forms, names: &names[place], sources };
         for (written, id) in file.declarations.iter().zip(&ids[&file.source]) {
+            if diagnostics.len() > MOST {
+                break;
+            }
             if let Some(known) = checked.find(*id, written, &mut params) {
                 declarations.push(known);
                 continue;

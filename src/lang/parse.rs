@@ -23,8 +23,8 @@ pub(super) mod rules {
 }
 use rules::{Rule, ScenarioParser};
 
-/// The longest file that is read (bytes). The worst file of this length costs 2 s and less than 500 MB: each of its lines is a mistake.
-const MAX_BYTES: usize = 2 << 20;
+/// The longest file that is read (bytes).
+const MAX_BYTES: usize = 4 << 20;
 
 /// Reads a file's text into a tree of everything that could be read, with one diagnostic for each statement that
 /// could not.

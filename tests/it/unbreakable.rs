@@ -99,7 +99,7 @@ fn maps_that_are_too_large_are_refused_and_the_others_are_drawn_soon() {
 #[test]
 fn scenarios_that_are_refused_cost_little() {
     let place = tempfile::tempdir().unwrap();
-    let longest = 2 << 20;
+    let longest = 4 << 20;
     for (name, line) in [("editions", "edition 1\n"), ("junk", "§$%&? \n"), ("forms", "x a = b()\n")] {
         let text = line.repeat(longest / line.len());
         let file = format!("{name}.scn");
