@@ -62,7 +62,7 @@ const MOST: usize = 20_000;
 /// Checks all files against what the language offers.
 ///
 /// Returns the program and all diagnostics; the program may only be compiled when no diagnostic is an
-/// error. After [`MOST`] diagnostics the declarations that follow are not checked.
+/// error. After 20,000 diagnostics the declarations that follow are not checked.
 pub fn check<'f>(
     loaded: &Loaded,
     sources: &Sources,
