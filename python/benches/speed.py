@@ -1,6 +1,6 @@
 """Speed of the environments: decisions and ticks a second of CPU time, all ways of stepping in one run.
 
-    python python/benches/speed.py [WORLDS] [SECONDS] [REPETITIONS] [--library PATH]
+    python python/benches/speed.py [WORLDS] [SECONDS] [REPETITIONS] [--loop PATH]
 
 All step the worlds of one scenario with one array of actions. The bare library is a plain loop in Rust (``tests/bench/worlds.rs``), which cargo
 builds as ``maturin build --release`` builds the wheel; PATH names it if it is built. Every other interface has a process of its own. The repetitions go
@@ -120,7 +120,7 @@ class Measured:
         self.process.wait()
 
 
-def built_library():
+def built_loop():
     """The program of the plain loop, which cargo builds."""
     command = ["cargo", "bench", "--no-run", "--locked", "--no-default-features", "--bench", "worlds", "--message-format=json"]
     built = subprocess.run(command, cwd=REPOSITORY, check=True, stdout=subprocess.PIPE, text=True).stdout.splitlines()
@@ -135,17 +135,17 @@ def measure(options):
     if importlib.util.find_spec("stable_baselines3") is None:
         print("SKIPPED: stable-baselines3 is not installed")
         names = names[:1]
-    program = options.library or built_library()
+    program = options.loop or built_loop()
     hold = falsify_av.make().core.timing[1]
     with tempfile.NamedTemporaryFile(suffix=".f32") as file:
         file.write(actions(options.worlds).astype("<f4").tobytes())
         file.flush()
 
-        def library(seconds):
+        def plain_loop(seconds):
             ended = subprocess.run([program, str(PAPER), str(options.worlds), str(seconds), file.name], check=True, stdout=subprocess.PIPE)
             return json.loads(ended.stdout)
 
-        measured = {"plain loop in Rust": library, **{name: Measured(name, options.worlds) for name in names}}
+        measured = {"plain loop in Rust": plain_loop, **{name: Measured(name, options.worlds) for name in names}}
         rates = {name: [] for name in measured}
         for _ in range(options.repetitions):
             for name, act in measured.items():
@@ -166,7 +166,7 @@ def main():
     parser.add_argument("worlds", type=int, nargs="?", default=256)
     parser.add_argument("seconds", type=float, nargs="?", default=5.0)
     parser.add_argument("repetitions", type=int, nargs="?", default=5)
-    parser.add_argument("--library", help="the plain loop, if it is built")
+    parser.add_argument("--loop", help="the plain loop, if it is built")
     parser.add_argument("--serve", choices=INTERFACES, help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.serve:
