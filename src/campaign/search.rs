@@ -4,7 +4,7 @@ use super::watch::flow;
 use super::{Evaluated, Observer, ResultStore, SearchResult, Task, TaskError};
 use crate::compile::{Search, episodes_seed};
 use crate::env::{Outcome, Trace};
-use crate::falsifier::{Failure, SearchOutcome, Simulator, evaluate_noting, follow};
+use crate::falsifier::{Failure, SearchOutcome, Simulator, StartSet, evaluate_noting, follow};
 use crate::judge::{Verdict, judge};
 use crate::seed::Seed;
 
@@ -30,8 +30,14 @@ pub fn search(
     }
     // The budget of a search is in ticks, so whether it exceeds the limit is known in advance.
     if let Some(limit @ TaskError::Ticks { .. }) = results.limit(task, search.budget) {
-        let spent =
-            SearchOutcome { ticks: 0, episodes: 0, starts: 0, first_start: None, failures: Vec::new(), stopped: false };
+        let spent = SearchOutcome {
+            ticks: 0,
+            episodes: 0,
+            starts: StartSet::default(),
+            first_start: None,
+            failures: Vec::new(),
+            stopped: false,
+        };
         let (budget, verdicts, evaluated) = (search.budget, Vec::new(), Vec::new());
         return Some(SearchResult { key: key.clone(), budget, spent, verdicts, evaluated, error: Some(limit) });
     }

@@ -20,6 +20,7 @@ mod controlled;
 mod episodes;
 
 mod method;
+mod start_set;
 mod simulator;
 mod failure;
 mod walking;
@@ -48,6 +49,7 @@ pub use random::Random;
 pub use recorded_walking::RecordedWalking;
 pub use scripted::Scripted;
 pub use simulator::{SearchOutcome, Simulator};
+pub use start_set::StartSet;
 pub use trained::{ActionMode, TrainedWalker};
 pub use training::{TrainError, train};
 pub use training_run::TrainingRun;

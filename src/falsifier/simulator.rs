@@ -1,7 +1,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use super::Failure;
+use super::{Failure, StartSet};
 use crate::env::{FailureCell, Outcome, PedestrianEnv, Scenario};
 use crate::rl::Step;
 use crate::seed::Seed;
@@ -48,8 +48,8 @@ pub struct SearchOutcome {
     pub ticks: u64,
     /// Number of finished episodes.
     pub episodes: u64,
-    /// Number of different starts of these episodes.
-    pub starts: u64,
+    /// The starts of these episodes.
+    pub starts: StartSet,
     /// The least number of these starts and [`Outcome::start`] of it: searches with equal ones have equal starts.
     pub first_start: Option<(u64, u64)>,
     /// The failures, in the order in which they were found.
@@ -226,7 +226,7 @@ impl<'a> Simulator<'a> {
         SearchOutcome {
             ticks: self.used,
             episodes: self.episodes,
-            starts: self.starts.len() as u64,
+            starts: self.starts.into_iter().collect(),
             first_start: self.first_start,
             failures: self.failures,
             stopped: self.stopped,

@@ -6,7 +6,7 @@ use super::{EpisodeName, Error};
 use crate::campaign::{SearchResult, watch};
 use crate::compile::{Evaluation, Search};
 use crate::env::{FailureCell, Outcome, Scenario, Trace};
-use crate::falsifier::{Failure, SearchOutcome, follow};
+use crate::falsifier::{Failure, SearchOutcome, StartSet, follow};
 use crate::judge::{FalseAlarms, NearMiss, PedestrianMotion, Verdict, judge};
 use crate::record::{self, EpisodeRow, RunKey};
 use crate::report::{self, Difference};
@@ -137,8 +137,14 @@ impl Source {
 
 /// The row of a failure in the table of its search.
 fn search_row(search: &Search, failure: Failure, verdict: Option<&Verdict>) -> report::Row {
-    let spent =
-        SearchOutcome { ticks: 0, episodes: 0, starts: 0, first_start: None, failures: vec![failure], stopped: false };
+    let spent = SearchOutcome {
+        ticks: 0,
+        episodes: 0,
+        starts: StartSet::default(),
+        first_start: None,
+        failures: vec![failure],
+        stopped: false,
+    };
     let key = search.key.clone();
     let (budget, verdicts, evaluated) = (search.budget, vec![verdict.copied()], Vec::new());
     report::search_failures(&[SearchResult { key, budget, spent, verdicts, evaluated, error: None }])

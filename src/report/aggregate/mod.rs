@@ -35,7 +35,7 @@ pub use search_comparisons::{
 pub use search_kinds::{SEARCH_KINDS, SearchKind, search_kind_columns, search_kind_table, search_kinds};
 pub use searches::{
     Average, BUDGET, COMMANDS, FAILURE, FAILURES, FALSIFIER, FIRST_START, FOUND_AFTER, SEARCH_BLOCK, SEARCH_RUN,
-    SEARCHES, START, STARTS, SearchCell, failure_table, search_cell_columns, search_cell_table, search_cells,
+    SEARCHES, START, SearchCell, TRIED, failure_table, search_cell_columns, search_cell_table, search_cells,
     search_failures, search_key, search_table, searches,
 };
 pub use survival::MedianTime;

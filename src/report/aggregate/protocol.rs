@@ -218,8 +218,7 @@ pub fn layer_cells(campaign: &Campaign, searches: &[SearchResult]) -> Vec<Protoc
             });
             let (worst, number) = judged.fold((0.0, None), |worst, each| if each.0 > worst.0 { each } else { worst });
             let name = || number.map(|number| format!("{}:{number}", search.key.id));
-            // Searches take their starts in turn, so they have met the first of them.
-            if result.spent.starts <= case as u64 {
+            if !result.spent.starts.iter().any(here) {
                 continue;
             }
             match all.iter_mut().find(|known| known.falsifier == cell.falsifier && known.is_same_case(&cell)) {

@@ -79,7 +79,7 @@ impl Figures {
             attributable: judged(Verdict::is_attributable),
             attributable_rate: share(judged(Verdict::is_attributable)[0], spent.episodes),
             attributable_starts,
-            attributable_start_rate: share(attributable_starts, spent.starts),
+            attributable_start_rate: share(attributable_starts, spent.starts.count()),
             evaluated_collisions,
             evaluated_rate: share(evaluated_collisions, number),
             evaluated_attributable,
@@ -242,6 +242,12 @@ pub const STARTS: Column<u64> = Column::new(
     "",
     "different starts of these episodes; starts 0, 1, 2, … of a run are the same for all falsifiers",
 );
+/// The numbers of these starts.
+pub const TRIED: Column<String> = Column::new(
+    "tried",
+    "",
+    "numbers of these starts, as `0-31 40`; `archive` leaves starts that promise little without an episode",
+);
 /// The hash of the first start.
 pub const FIRST_START: Column<String> = Column::new(
     "first_start",
@@ -327,7 +333,8 @@ pub fn search_table<'a>() -> Table<'a, Searched<'a>> {
         count("episodes", "", "episodes that came to an end, without one that the budget cut off")
             .of(|row: &Row<'_>| row.0.spent.episodes),
     )
-    .column(STARTS.of(|row: &Row<'_>| row.0.spent.starts))
+    .column(STARTS.of(|row: &Row<'_>| row.0.spent.starts.count()))
+    .column(TRIED.of(|row: &Row<'_>| row.0.spent.starts.to_string()))
     .column(FIRST_START.of(|row: &Row<'_>| row.0.spent.first_start.map(|(number, hash)| format!("{number}:{hash:016x}"))))
     .column(count(FAILURE_COUNT, "", "episodes that ended in a collision").of(|row: &Row<'_>| row.1.failures as u64))
     .column(number(FAILURE_RATE, "", "their share of `episodes`").of(|row: &Row<'_>| row.1.failure_rate))

@@ -5,6 +5,7 @@ use polars::prelude::DataFrame;
 
 use super::comparison::Changed;
 use super::matching::Side;
+use crate::falsifier::StartSet;
 use crate::judge::Label;
 use crate::record::columns::{POLICY, TOWN};
 use crate::record::{Column, Entry, Interval, Table, TableReference};
@@ -156,10 +157,10 @@ fn compared(runs: &[[StoredSearch; 2]]) -> ComparedSearch {
     };
     let mut differences = Vec::new();
     for run in runs {
-        // A search tries the first starts, as far as its budget goes.
-        let common = run[0].starts.min(run[1].starts);
+        let tried = run[0].starts.common(&run[1].starts);
+        let common = tried.count();
         found.starts += common;
-        let worst = run.each_ref().map(|side| worst_of_starts(side, common));
+        let worst = run.each_ref().map(|side| worst_of_starts(side, &tried));
         let numbers: BTreeSet<u64> = worst.iter().flat_map(|side| side.keys().copied()).collect();
         let mut here = Changed::default();
         for start in numbers {
@@ -197,10 +198,10 @@ fn compared(runs: &[[StoredSearch; 2]]) -> ComparedSearch {
     found
 }
 
-/// The failure of each start that counts most against the driver, for the starts below a number.
-fn worst_of_starts(search: &StoredSearch, common: u64) -> BTreeMap<u64, &ListedFailure> {
+/// The failure of each of these starts that counts most against the driver.
+fn worst_of_starts<'a>(search: &'a StoredSearch, tried: &StartSet) -> BTreeMap<u64, &'a ListedFailure> {
     let mut worst: BTreeMap<u64, &ListedFailure> = BTreeMap::new();
-    for failure in search.failures.iter().filter(|failure| failure.start < common) {
+    for failure in search.failures.iter().filter(|failure| tried.contains(failure.start)) {
         let kept = worst.entry(failure.start).or_insert(failure);
         if FailureOrder::Severity.compare(failure, kept) == Ordering::Less {
             *kept = failure;
@@ -300,7 +301,7 @@ mod tests {
         }
     }
 
-    fn search(run: u64, starts: u64, failures: Vec<ListedFailure>) -> StoredSearch {
+    fn search(run: u64, starts: std::ops::Range<u64>, failures: Vec<ListedFailure>) -> StoredSearch {
         StoredSearch {
             falsifier: "walks".into(),
             reward: String::new(),
@@ -309,7 +310,7 @@ mod tests {
             block: 0,
             run,
             budget: 1_000,
-            starts,
+            starts: starts.collect(),
             first_start: Some("0:1".into()),
             failures,
         }
@@ -319,7 +320,7 @@ mod tests {
     fn starts_that_one_side_did_not_reach_are_left_out_and_the_worst_of_a_start_counts() {
         let before = vec![failure(0, true, 3.0), failure(1, false, 0.0), failure(7, true, 9.0)];
         let after = vec![failure(0, true, 2.0), failure(0, true, 5.0), failure(2, true, 4.0)];
-        let found = compared(&[[search(0, 8, before), search(0, 4, after)]]);
+        let found = compared(&[[search(0, 0..8, before), search(0, 0..4, after)]]);
         assert_eq!(found.starts, 4);
         assert_eq!(found.attributable, Changed { fixed: 0, new: 1, same: 1 });
         assert_eq!(found.collisions, Changed { fixed: 1, new: 1, same: 1 });
@@ -334,7 +335,7 @@ mod tests {
     fn several_runs_are_the_sample() {
         let pair = |run, new: u64| {
             let after = (0..new).map(|start| failure(start, true, 3.0)).collect();
-            [search(run, 10, Vec::new()), search(run, 10, after)]
+            [search(run, 0..10, Vec::new()), search(run, 0..10, after)]
         };
         let found = compared(&[pair(0, 1), pair(1, 2), pair(2, 3)]);
         assert_eq!((found.runs, found.starts, found.attributable.new), (3, 30, 6));

@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use polars::prelude::PolarsResult;
 
 use super::{FailureFilter, ListedFailure, ReadError, StoredReport};
+use crate::falsifier::StartSet;
 use crate::record::Column;
 use crate::record::columns::{POLICY, REWARD, RUN_ID, TOWN};
-use crate::report::aggregate::{BUDGET, FALSIFIER, FIRST_START, SEARCH_BLOCK, SEARCH_RUN, SEARCHES, STARTS};
+use crate::report::aggregate::{BUDGET, FALSIFIER, FIRST_START, SEARCH_BLOCK, SEARCH_RUN, SEARCHES, TRIED};
 
 /// The number of rows of a table that are read at once.
 const ROWS: usize = 1 << 12;
@@ -29,8 +30,8 @@ pub struct StoredSearch {
     pub run: u64,
     /// Simulator ticks that it might use.
     pub budget: u64,
-    /// The number of starts that it tried: these are the first ones of its run.
-    pub starts: u64,
+    /// The starts that it tried; none in reports of earlier versions.
+    pub starts: StartSet,
     /// Number and hash of the first of them; none without one, and in reports of earlier versions.
     pub first_start: Option<String>,
     /// Its failures, in the order in which it found them.
@@ -57,6 +58,7 @@ impl StoredReport {
             };
             for row in 0..rows.height() {
                 let first = FIRST_START.read(rows).ok().and_then(|all| all.get(row)).filter(|text| !text.is_empty());
+                let tried = TRIED.read(rows).ok().and_then(|all| all.get(row));
                 searches.push(StoredSearch {
                     falsifier: text(&FALSIFIER, row)?,
                     reward: text(&REWARD, row)?,
@@ -65,7 +67,7 @@ impl StoredReport {
                     block: number(&SEARCH_BLOCK, row)?,
                     run: number(&SEARCH_RUN, row)?,
                     budget: number(&BUDGET, row)?,
-                    starts: number(&STARTS, row)?,
+                    starts: tried.and_then(|text| text.parse().ok()).unwrap_or_default(),
                     first_start: first.map(str::to_string),
                     failures: found.remove(&text(&RUN_ID, row)?).unwrap_or_default(),
                 });

@@ -47,7 +47,7 @@ pub fn comparison_page(comparison: &ReportComparison, pairs: &[PlayedPair]) -> S
                         h2 { "Rates over common starts" }
                         @for cell in &comparison.cells {
                             h3 { (title(cell)) }
-                            p { (cell.starts) " common starts, " (cell.runs) " runs" }
+                            p { (cell.starts) " common starts, " (cell.runs) @if cell.runs == 1 { " run" } @else { " runs" } }
                             div.wide { (rates(cell).to_html()) }
                         }
                     }
