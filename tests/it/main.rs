@@ -49,6 +49,7 @@ mod layers;
 mod learning;
 mod natural_walking;
 mod onnx;
+mod onnx_costs;
 mod outputs;
 mod maps;
 mod messages;

@@ -13,7 +13,7 @@ use crate::program::{self, error, said};
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Runs `falsify` in a folder under a limit of the shell, and fails when it takes too long.
-fn limited(limit: &str, arguments: &[&str], folder: &Path) -> Output {
+pub fn limited(limit: &str, arguments: &[&str], folder: &Path) -> Output {
     let mut shell = Command::new("sh");
     shell.args(["-c", &format!("{limit}; exec \"$0\" \"$@\""), env!("CARGO_BIN_EXE_falsify")]).args(arguments);
     shell.envs(program::command().get_envs().filter_map(|(name, value)| Some((name, value?))));

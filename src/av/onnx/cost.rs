@@ -130,6 +130,19 @@ pub(super) fn cost(operator: &Operator, inputs: &[Option<Known>]) -> Cost {
             let kernel = operator.numbers.get("kernel_shape").map_or(1, |sizes| absolute(sizes));
             Cost { elements: elements.saturating_mul(2), work: elements.saturating_mul(kernel) }
         }
+        "Attention" => {
+            // Queries, keys and values have the shape [batch, heads, length, depth], or [batch, length, heads * depth].
+            let (batch, apart) = (data.size(0), data.shape.len() == 4);
+            let heads = if apart { data.size(1) } else { operator.number("q_num_heads").map_or(1, i64::unsigned_abs) };
+            let length = |known: &Known| known.size(if known.shape.len() == 4 { 2 } else { 1 });
+            let keys = length(at(1)).saturating_add(length(at(4)));
+            let scores = product([batch, heads, length(data), keys]);
+            let depths = at(1).size(-1).saturating_add(at(2).size(-1));
+            // Keys and values that several heads share are copied for each.
+            let copied = sum().saturating_mul(heads.max(1));
+            let elements = scores.saturating_mul(4).saturating_add(copied.saturating_mul(2));
+            Cost { elements, work: scores.saturating_mul(depths.saturating_add(16)).saturating_add(elements) }
+        }
         "GRU" | "LSTM" => {
             let steps = data.size(0).saturating_mul(data.size(1));
             let gates = at(1).size(0).saturating_mul(at(1).size(1));
@@ -245,7 +258,7 @@ pub(super) fn cost(operator: &Operator, inputs: &[Option<Known>]) -> Cost {
             let shapes: Vec<&[u64]> = inputs.iter().flatten().map(|known| known.shape.as_slice()).collect();
             Cost::linear(product(broadcast(&shapes)))
         }
-        // `Attention`, `NonMaxSuppression` and others: each number may meet each number of the other inputs.
+        // `NonMaxSuppression` and others: each number may meet each number of the other inputs.
         _ => Cost::linear(product(counts().map(|count| count.max(1)))),
     }
 }

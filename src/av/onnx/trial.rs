@@ -94,6 +94,11 @@ impl Trial<'_> {
         let outputs: Vec<NodeId> = ids.iter().map(|(_, id)| *id).collect();
         let made =
             self.network.run(inputs, &outputs, Some(RunOptions::default())).map_err(|error| error.to_string())?;
+        let numbers: u64 =
+            made.iter().map(|value| value.as_view().shape().iter().map(|size| *size as u64).product::<u64>()).sum();
+        if numbers > elements {
+            return Err(format!("its operator {kind} made {numbers} numbers, and its inputs explain {elements}"));
+        }
         for ((name, _), value) in ids.into_iter().zip(made) {
             if varies {
                 self.varying.insert(name.clone());
