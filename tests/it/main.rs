@@ -52,6 +52,7 @@ mod onnx;
 mod onnx_costs;
 mod outputs;
 mod maps;
+mod memory;
 mod messages;
 mod page;
 mod ped_world;

@@ -166,3 +166,22 @@ fn a_page_follows_its_file_and_gives_places_that_a_scenario_takes() {
     std::fs::write(&file, SCENARIO).unwrap();
     becomes(&mut tab, "!document.querySelector('#problems') && document.querySelectorAll('.map').length === 1");
 }
+
+#[test]
+fn what_a_map_has_and_no_driver_uses_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let sign = |id: usize| {
+        let kind = [206, 205][id % 2];
+        format!(r#"<signal id="{id}" s="{id}" t="-3" type="{kind}" orientation="+"/>"#)
+    };
+    let signs: String = (0..100).map(sign).collect();
+    let map = format!(
+        r#"<OpenDRIVE><road id="1" length="100" junction="-1"><planView><geometry s="0" x="0" y="0" hdg="0" length="100"><line/></geometry></planView><lanes><laneSection s="0"><right><lane id="-1" type="driving"><width a="3.5"/></lane></right></laneSection></lanes><signals>{signs}</signals></road></OpenDRIVE>"#
+    );
+    std::fs::write(folder.path().join("signs.xodr"), map).unwrap();
+    let drawn = command().current_dir(folder.path()).args(["map", "signs.xodr"]).output().unwrap();
+    let said = String::from_utf8(drawn.stdout).unwrap();
+    assert!(drawn.status.success() && said.contains("warnings        2\n"), "{said}");
+    assert!(said.contains("not used: 50 × stop sign (signal type 206)"), "{said}");
+    assert!(said.contains("not used: 50 × yield sign (signal type 205)"), "{said}");
+}
