@@ -32,17 +32,19 @@ pub fn comparison_page(comparison: &ReportComparison, pairs: &[PlayedPair]) -> S
             body {
                 header.top {
                     p.kind { "falsify · comparison" }
-                    h1 { (headline(comparison)) }
+                    h1 { "What changed" }
+                    p.lead { (headline(comparison)) }
                     p.meta { "before " code { (before) } " · after " code { (after) } }
-                    @for caveat in &comparison.caveats { p.warn { (caveat) } }
+                    @for caveat in &comparison.caveats { p.warn { (with_code(&caveat.to_string())) } }
                     button #theme type="button" hidden { "Dark" }
                 }
+                nav aria-label="Sections" {
+                    a href="#rates" { "Rates" }
+                    @if !comparison.searches.is_empty() { a href="#searches" { "Searches" } }
+                    a href="#played" { "Side by side" }
+                    a href="#failures" { "Failures" }
+                }
                 main #main {
-                    section #played {
-                        h2 { "Side by side" }
-                        @if pairs.is_empty() { p { "No start ends in a collision on one side alone." } }
-                        @for (number, pair) in pairs.iter().enumerate() { (card(number, pair, comparison)) }
-                    }
                     section #rates {
                         h2 { "Rates over common starts" }
                         @for cell in &comparison.cells {
@@ -67,6 +69,11 @@ pub fn comparison_page(comparison: &ReportComparison, pairs: &[PlayedPair]) -> S
                             }
                         }
                     }
+                    section #played {
+                        h2 { "Side by side" }
+                        @if pairs.is_empty() { p { "No start ends in a collision on one side alone." } }
+                        @for (number, pair) in pairs.iter().enumerate() { (card(number, pair, comparison)) }
+                    }
                     section #failures {
                         h2 { "Failures" }
                         div.wide { (counts(comparison, "verdict", usize::MAX).to_html()) }
@@ -87,6 +94,15 @@ pub fn comparison_page(comparison: &ReportComparison, pairs: &[PlayedPair]) -> S
         }
     };
     page.into_string() + "\n"
+}
+
+/// A sentence in which words between backticks are code.
+fn with_code(text: &str) -> Markup {
+    html! {
+        @for (place, part) in text.split('`').enumerate() {
+            @if place % 2 == 1 { code { (part) } } @else { (part) }
+        }
+    }
 }
 
 fn card(number: usize, pair: &PlayedPair, comparison: &ReportComparison) -> Markup {

@@ -69,7 +69,7 @@ pub fn headline(comparison: &ReportComparison) -> String {
         let sum = |part: fn(Changed) -> u64| comparison.cells.iter().map(|cell| part(of(cell))).sum::<u64>();
         format!("{} new, {} fixed, {} same", sum(|all| all.new), sum(|all| all.fixed), sum(|all| all.same))
     };
-    format!("failures: {}; attributable: {}", part(|cell| cell.collisions), part(|cell| cell.attributable))
+    format!("Failures: {}; attributable: {}", part(|cell| cell.collisions), part(|cell| cell.attributable))
 }
 
 /// The rates of a cell on both sides.
