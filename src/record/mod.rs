@@ -14,6 +14,7 @@ mod episodes;
 mod read;
 mod tally;
 mod stored;
+mod parquet_reader;
 #[cfg(test)]
 mod tests;
 
@@ -24,6 +25,7 @@ pub use episodes::{
 };
 pub use key::{CellKey, RunKey};
 pub use metric::Metric;
+pub use parquet_reader::read_parquet;
 pub use read::{EpisodeTable, HumanMargins};
 pub use row::EpisodeRow;
 pub use stored::{Chunk, Chunks, decode, encode, tally};

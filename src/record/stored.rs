@@ -3,17 +3,15 @@
 use std::io::Cursor;
 use std::ops::Range;
 
-use polars::prelude::{
-    Column as Values, DataFrame, NamedFrom, PlSmallStr, PolarsError, PolarsResult, Scalar, SchemaExtPl, Series,
-};
+use polars::prelude::{Column as Values, DataFrame, NamedFrom, PlSmallStr, PolarsResult, Scalar, SchemaExtPl, Series};
 use polars_io::SerReader;
 use polars_io::parquet::read::ParquetReader;
 use polars_io::parquet::write::ParquetWriter;
 
 use super::columns::{COLLISION, EPISODE, ERROR, FRONT, MOVING, OUTCOME};
 use super::episodes::{named, outcome_table, repeated_key};
+use super::parquet_reader::read_parquet;
 use super::{EpisodeRow, RunKey, Tally};
-use crate::contained::contained;
 
 /// Some episodes of a run.
 #[derive(Debug, Clone)]
@@ -103,9 +101,7 @@ pub fn tally(bytes: &[u8]) -> PolarsResult<Tally> {
 /// # Errors
 /// The bytes are not Parquet, or have other columns.
 pub fn decode(bytes: &[u8]) -> PolarsResult<DataFrame> {
-    // The reader panics on some damaged files.
-    let read = contained(|| ParquetReader::new(Cursor::new(bytes.to_vec())).finish());
-    let table = read.unwrap_or_else(|reason| Err(PolarsError::ComputeError(reason.into())))?;
+    let table = read_parquet(ParquetReader::new(Cursor::new(bytes.to_vec())), bytes.len() as u64)?;
     outcome_table().frame(&[]).schema().ensure_is_exact_match(table.schema())?;
     Ok(table)
 }

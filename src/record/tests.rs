@@ -1,3 +1,10 @@
+use std::io::Cursor;
+
+use polars::prelude::{Column as Values, DataFrame, NamedFrom, Series};
+use polars_io::SerReader;
+use polars_io::parquet::read::ParquetReader;
+use polars_io::parquet::write::ParquetWriter;
+
 use super::*;
 use crate::av::{DrivingMode, Fault};
 use crate::env::{Ending, Outcome, Spawn};
@@ -115,6 +122,20 @@ fn stored_episodes_get_the_key_of_their_run_and_missing_ones_are_in_error() {
     assert_eq!((tally.episodes, tally.valid, tally.collisions), (5, 3.into(), 1.into()));
     assert_eq!(super::tally(&all).unwrap().valid, 3.into());
     assert!(decode(b"no table").is_err());
+}
+
+#[test]
+fn tables_that_are_much_larger_than_their_file_are_refused() {
+    let file = |rows: usize| {
+        let column = Values::from(Series::new("number".into(), vec![7_i64; rows]));
+        let mut bytes = Vec::new();
+        ParquetWriter::new(&mut bytes).finish(&mut DataFrame::new(rows, vec![column]).unwrap()).unwrap();
+        let length = bytes.len() as u64;
+        read_parquet(ParquetReader::new(Cursor::new(bytes)), length)
+    };
+    assert_eq!(file(8_000).unwrap().height(), 8_000);
+    let refused = file(1_000_000).unwrap_err().to_string();
+    assert!(refused.contains("it says that it has 1000000 rows"), "{refused}");
 }
 
 #[test]

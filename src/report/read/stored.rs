@@ -11,11 +11,10 @@ use polars_io::parquet::read::ParquetReader;
 use polars_io::{SerReader, SerWriter};
 
 use crate::compile::{RunId, TrainingKey};
-use crate::contained::contained;
 use crate::env::StateHashes;
 use crate::files;
 use crate::record::columns::{EPISODE, RUN_ID, STATE_HASHES};
-use crate::record::{EPISODES, RunKey};
+use crate::record::{EPISODES, RunKey, read_parquet};
 use crate::report::aggregate::{COMMANDS, FAILURE, FAILURES, FOUND_AFTER, RUNS, START, TICKS};
 use crate::report::folder::{MARK, report_files};
 use crate::report::scenario_files::held_path;
@@ -323,10 +322,9 @@ impl StoredReport {
             Err(source) => return Err(ReadError::File { path, source }),
         };
         let columns = columns.map(|names| names.iter().map(ToString::to_string).collect());
+        let length = file.metadata().map_or(0, |metadata| metadata.len());
         let reader = ParquetReader::new(file).with_columns(columns).with_slice(rows);
-        // The reader panics on some damaged files.
-        let table = contained(|| reader.finish()).unwrap_or_else(|reason| Err(damaged(&reason)));
-        table.map(Some).map_err(|source| ReadError::Table { path, source })
+        read_parquet(reader, length).map(Some).map_err(|source| ReadError::Table { path, source })
     }
 
     /// The values of a column, as in CSV.
@@ -340,11 +338,6 @@ impl StoredReport {
         let (runs, numbers) = (self.texts(table, rows, RUN_ID.name)?, self.texts(table, rows, number)?);
         Ok(runs.into_iter().zip(numbers).collect())
     }
-}
-
-/// The error for a table on which the reader panicked.
-fn damaged(reason: &str) -> PolarsError {
-    PolarsError::ComputeError(format!("it is damaged ({reason})").into())
 }
 
 /// The values of the only column of a table, as in CSV, with all digits that are needed to read the same number back.
