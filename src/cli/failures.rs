@@ -143,5 +143,6 @@ fn tell(listed: &[(PathBuf, ListedFailure)], all: usize) {
     if listed.len() < all {
         console::say(&format!("{} of {all} failures; --top N shows more", listed.len()));
     }
-    console::say(&format!("falsify replay {}", folder.join(first.name()).display()));
+    let options = report::StoredReport::open(folder).map_or("", |report| report.manifest().call.replay_options());
+    console::say(&format!("falsify replay {options}{}", folder.join(first.name()).display()));
 }

@@ -26,7 +26,7 @@ pub fn show(report: &CampaignReport) {
     // Drivers that see no pedestrians are last.
     let mut found = drivers.iter().filter_map(|result| result.worst.as_ref());
     match found.next() {
-        Some(worst) => console::say(&worst_failure(worst, folder)),
+        Some(worst) => console::say(&worst_failure(worst, folder, manifest.call.replay_options())),
         None => console::say("no collision was found"),
     }
     console::say(&folder.join("report.html").display().to_string());
@@ -38,11 +38,11 @@ pub fn show_overview(overview: &OverviewFiles) {
 }
 
 /// A failure in a line, and the commands that show it.
-fn worst_failure(worst: &FoundFailure, folder: &Path) -> String {
+fn worst_failure(worst: &FoundFailure, folder: &Path, options: &str) -> String {
     let (driver, town, class, speed) = (worst.driver(), worst.town(), worst.class.name(), worst.impact_speed);
     let (name, folder) = (worst.name(), quoted(&folder.display().to_string()));
     format!(
-        "worst: {driver} in {town}, {class}, {speed:.1} m/s, by {}\n  falsify replay {name} --report {folder}\n  falsify render {name} --report {folder}",
+        "worst: {driver} in {town}, {class}, {speed:.1} m/s, by {}\n  falsify replay {options}{name} --report {folder}\n  falsify render {options}{name} --report {folder}",
         worst.finder()
     )
 }

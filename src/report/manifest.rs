@@ -63,6 +63,13 @@ pub struct Call {
     pub allow_external: bool,
 }
 
+impl Call {
+    /// The options that a repetition of an episode needs, with a blank after each.
+    pub const fn replay_options(&self) -> &'static str {
+        if self.allow_external { "--allow-external " } else { "" }
+    }
+}
+
 /// A scenario file, or a map or model that it names.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ScenarioFile {

@@ -1,6 +1,7 @@
 use crate::av::DrivingMode;
 use crate::env::{Ending, Frame, Outcome, Pair, Scenario, Trace};
 use crate::judge::{ContactSide, Label, Reference, Verdict};
+use crate::report::FailureClass;
 
 /// An action of the driver is an event if it lasts for at least this number of ticks, or to the end.
 const LASTING: usize = 3;
@@ -98,7 +99,9 @@ fn actions(frames: &[Frame]) -> Vec<(usize, String)> {
             (true, false) => format!("brakes, up to {braking:.2} of the pedal"),
             (false, false) => "does not brake".to_string(),
         };
-        actions.push((begun, format!("driver: {}, {pedal}, {}", mode.name(), speed(same[0].ego.speed))));
+        // A program need not tell its mode.
+        let mode = if mode == DrivingMode::Unknown { String::new() } else { format!("{}, ", mode.name()) };
+        actions.push((begun, format!("driver: {mode}{pedal}, {}", speed(same[0].ego.speed))));
     }
     actions
 }
@@ -133,7 +136,8 @@ fn judged(verdict: &Verdict) -> Vec<String> {
         ContactSide::Rear => "; the pedestrian ran into the rear",
         _ => "; the pedestrian walked into the side",
     };
-    let mut lines = vec![format!("{}: {meaning}{foreseeable}{walked}", verdict.label.name())];
+    let class = FailureClass::new(Some(verdict.label), verdict.is_attributable(), verdict.is_narrow());
+    let mut lines = vec![format!("{}: {meaning}{foreseeable}{walked}", class.name())];
     if !verdict.is_standing() {
         let share = 100.0 * verdict.preventable_probability();
         lines.push(match verdict.latest_reaction {

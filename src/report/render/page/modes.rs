@@ -53,6 +53,7 @@ pub fn order(cards: &mut [ModeCard], is_blind: impl Fn(&str) -> bool) {
 
 /// The kinds of collisions: a card with a player for those that were repeated, a table of all.
 pub fn modes(cards: &[ModeCard], players: &Players, played: &[&str]) -> Markup {
+    let options = players.options();
     let players: Vec<_> = cards
         .iter()
         .filter(|card| !played.contains(&card.example.as_str()))
@@ -66,11 +67,11 @@ pub fn modes(cards: &[ModeCard], players: &Players, played: &[&str]) -> Markup {
                 "A kind is where the car was hit, whether it moved, which reference drivers would have avoided it, and what its driver was doing. Within a kind, \
                  collisions are grouped by the last seconds before the touch. The most typical example of each group is shown; the preventable kinds are first. "
             }
-            div.cards { @for (each, replay) in shown { (card(each).to_html(replay)) } }
+            div.cards { @for (each, replay) in shown { (card(each).to_html(replay, options)) } }
             @if !more.is_empty() {
                 details.more {
                     summary { "More kinds to play" }
-                    div.cards { @for (each, replay) in more { (card(each).to_html(replay)) } }
+                    div.cards { @for (each, replay) in more { (card(each).to_html(replay, options)) } }
                 }
             }
             details.all { summary { "All kinds" } (table(cards).to_html()) }

@@ -20,8 +20,8 @@ pub struct PlayerCard {
 }
 
 impl PlayerCard {
-    /// The card with the player of this recording.
-    pub fn to_html(&self, replay: &Replay) -> Markup {
+    /// The card with the player of this recording, and the command that repeats it, with these options.
+    pub fn to_html(&self, replay: &Replay, options: &str) -> Markup {
         let id = Players::id(&self.name);
         html! {
             article.card id=(id) aria-labelledby={ (id) "-title" } {
@@ -34,7 +34,7 @@ impl PlayerCard {
                 div.player data-replay={ (id) "-data" } {}
                 (frames(replay, &format!("{id}-ground")))
                 (reference_drivers(replay))
-                p.replay { code { "falsify replay " (self.name) } }
+                p.replay { code { "falsify replay " (options) (self.name) } }
                 script type="application/json" id={ (id) "-data" } { (PreEscaped(json(replay))) }
             }
         }

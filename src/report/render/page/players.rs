@@ -17,18 +17,22 @@ const PLAYERS: usize = 14;
 #[derive(Debug, Default)]
 pub struct Players {
     all: BTreeMap<String, Replay>,
+    /// The options of `falsify replay`, with a blank after each.
+    options: &'static str,
 }
 
 impl Players {
-    /// Repeats these failures, named `RUN:EPISODE`, in order, up to a number that keeps the page small.
+    /// Repeats these failures, named `RUN:EPISODE`, in order, up to a number that keeps the page small. The options are those that
+    /// `falsify replay` needs.
     pub fn repeat<'a>(
         names: impl IntoIterator<Item = &'a str>,
         campaign: &Campaign,
         finished: &Finished,
         seed: &Seed,
+        options: &'static str,
     ) -> Self {
         let mut scenery: BTreeMap<String, Scenery> = BTreeMap::new();
-        let mut players = Self::default();
+        let mut players = Self { options, ..Self::default() };
         for name in names {
             if players.all.len() == PLAYERS {
                 break;
@@ -40,6 +44,11 @@ impl Players {
             }
         }
         players
+    }
+
+    /// The options that `falsify replay` needs, with a blank after each.
+    pub const fn options(&self) -> &'static str {
+        self.options
     }
 
     /// The player of a failure; none when it was not repeated.

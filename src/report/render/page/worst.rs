@@ -44,7 +44,7 @@ pub fn failures(drivers: &[DriverResult], failures: &Failures, players: &Players
             }
             div.cards {
                 @for found in worst(drivers) {
-                    @if let Some(replay) = players.get(&found.name()) { (card(found).to_html(replay)) }
+                    @if let Some(replay) = players.get(&found.name()) { (card(found).to_html(replay, players.options())) }
                 }
             }
             (list(&listed, players))

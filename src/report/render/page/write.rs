@@ -48,7 +48,8 @@ pub fn write_page(
     order(&mut cards, is_blind);
     let worst: Vec<String> = worst(drivers).map(FoundFailure::name).collect();
     let played = worst.iter().chain(cards.iter().map(|card| &card.example)).map(String::as_str);
-    let players = Players::repeat(played, campaign, finished, &Seed::root(manifest.seed));
+    let players =
+        Players::repeat(played, campaign, finished, &Seed::root(manifest.seed), manifest.call.replay_options());
     let published = beside(&campaign.published, cells, &gathered.evidence.cells);
     let searched = search_cells(&finished.searches);
     let searches = (!searched.is_empty()).then(|| search_section(&searched));
