@@ -29,6 +29,7 @@ impl Arithmetic for Plain {
 }
 
 /// Rounds once. Slow on processors without such an instruction.
+#[cfg_attr(not(any(target_arch = "x86_64", test)), expect(dead_code, reason = "only kernels for x86-64 use it"))]
 #[derive(Debug)]
 pub struct Fused;
 
