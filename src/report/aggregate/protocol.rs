@@ -29,6 +29,8 @@ pub struct ProtocolCell {
     pub episodes: u32,
     /// The greatest impact speed (m/s), along the path without the target's own speed; 0 without contact. None when no episode ended.
     pub impact_speed: Option<f64>,
+    /// Whether an episode ended with an error, of its driver for example.
+    pub failed: bool,
     /// How the protocol judges.
     pub criterion: TestCriterion,
     /// The name of the worst collision, for `replay`; none without one.
@@ -139,6 +141,7 @@ impl ProtocolCell {
             driven_speed: None,
             episodes: 0,
             impact_speed: None,
+            failed: false,
             criterion: walk.criterion,
             worst: None,
             meeting: [
@@ -182,11 +185,15 @@ impl<'a> ProtocolRun<'a> {
     /// Adds episodes: a part of the table of the run.
     pub fn add(&mut self, part: &DataFrame) -> PolarsResult<()> {
         let table = EpisodeTable::new(part)?;
-        for row in table.rows().filter(|row| table.error(*row).is_none()) {
+        for row in table.rows() {
             let episode = table.episode(row);
+            let case = episode as usize % self.cells.len();
+            if table.error(row).is_some() {
+                self.cells[case].failed = true;
+                continue;
+            }
             let impact =
                 table.impact_speed(row).map_or(0.0, |speed| self.walk.judged_speed(speed, self.walk.command()));
-            let case = episode as usize % self.cells.len();
             let name = || Some(format!("{}:{episode}", self.id));
             self.cells[case].note(impact, Some(table.spawn(row).ego_speed), name);
         }

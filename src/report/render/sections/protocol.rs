@@ -288,7 +288,10 @@ fn changes(all: &[Layered<'_>]) -> Option<Table> {
 
 /// `0 green`, `23.4 red !`, `5.0 fails`.
 fn shown(cell: &ProtocolCell) -> Value {
-    let (Some(impact), Some(passes)) = (cell.impact_speed, cell.passes()) else { return "error".into() };
+    let (Some(impact), Some(passes)) = (cell.impact_speed, cell.passes()) else {
+        // Without any episode it was not tried, as in a run with `--smoke`.
+        return if cell.failed { "error" } else { "–" }.into();
+    };
     let speed = if impact > 0.0 { format!("{:.1}", impact * 3.6) } else { "0".into() };
     let mark = if cell.is_held() == Some(false) { " !" } else { "" };
     let word = cell.colour().map_or(if passes { "passes" } else { "fails" }, Colour::name);
