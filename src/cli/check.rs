@@ -7,7 +7,7 @@ use super::fix::fix;
 use super::input::{GivenOptions, session};
 use super::{console, failure, sample};
 use crate::compile::Plan;
-use crate::diagnostic::{Severity, records, sarif};
+use crate::diagnostic::{Record, Severity, records, sarif};
 use crate::files;
 use crate::lang::error_index::mistakes;
 use crate::lang::{Reader, reason};
@@ -150,9 +150,21 @@ fn for_people(found: &Checked) -> ExitCode {
     ExitCode::Done
 }
 
+/// The most diagnostics that are written for programs.
+const MOST: usize = 1_000;
+
+/// The diagnostics that are written for programs, and how many are not.
+fn listed(found: &Checked) -> Vec<Record> {
+    let all = &found.compiled.diagnostics;
+    if all.len() > MOST {
+        console::note(&format!("the first {MOST} of {} are listed", console::count(all.len(), "mistake")));
+    }
+    records(&all[..all.len().min(MOST)], &found.sources)
+}
+
 /// Prints the diagnostics for programs, one object a line.
 fn json(found: &Checked) -> ExitCode {
-    console::say_objects(&records(&found.compiled.diagnostics, &found.sources));
+    console::say_objects(&listed(found));
     code(found)
 }
 
@@ -160,7 +172,7 @@ fn json(found: &Checked) -> ExitCode {
 fn log(found: &Checked) -> ExitCode {
     let mistakes = mistakes();
     let rules: Vec<(&str, &str)> = mistakes.iter().map(|mistake| (mistake.code, mistake.text)).collect();
-    let records = records(&found.compiled.diagnostics, &found.sources);
+    let records = listed(found);
     let log = serde_json::to_string_pretty(&sarif(&records, &rules));
     console::say(&log.expect("texts and numbers have a form in JSON"));
     code(found)

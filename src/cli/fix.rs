@@ -1,7 +1,7 @@
 //! Applies the repairs that diagnostics offer.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::exit_code::ExitCode;
 use super::fmt::write;
@@ -29,17 +29,17 @@ pub fn fix(session: &Session, options: &CheckOptions) -> Result<Checked, ExitCod
         }
         let mut before = Vec::new();
         for (path, (old, new, count)) in repairs {
-            put(&path, &new)?;
-            before.push((path, old, count));
+            put(&path, &old, &new)?;
+            before.push((path, old, new, count));
         }
         let after = check()?;
         if errors(&after) > errors(&checked) {
-            for (path, old, _) in &before {
-                put(path, old)?;
+            for (path, old, new, _) in &before {
+                put(path, new, old)?;
             }
             break;
         }
-        for (path, _, count) in before {
+        for (path, _, _, count) in before {
             *applied.entry(path).or_default() += count;
         }
         checked = after;
@@ -50,8 +50,8 @@ pub fn fix(session: &Session, options: &CheckOptions) -> Result<Checked, ExitCod
     Ok(checked)
 }
 
-fn put(path: &std::path::Path, text: &str) -> Result<(), ExitCode> {
-    write(path, text).map_err(|error| {
+fn put(path: &Path, before: &str, text: &str) -> Result<(), ExitCode> {
+    write(path, before, text).map_err(|error| {
         console::fail(&format!("cannot write `{}`: {error}", path.display()));
         ExitCode::WriteFailed
     })
@@ -61,11 +61,18 @@ fn errors(checked: &Checked) -> usize {
     checked.compiled.diagnostics.iter().filter(|each| each.severity == Severity::Error).count()
 }
 
+/// Whether a file says that it is a scenario, by its name or its first word. Others are left alone: a program is no scenario with mistakes.
+fn is_scenario(path: &Path, text: &str) -> bool {
+    let first = text.lines().map(str::trim_start).find(|line| !line.is_empty() && !line.starts_with("//"));
+    let says = first.and_then(|line| line.get(..7)).is_some_and(|word| word.eq_ignore_ascii_case("edition"));
+    says || path.extension().is_some_and(|ending| ending == "scn")
+}
+
 /// For each file on the disk with repairs: its text, the repaired text, and the number of repairs.
 fn repairs(checked: &Checked) -> BTreeMap<PathBuf, (String, String, usize)> {
     let mut files = BTreeMap::new();
     for (id, source) in checked.sources.iter() {
-        if library::holds(&source.path) || !source.path.is_file() {
+        if library::holds(&source.path) || !source.path.is_file() || !is_scenario(&source.path, &source.text) {
             continue;
         }
         let only = checked.compiled.diagnostics.iter().filter_map(|each| match each.fixes.as_slice() {

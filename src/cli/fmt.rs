@@ -63,7 +63,7 @@ fn file(path: &Path, check: bool) -> ExitCode {
         console::say(&path.display().to_string());
         return ExitCode::Scenario;
     }
-    match write(path, &laid_out) {
+    match write(path, &text, &laid_out) {
         Ok(()) => ExitCode::Done,
         Err(error) => {
             console::fail(&format!("cannot write `{}`: {error}", path.display()));
@@ -107,13 +107,31 @@ fn lay_out(path: &Path, text: &str) -> Result<String, ExitCode> {
     })
 }
 
-/// Replaces a file in one step, so that a failure loses nothing.
-pub(super) fn write(path: &Path, text: &str) -> std::io::Result<()> {
+/// Replaces a file that has the text `before`, in one step, so that a failure loses nothing.
+///
+/// # Errors
+/// The file cannot be written, or has another text by now.
+pub(super) fn write(path: &Path, before: &str, text: &str) -> std::io::Result<()> {
     // A link is followed to the file itself.
     let path = std::fs::canonicalize(path)?;
+    let metadata = std::fs::metadata(&path)?;
+    // An administrator could replace it all the same.
+    if metadata.permissions().readonly() {
+        return Err(std::io::ErrorKind::PermissionDenied.into());
+    }
     let mut file = tempfile::NamedTempFile::new_in(path.parent().unwrap_or(Path::new(".")))?;
     file.write_all(text.as_bytes())?;
-    file.as_file().set_permissions(std::fs::metadata(&path)?.permissions())?;
+    file.as_file().set_permissions(metadata.permissions())?;
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::{MetadataExt, fchown};
+        // Only an administrator can keep the owner of another user's file.
+        let _ = fchown(file.as_file(), Some(metadata.uid()), Some(metadata.gid()));
+    }
+    file.as_file().sync_all()?;
+    if std::fs::read(&path)? != before.as_bytes() {
+        return Err(std::io::Error::other("it was saved meanwhile; run the command again"));
+    }
     file.persist(&path)?;
     Ok(())
 }

@@ -89,6 +89,15 @@ fn run_command() -> ExitCode {
     }
     // Frees the memory of the known options, which is needed soon.
     drop(known);
+    // These may have started programs, which must not outlive them. Others with programs have handlers of their own.
+    if let args::Command::Replay(_)
+    | args::Command::Render(_)
+    | args::Command::Export(_)
+    | args::Command::Verify(_)
+    | args::Command::Compare(_) = arguments.command
+    {
+        interrupt::end_when_asked();
+    }
     match arguments.command {
         args::Command::Config(_) => {
             let (_, options) = matches.subcommand().expect("it is the command `config`");

@@ -91,6 +91,20 @@ pub enum RecordingError {
         /// The greatest that is allowed.
         high: f64,
     },
+    /// A step is much longer than the speed explains.
+    #[error(
+        "instant {instant}: the {who} has moved {moved:.1} m since the instant before, at {speed:.1} m/s; correct the position or the speed"
+    )]
+    Jump {
+        /// Index of the instant, from 0.
+        instant: usize,
+        /// Who has moved.
+        who: &'static str,
+        /// How far (m).
+        moved: f64,
+        /// The greater of its two speeds (m/s).
+        speed: f64,
+    },
 }
 
 /// What a recording shows.
@@ -113,12 +127,14 @@ impl Recording {
     const FARTHEST: f64 = 1e6;
     /// The greatest speed (m/s).
     const FASTEST: f64 = 150.0;
+    /// How far a step may be, as a multiple of what the speed explains, and besides (m): recordings are noisy.
+    const SLACK: (f64, f64) = (1.5, 2.0);
 
     /// Checks the states of both at instants that are `dt` (s) apart.
     ///
     /// # Errors
-    /// The tracks have not 2 to [`Recording::MOST_INSTANTS`] instants each, `dt` is not 0.001 to 0.5, a coordinate exceeds 1,000 km, or a
-    /// speed is not 0 to 150 m/s.
+    /// The tracks have not 2 to [`Recording::MOST_INSTANTS`] instants each, `dt` is not 0.001 to 0.5, a coordinate exceeds 1,000 km, a
+    /// speed is not 0 to 150 m/s, or a step is much longer than the speed explains.
     pub fn new(dt: f64, ego: Vec<VehicleState>, pedestrian: Vec<PedestrianState>) -> Result<Self, RecordingError> {
         if ego.len() != pedestrian.len() || !(2..=Self::MOST_INSTANTS).contains(&ego.len()) {
             return Err(RecordingError::Instants { ego: ego.len(), pedestrian: pedestrian.len() });
@@ -140,6 +156,16 @@ impl Recording {
             ] {
                 if !(low..=high).contains(&number) {
                     return Err(RecordingError::Number { instant, quantity, number, low, high });
+                }
+            }
+        }
+        for (instant, (cars, walkers)) in ego.windows(2).zip(pedestrian.windows(2)).enumerate() {
+            let car = (cars[1].pose.position() - cars[0].pose.position()).norm();
+            let walker = (walkers[1].pose.position() - walkers[0].pose.position()).norm();
+            let speeds = [cars[0].speed.max(cars[1].speed), walkers[0].speed().max(walkers[1].speed())];
+            for (who, moved, speed) in [("car", car, speeds[0]), ("pedestrian", walker, speeds[1])] {
+                if moved > Self::SLACK.0 * speed * dt + Self::SLACK.1 {
+                    return Err(RecordingError::Jump { instant: instant + 1, who, moved, speed });
                 }
             }
         }

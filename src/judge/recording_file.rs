@@ -7,6 +7,8 @@ const NEEDED: [&str; 7] =
     ["time_s", "ego_x_m", "ego_y_m", "ego_yaw_deg", "ego_speed_mps", "pedestrian_x_m", "pedestrian_y_m"];
 /// Columns of the pedestrian's velocity: both or none.
 const VELOCITY: [&str; 2] = ["pedestrian_yaw_deg", "pedestrian_speed_mps"];
+/// The most columns; what follows is not looked at.
+const MOST_COLUMNS: usize = 10_000;
 /// The greatest deviation of a time from a constant step, as a share of the step.
 const UNEVEN: f64 = 0.1;
 
@@ -14,7 +16,7 @@ const UNEVEN: f64 = 0.1;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RecordingFileError {
     /// A column is absent.
-    #[error("there is no column `{column}`; there is {}", found.join(", "))]
+    #[error("there is no column `{column}`; there is {}", if found.is_empty() { "none".to_owned() } else { found.join(", ") })]
     Column {
         /// Its name.
         column: &'static str,
@@ -30,6 +32,12 @@ pub enum RecordingFileError {
         found: usize,
         /// Columns of the header.
         wanted: usize,
+    },
+    /// There are more rows than a recording may have.
+    #[error("line {line}: there are more than {most} rows; cut the recording", most = Recording::MOST_INSTANTS)]
+    Long {
+        /// Number of the line, from 1.
+        line: usize,
     },
     /// A field is not a number.
     #[error("line {line}, column `{column}`: `{text}` is not a number")]
@@ -70,7 +78,8 @@ impl Recording {
     pub fn from_csv(text: &str) -> Result<Self, RecordingFileError> {
         let mut lines =
             text.trim_start_matches('\u{feff}').lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
-        let header: Vec<&str> = lines.next().map_or_else(Vec::new, |(_, line)| fields(line).collect());
+        let header: Vec<&str> =
+            lines.next().map_or_else(Vec::new, |(_, line)| fields(line).take(MOST_COLUMNS).collect());
         let place = |column: &'static str| header.iter().position(|name| *name == column);
         let absent = |column: &'static str| {
             let found = header.iter().take(40).map(|name| name.chars().take(40).collect()).collect();
@@ -89,7 +98,10 @@ impl Recording {
         }
         let (mut times, mut ego, mut positions, mut walkers) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for (index, line) in lines {
-            let row: Vec<&str> = fields(line).collect();
+            if times.len() == Self::MOST_INSTANTS {
+                return Err(RecordingFileError::Long { line: index + 1 });
+            }
+            let row: Vec<&str> = fields(line).take(MOST_COLUMNS).collect();
             if row.len() != header.len() {
                 return Err(RecordingFileError::Fields { line: index + 1, found: row.len(), wanted: header.len() });
             }

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use nix::fcntl::{FcntlArg, OFlag, fcntl};
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
-use nix::sys::signal::{Signal, killpg};
+use nix::sys::signal::{Signal, kill, killpg};
 use nix::unistd::Pid;
 
 use super::descendants;
@@ -33,7 +33,10 @@ static STARTED: AtomicU64 = AtomicU64::new(0);
 pub fn end_all() {
     let running = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
     for id in &*running {
-        let _ = killpg(Pid::from_raw(*id as i32), Signal::SIGKILL);
+        let child = Pid::from_raw(*id as i32);
+        let _ = killpg(child, Signal::SIGKILL);
+        // It may have left its own group.
+        let _ = kill(child, Signal::SIGKILL);
     }
     if !running.is_empty() {
         descendants::end(&format!("{}-", std::process::id()));
@@ -211,6 +214,8 @@ impl Drop for Child {
         while self.exact(&mut [0; 1 << 12]).is_ok() {}
         // The group should be empty by now. A process that is left in it hangs, and is killed.
         let _ = killpg(Pid::from_raw(self.process.id() as i32), Signal::SIGKILL);
+        // It may have left its own group.
+        let _ = self.process.kill();
         let _ = self.process.wait();
         // A process that has left the group still has the mark.
         descendants::end(&self.mark);

@@ -156,7 +156,7 @@ impl ReportFolder {
         };
         let mut manifest = Manifest::from_toml(&text).map_err(|reason| failed(io::Error::other(reason)))?;
         manifest.report_files = report_files(self.draft.path()).map_err(failed)?;
-        self.file(MARK, manifest.to_toml().as_bytes())
+        self.file(MARK, sealed(&manifest.to_toml()).as_bytes())
     }
 
     /// The names of the files that are there, in order.
@@ -232,8 +232,21 @@ fn with_slashes(path: &Path) -> String {
     path.components().map(|part| part.as_os_str().to_string_lossy()).collect::<Vec<_>>().join("/")
 }
 
+/// What precedes the digest in the last line of a manifest.
+const SEAL: &str = "# BLAKE3 of the lines above: ";
+
+/// A manifest with the digest of its lines.
+fn sealed(manifest: &str) -> String {
+    format!("{manifest}{SEAL}{}\n", blake3::hash(manifest.as_bytes()).to_hex())
+}
+
+/// Whether a manifest ends in the digest of its lines.
+pub(super) fn is_sealed(text: &str) -> bool {
+    text.rfind(SEAL).is_some_and(|end| sealed(&text[..end]) == text)
+}
+
 /// BLAKE3 of a file, which need not fit in memory.
-fn digest(path: &Path) -> io::Result<String> {
+pub(super) fn digest(path: &Path) -> io::Result<String> {
     let mut hasher = blake3::Hasher::new();
     hasher.update_reader(files::open(path)?)?;
     Ok(hasher.finalize().to_hex().to_string())

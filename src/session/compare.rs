@@ -20,6 +20,8 @@ impl Session {
     pub fn compare(&self, options: &CompareOptions) -> Result<ReportComparison, Error> {
         let [before, after] = &options.reports;
         let (before, after) = (StoredReport::open(before)?, StoredReport::open(after)?);
+        before.check_tables()?;
+        after.check_tables()?;
         let driver = |side: usize| options.drivers.as_ref().map(|drivers| drivers[side].as_str());
         let first = Side { report: &before, driver: driver(0) };
         let second = Side { report: &after, driver: driver(1) };

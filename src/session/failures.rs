@@ -32,6 +32,7 @@ impl Session {
         let mut found: Vec<FoundFailure> = Vec::new();
         for folder in &options.reports {
             for report in self.open_all(folder)? {
+                report.check_tables()?;
                 let failures = report.failures(&options.filter)?.into_iter();
                 found.extend(failures.map(|failure| FoundFailure { report: report.folder().to_path_buf(), failure }));
             }

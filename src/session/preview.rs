@@ -9,6 +9,8 @@ use crate::road::Town;
 
 /// The most layers of starts in a town.
 const LAYERS: usize = 12;
+/// The most problems that a page shows.
+const PROBLEMS: usize = 50;
 
 /// Options of [`Session::preview`].
 #[derive(Debug, Clone, Default)]
@@ -54,7 +56,9 @@ impl Session {
         let files = checked.records.iter().map(|record| PathBuf::from(&record.path)).collect();
         let Checked { compiled, sources, .. } = checked;
         let errors = compiled.diagnostics.iter().filter(|each| each.severity == Severity::Error).count();
-        let problems = compiled.diagnostics.iter().map(|each| render(each, &sources, Colour::Never)).collect();
+        let shown = compiled.diagnostics.iter().take(PROBLEMS).map(|each| render(each, &sources, Colour::Never));
+        let more = compiled.diagnostics.len().saturating_sub(PROBLEMS);
+        let problems = shown.chain((more > 0).then(|| format!("… and {more} more"))).collect();
         // Spawns that cannot be satisfied are drawn too: the map may show why.
         let Some(plan) = compiled.plan.or(compiled.unplaced) else { return kept(problems, errors, files) };
         let mut starts: Vec<(String, SampledStarts)> = Vec::new();

@@ -51,6 +51,7 @@ mod natural_walking;
 mod onnx;
 mod onnx_costs;
 mod outputs;
+mod losses;
 mod maps;
 mod memory;
 mod messages;

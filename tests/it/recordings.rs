@@ -73,6 +73,11 @@ fn a_file_that_is_no_recording_is_an_error_with_its_line() {
         (changed(5, "0.19,40,-6,1.2,0,0,8,x"), "line 5: the time is 0.19 s; with the mean step of 0.05"),
         (changed(5, "0.15,40,-6,NaN,0,0,8,x"), "instant 3: the x of the car (m) is NaN"),
         (changed(5, "0.15,40,-6,1.2,0,0,-8,x"), "instant 3: the speed of the car (m/s) is -8; give 0 to 150"),
+        (changed(5, "0.15,40,-6,9000,0,0,8,x"), "instant 3: the car has moved 89"),
+        (
+            format!("{}\n{}", rows[0], vec![rows[1]; 100_001].join("\n")),
+            "there are more than 100000 rows; cut the recording",
+        ),
         (rows[..2].join("\n"), "there are 1 instants of the car and 1 of the pedestrian"),
         (crossing(8.0, 1.4, 1.0), "the time between two instants is 1 s"),
     ] {

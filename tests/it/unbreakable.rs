@@ -465,3 +465,13 @@ fn a_slow_training_answers_a_signal_and_its_limit() {
     assert_eq!(stopped.status.code(), Some(130), "{stopped:?}");
     assert!(asked.elapsed() < Duration::from_secs(10), "{:?}", asked.elapsed());
 }
+
+#[test]
+fn a_driver_that_joins_the_group_of_the_program_ends_with_it() {
+    let place = with_driver("python3 driver.py");
+    // It does not read, and does not end when its input is closed.
+    let driver = "import os, time\nos.setpgid(0, os.getpgid(os.getppid()))\ntime.sleep(4322)\n";
+    fs::write(place.path().join("driver.py"), driver).unwrap();
+    let output = limited("true", &["run", "outside.scn", "--allow-external", "--out", "out"], place.path());
+    assert_eq!(output.status.code(), Some(5), "{output:?}");
+}

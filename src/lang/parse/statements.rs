@@ -46,7 +46,7 @@ impl Reader {
     }
 
     fn edition(&mut self, pair: Pair<Rule>, file: &mut File) {
-        let wrong = pair.as_rule() == Rule::wrong_edition;
+        let (wrong, text) = (pair.as_rule() == Rule::wrong_edition, pair.as_str());
         let whole = self.span(&pair);
         let mut inner = pair.into_inner().skip_while(|part| part.as_rule() == Rule::doc);
         let word = inner.next().expect("edition has a word");
@@ -54,7 +54,9 @@ impl Reader {
         let span = self.span(&word).to(self.span(&number));
         if wrong {
             let meant = format!("edition {}", number.as_str());
-            self.report(Span { start: span.start, ..whole }, "write `edition 1`", Some(&meant));
+            // Comments follow, which are no part of the mistake.
+            let quoted = text[span.end - whole.start..].starts_with('"');
+            self.report(Span { end: span.end + usize::from(quoted), ..span }, "write `edition 1`", Some(&meant));
             file.edition.get_or_insert((read_number(number.as_str()), self.span(&number)));
             return;
         }

@@ -15,8 +15,9 @@ use crate::env::StateHashes;
 use crate::files;
 use crate::record::columns::{EPISODE, RUN_ID, STATE_HASHES};
 use crate::record::{EPISODES, RunKey, read_parquet};
-use crate::report::aggregate::{COMMANDS, FAILURE, FAILURES, FOUND_AFTER, RUNS, START, TICKS};
-use crate::report::folder::{MARK, report_files};
+use crate::report::aggregate::{COMMANDS, FAILURE, FAILURES, FOUND_AFTER, RUNS, SEARCHES, START, TICKS};
+use crate::report::folder::{MARK, digest, is_sealed, report_files};
+use crate::report::manifest::FileRecord;
 use crate::report::scenario_files::held_path;
 use crate::report::{Manifest, ScenarioFile, pedestrian_file};
 use crate::rl::{ActorCritic, CheckpointError};
@@ -56,6 +57,18 @@ pub enum ReadError {
     )]
     OnlyCsv {
         /// The file that is missing.
+        path: PathBuf,
+    },
+    /// A file of a report was removed.
+    #[error("there is no `{path}`, which the report had when it was written; take the report from where it is whole", path = path.display())]
+    Absent {
+        /// The file that is missing.
+        path: PathBuf,
+    },
+    /// A file of a report was changed.
+    #[error("`{path}` is not as it was written; take the report from where it is whole", path = path.display())]
+    Changed {
+        /// The file.
         path: PathBuf,
     },
     /// A stored pedestrian is damaged.
@@ -140,20 +153,43 @@ impl StoredReport {
         &self.manifest
     }
 
-    /// The files that are not as they were written: changed, missing or added ones, by their paths in the report. None is found in a
-    /// report of an earlier version, which has no digests.
+    /// The files that are not as they were written: changed, missing or added ones, by their paths in the report. The manifest is
+    /// changed when it has not the digest of its own lines.
     ///
     /// # Errors
     /// A file that cannot be read.
     pub fn changed_files(&self) -> Result<Vec<String>, ReadError> {
         let written = &self.manifest.report_files;
-        if written.is_empty() {
-            return Ok(Vec::new());
-        }
-        let now = report_files(&self.folder).map_err(|source| ReadError::File { path: self.folder.clone(), source })?;
+        let failed = |source| ReadError::File { path: self.folder.clone(), source };
+        let now = report_files(&self.folder).map_err(failed)?;
+        let sealed = is_sealed(&files::text(&self.folder.join(MARK)).map_err(failed)?);
+        let manifest = (!sealed).then(|| MARK.to_owned());
         let missing = written.iter().filter(|file| !now.contains(file));
         let added = now.iter().filter(|file| written.iter().all(|other| other.path != file.path));
-        Ok(missing.chain(added).map(|file| file.path.clone()).collect())
+        Ok(manifest.into_iter().chain(missing.chain(added).map(|file| file.path.clone())).collect())
+    }
+
+    /// Checks that the tables which episodes and failures are read from are as they were written.
+    ///
+    /// # Errors
+    /// A table was changed or removed, or cannot be read.
+    pub fn check_tables(&self) -> Result<(), ReadError> {
+        for file in [RUNS, EPISODES, SEARCHES, FAILURES].into_iter().filter_map(|table| self.written(table)) {
+            let path = self.folder.join(&file.path);
+            match digest(&path) {
+                Ok(now) if now == file.blake3 => {}
+                Ok(_) => return Err(ReadError::Changed { path }),
+                Err(error) if error.kind() == io::ErrorKind::NotFound => return Err(ReadError::Absent { path }),
+                Err(source) => return Err(ReadError::File { path, source }),
+            }
+        }
+        Ok(())
+    }
+
+    /// The Parquet file of a table, if the manifest lists it.
+    fn written(&self, table: &str) -> Option<&FileRecord> {
+        let name = format!("{table}.parquet");
+        self.manifest.report_files.iter().find(|file| file.path == name)
     }
 
     /// The file of the report that holds the contents of a scenario file; none if it does not hold them.
@@ -252,7 +288,7 @@ impl StoredReport {
     pub fn run_rows(&self) -> Result<Vec<StoredRun>, ReadError> {
         let mut ids: Vec<(String, usize, usize)> = Vec::new();
         let path = self.folder.join(format!("{EPISODES}.parquet"));
-        if !path.exists() && path.with_extension("csv").exists() {
+        if !path.exists() && self.written(EPISODES).is_none() && path.with_extension("csv").exists() {
             return Err(ReadError::OnlyCsv { path });
         }
         let Some(table) = self.read(EPISODES, Some(&[RUN_ID.name]), None)? else { return Ok(Vec::new()) };
@@ -290,7 +326,7 @@ impl StoredReport {
         mut take: impl FnMut(&DataFrame) -> PolarsResult<()>,
     ) -> Result<(), ReadError> {
         let path = self.folder.join(format!("{table}.parquet"));
-        if !path.exists() && path.with_extension("csv").exists() {
+        if !path.exists() && self.written(table).is_none() && path.with_extension("csv").exists() {
             return Err(ReadError::OnlyCsv { path });
         }
         for first in (0..).step_by(count) {
@@ -318,7 +354,14 @@ impl StoredReport {
         let path = self.folder.join(format!("{table}.parquet"));
         let file = match files::open(&path) {
             Ok(file) => file,
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                // Ticks are many, and a report can be read without them.
+                return if self.written(table).is_some() && table != TICKS {
+                    Err(ReadError::Absent { path })
+                } else {
+                    Ok(None)
+                };
+            }
             Err(source) => return Err(ReadError::File { path, source }),
         };
         let columns = columns.map(|names| names.iter().map(ToString::to_string).collect());

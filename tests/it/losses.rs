@@ -1,0 +1,125 @@
+//! Nothing that a user has is lost or trusted in silence: repairs leave other files and comments alone, and a report whose tables or manifest
+//! were changed or removed is told.
+#![cfg(target_os = "linux")]
+
+use std::fs;
+use std::os::unix::fs::PermissionsExt;
+use std::path::Path;
+
+use crate::program::{error, falsify, said};
+
+/// A campaign that takes a moment, with an evaluation and a search.
+const SCENARIO: &str = r#"edition 1
+import "std/paper.scn"
+import "std/rewards.scn"
+import "std/drivers.scn"
+import "std/towns.scn"
+falsifier meet = intercept()
+campaign small {
+  vehicle: model3  adversary: suicidal  spawn: ahead  episode: thirty_seconds
+  evaluate { towns: [village]  policies: [blind]  pedestrians: [random, intercept]  episodes: 12 }
+  search { towns: [village]  policies: [blind]  falsifiers: [meet]  budget: 3_000  runs: 1 }
+}
+"#;
+
+/// A folder with the report `out/small`.
+fn report() -> tempfile::TempDir {
+    let place = tempfile::tempdir().unwrap();
+    fs::write(place.path().join("small.scn"), SCENARIO).unwrap();
+    let ran = falsify(&["run", "small.scn", "--out", "out", "--threads", "1"], place.path());
+    assert!(ran.status.success(), "{ran:?}");
+    place
+}
+
+fn copy(from: &Path, to: &Path) {
+    fs::create_dir_all(to).unwrap();
+    for entry in fs::read_dir(from).unwrap().flatten() {
+        let target = to.join(entry.file_name());
+        if entry.path().is_dir() {
+            copy(&entry.path(), &target);
+        } else {
+            fs::copy(entry.path(), target).unwrap();
+        }
+    }
+}
+
+#[test]
+fn repairs_keep_comments_and_leave_other_files_alone() {
+    let place = tempfile::tempdir().unwrap();
+    let path = |name: &str| place.path().join(name);
+    fs::write(path("a.scn"), "Edition 1\n// why\n\n// licence\nimport \"std/towns.scn\"\n").unwrap();
+    fs::write(path("b.scn"), "edition: \"1\"\n// why\n").unwrap();
+    falsify(&["check", "--fix", "a.scn", "b.scn"], place.path());
+    assert_eq!(
+        fs::read_to_string(path("a.scn")).unwrap(),
+        "edition 1\n// why\n\n// licence\nimport \"std/towns.scn\"\n"
+    );
+    assert_eq!(fs::read_to_string(path("b.scn")).unwrap(), "edition 1\n// why\n");
+    let program = "# A driver.\nimport sys\nif a || b { x = 5 % 2 }\npolicy p = $PATH\n";
+    fs::write(path("driver.py"), program).unwrap();
+    assert_eq!(falsify(&["check", "--fix", "driver.py"], place.path()).status.code(), Some(3));
+    assert_eq!(fs::read_to_string(path("driver.py")).unwrap(), program);
+    fs::write(path("fixed.scn"), "Edition 1\n").unwrap();
+    fs::set_permissions(path("fixed.scn"), fs::Permissions::from_mode(0o444)).unwrap();
+    let refused = falsify(&["check", "--fix", "fixed.scn"], place.path());
+    assert_eq!(refused.status.code(), Some(6), "{refused:?}");
+    assert_eq!(fs::read_to_string(path("fixed.scn")).unwrap(), "Edition 1\n");
+}
+
+#[test]
+fn a_gate_does_not_pass_for_want_of_a_table() {
+    let place = report();
+    let (whole, lost) = (place.path().join("out/small"), place.path().join("lost"));
+    for table in ["episodes", "search_failures", "searches"] {
+        let _ = fs::remove_dir_all(&lost);
+        copy(&whole, &lost);
+        for ending in ["csv", "parquet"] {
+            fs::remove_file(lost.join(format!("{table}.{ending}"))).unwrap();
+        }
+        let gate = ["compare", "out/small", "lost", "--fail-if", "attributable_starts_new > 0"];
+        let compared = falsify(&gate, place.path());
+        assert_eq!(compared.status.code(), Some(2), "{table}: {compared:?}");
+        assert!(error(&compared).contains("which the report had when it was written"), "{}", error(&compared));
+        assert_eq!(falsify(&["failures", "lost"], place.path()).status.code(), Some(2), "{table}");
+    }
+}
+
+#[test]
+fn changed_tables_are_not_read_and_a_changed_manifest_is_told() {
+    let place = report();
+    let (whole, other) = (place.path().join("out/small"), place.path().join("other"));
+    assert!(falsify(&["verify", "out/small"], place.path()).status.success());
+    copy(&whole, &other);
+    let table = other.join("episodes.parquet");
+    let mut bytes = fs::read(&table).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    fs::write(&table, bytes).unwrap();
+    for arguments in [vec!["failures", "other"], vec!["compare", "out/small", "other"]] {
+        let output = falsify(&arguments, place.path());
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {output:?}");
+        assert!(error(&output).contains("is not as it was written"), "{}", error(&output));
+    }
+    let _ = fs::remove_dir_all(&other);
+    copy(&whole, &other);
+    let manifest = fs::read_to_string(other.join("manifest.toml")).unwrap();
+    let cut = manifest.find("[[report_files]]").unwrap();
+    for text in
+        [&manifest[..cut], &manifest.replace("wall_time_s = ", "wall_time_s = 1"), &format!("{manifest}# more\n")]
+    {
+        fs::write(other.join("manifest.toml"), text).unwrap();
+        let output = falsify(&["verify", "other"], place.path());
+        assert_eq!(output.status.code(), Some(8), "{output:?}");
+        let told = format!("{}{}", error(&output), said(&output));
+        assert!(told.contains("`manifest.toml` is not as it was written"), "{told}");
+    }
+}
+
+#[test]
+fn programs_get_a_bounded_list_of_mistakes() {
+    let place = tempfile::tempdir().unwrap();
+    fs::write(place.path().join("a.scn"), "edition 1\n".repeat(3_000)).unwrap();
+    let output = falsify(&["check", "--format", "json", "a.scn"], place.path());
+    assert_eq!((output.status.code(), said(&output).lines().count()), (Some(3), 1_000));
+    assert!(error(&output).contains("the first 1000 of 2999 mistakes are listed"), "{}", error(&output));
+}
