@@ -147,6 +147,9 @@ def test_numbers_at_random_never_end_the_interpreter():
         count = int(numbers.integers(1, 60))
         scale = float(10 ** numbers.uniform(-3, 6))
         ego = numbers.normal(0, scale, (count, 4))
+        if numbers.random() < 0.5:
+            # A drive whose steps are those of its speed: others are mostly refused.
+            ego[:, :2] = np.cumsum(numbers.normal(0, 0.3, (count, 2)), axis=0)
         ego[:, 3] = 10 ** numbers.uniform(-9, 2.2, count)
         walked = ego + numbers.normal(0, 10 ** numbers.uniform(-3, 2), (count, 4))
         walked[:, 3] = 10 ** numbers.uniform(-9, 2, count)
