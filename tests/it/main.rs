@@ -50,6 +50,7 @@ mod learning;
 mod natural_walking;
 mod onnx;
 mod onnx_costs;
+mod onnx_file;
 mod outputs;
 mod losses;
 mod maps;

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
+use crate::onnx_file;
 use crate::program::error;
 use crate::unbreakable::limited;
 
@@ -66,55 +67,6 @@ const REFUSED: [&str; 12] = [
     "STFT",
 ];
 
-/// Writing of an ONNX file: fields with bytes and with numbers, as protocol buffers have them.
-mod onnx {
-    fn varint(mut number: u64) -> Vec<u8> {
-        let mut bytes = Vec::new();
-        while number >= 0x80 {
-            bytes.push(number as u8 | 0x80);
-            number >>= 7;
-        }
-        bytes.push(number as u8);
-        bytes
-    }
-
-    pub fn field(number: u8, bytes: &[u8]) -> Vec<u8> {
-        [varint(u64::from(number) << 3 | 2), varint(bytes.len() as u64), bytes.to_vec()].concat()
-    }
-
-    pub fn number(field: u8, number: i64) -> Vec<u8> {
-        [varint(u64::from(field) << 3), varint(number as u64)].concat()
-    }
-
-    /// A tensor of a type of elements, which are given as bytes.
-    pub fn tensor(name: &str, shape: &[i64], kind: i64, raw: &[u8]) -> Vec<u8> {
-        let shape: Vec<u8> = shape.iter().flat_map(|size| number(1, *size)).collect();
-        [shape, number(2, kind), field(9, raw), field(8, name.as_bytes())].concat()
-    }
-
-    pub fn node(kind: &str, inputs: &[String], output: &str, attributes: &[Vec<u8>]) -> Vec<u8> {
-        let inputs: Vec<u8> = inputs.iter().flat_map(|name| field(1, name.as_bytes())).collect();
-        let attributes: Vec<u8> = attributes.iter().flat_map(|attribute| field(5, attribute)).collect();
-        field(1, &[inputs, field(2, output.as_bytes()), field(4, kind.as_bytes()), attributes].concat())
-    }
-
-    /// A network from `ego` to `y` with these parts of its graph.
-    pub fn model(parts: &[Vec<u8>]) -> Vec<u8> {
-        let value = |place: u8, name: &str, shape: [i64; 2]| {
-            let dimensions: Vec<u8> = shape.iter().flat_map(|size| field(1, &number(1, *size))).collect();
-            let tensor = [number(1, 1), field(2, &dimensions)].concat();
-            field(place, &[field(1, name.as_bytes()), field(2, &field(1, &tensor))].concat())
-        };
-        let weights: Vec<u8> = [0.5_f32; 8].iter().flat_map(|weight| weight.to_le_bytes()).collect();
-        let drives = [
-            field(5, &tensor("w", &[4, 2], 1, &weights)),
-            node("MatMul", &["ego".to_owned(), "w".to_owned()], "y", &[]),
-        ];
-        let graph = [parts.concat(), drives.concat(), value(11, "ego", [1, 4]), value(12, "y", [1, 2])].concat();
-        [number(1, 8), field(7, &graph), field(8, &number(2, 21))].concat()
-    }
-}
-
 /// The bytes of a network with an operator of [`OPERATORS`] at a size.
 fn network(operator: &str, size: i64) -> Vec<u8> {
     let (mut parts, mut inputs, mut attributes) = (Vec::new(), Vec::new(), Vec::new());
@@ -134,15 +86,15 @@ fn network(operator: &str, size: i64) -> Vec<u8> {
     for (place, word) in words.enumerate() {
         let name = format!("x{place}");
         if let Some((attribute, value)) = word.split_once('=') {
-            let named = onnx::field(1, attribute.as_bytes());
+            let named = onnx_file::field(1, attribute.as_bytes());
             let is_number = |text: &str| text == "N" || text.parse::<i64>().is_ok();
             attributes.push(if !value.split(',').all(is_number) {
-                [named, onnx::field(4, value.as_bytes()), onnx::number(20, 3)].concat()
+                [named, onnx_file::field(4, value.as_bytes()), onnx_file::number(20, 3)].concat()
             } else if value.contains(',') {
-                let all: Vec<u8> = value.split(',').flat_map(|text| onnx::number(8, sized(text))).collect();
-                [named, all, onnx::number(20, 7)].concat()
+                let all: Vec<u8> = value.split(',').flat_map(|text| onnx_file::number(8, sized(text))).collect();
+                [named, all, onnx_file::number(20, 7)].concat()
             } else {
-                [named, onnx::number(3, sized(value)), onnx::number(20, 2)].concat()
+                [named, onnx_file::number(3, sized(value)), onnx_file::number(20, 2)].concat()
             });
         } else if word == "_" {
             inputs.push(String::new());
@@ -155,7 +107,7 @@ fn network(operator: &str, size: i64) -> Vec<u8> {
             };
             // These take one number without a place.
             let shape = if ["Range", "CumSum"].contains(&kind_of(operator)) { vec![] } else { vec![all.len() as i64] };
-            parts.push(onnx::field(5, &onnx::tensor(&name, &shape, kind, &raw)));
+            parts.push(onnx_file::field(5, &onnx_file::tensor(&name, &shape, kind, &raw)));
             inputs.push(name);
         } else {
             let shape: Vec<i64> = word[1..].split('x').map(sized).collect();
@@ -165,15 +117,18 @@ fn network(operator: &str, size: i64) -> Vec<u8> {
                 _ => (2, &[0; 1]),
             };
             let raw: Vec<u8> = shape.iter().flat_map(|size| size.to_le_bytes()).collect();
-            parts.push(onnx::field(5, &onnx::tensor(&format!("{name}_shape"), &[shape.len() as i64], 7, &raw)));
-            let value = onnx::field(5, &onnx::tensor("", &[1], element, bytes));
-            let value = [onnx::field(1, b"value"), value, onnx::number(20, 4)].concat();
-            parts.push(onnx::node("ConstantOfShape", &[format!("{name}_shape")], &name, &[value]));
+            parts.push(onnx_file::field(
+                5,
+                &onnx_file::tensor(&format!("{name}_shape"), &[shape.len() as i64], 7, &raw),
+            ));
+            let value = onnx_file::field(5, &onnx_file::tensor("", &[1], element, bytes));
+            let value = [onnx_file::field(1, b"value"), value, onnx_file::number(20, 4)].concat();
+            parts.push(onnx_file::node("ConstantOfShape", &[format!("{name}_shape")], &name, &[value]));
             inputs.push(name);
         }
     }
-    parts.push(onnx::node(kind, &inputs, "r", &attributes));
-    onnx::model(&parts)
+    parts.push(onnx_file::node(kind, &inputs, "r", &attributes));
+    onnx_file::driving(&parts)
 }
 
 fn kind_of(operator: &str) -> &str {
