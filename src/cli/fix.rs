@@ -44,6 +44,14 @@ pub fn fix(session: &Session, options: &CheckOptions) -> Result<Checked, ExitCod
         }
         checked = after;
     }
+    for (_, source) in checked.sources.iter().filter(|(_, source)| on_disk(&source.path)) {
+        if !is_scenario(&source.path, &source.text) {
+            let path = source.path.display();
+            console::note(&format!(
+                "{path} was left alone: its name does not end in .scn, and it does not begin with `edition`"
+            ));
+        }
+    }
     for (path, count) in applied {
         console::note(&format!("{} repaired in {}", console::count(count, "mistake"), path.display()));
     }
@@ -61,6 +69,11 @@ fn errors(checked: &Checked) -> usize {
     checked.compiled.diagnostics.iter().filter(|each| each.severity == Severity::Error).count()
 }
 
+/// Whether a source is a file of the user.
+fn on_disk(path: &Path) -> bool {
+    path.is_file() && !library::holds(path)
+}
+
 /// Whether a file says that it is a scenario, by its name or its first word. Others are left alone: a program is no scenario with mistakes.
 fn is_scenario(path: &Path, text: &str) -> bool {
     let first = text.lines().map(str::trim_start).find(|line| !line.is_empty() && !line.starts_with("//"));
@@ -72,7 +85,7 @@ fn is_scenario(path: &Path, text: &str) -> bool {
 fn repairs(checked: &Checked) -> BTreeMap<PathBuf, (String, String, usize)> {
     let mut files = BTreeMap::new();
     for (id, source) in checked.sources.iter() {
-        if library::holds(&source.path) || !source.path.is_file() || !is_scenario(&source.path, &source.text) {
+        if !on_disk(&source.path) || !is_scenario(&source.path, &source.text) {
             continue;
         }
         let only = checked.compiled.diagnostics.iter().filter_map(|each| match each.fixes.as_slice() {

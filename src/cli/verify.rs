@@ -116,7 +116,7 @@ fn tell(verified: &VerifyReport) -> ExitCode {
     if files > 0 {
         console::say(&format!("files of the report: {files}, {} changed", verified.changed_files.len()));
     } else {
-        console::warn("the report is of an earlier version and has no digests of its own files");
+        console::warn("the manifest lists no files of the report: it was cut, or is of an earlier version");
     }
     console::say(&format!("episodes and failures of searches: {repeated} repeated, {equal} equal"));
     if let Some(trainings) = &verified.trainings {

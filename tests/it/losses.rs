@@ -1,5 +1,5 @@
-//! Nothing that a user has is lost or trusted in silence: repairs leave other files and comments alone, and a report whose tables or manifest
-//! were changed or removed is told.
+//! No file of a user is lost, and no damaged one is trusted: repairs leave other files and comments alone, and changed tables or manifests of a
+//! report are reported.
 #![cfg(target_os = "linux")]
 
 use std::fs;
@@ -57,7 +57,9 @@ fn repairs_keep_comments_and_leave_other_files_alone() {
     assert_eq!(fs::read_to_string(path("b.scn")).unwrap(), "edition 1\n// why\n");
     let program = "# A driver.\nimport sys\nif a || b { x = 5 % 2 }\npolicy p = $PATH\n";
     fs::write(path("driver.py"), program).unwrap();
-    assert_eq!(falsify(&["check", "--fix", "driver.py"], place.path()).status.code(), Some(3));
+    let refused = falsify(&["check", "--fix", "driver.py"], place.path());
+    assert_eq!(refused.status.code(), Some(3));
+    assert!(error(&refused).contains("driver.py was left alone: "), "{}", error(&refused));
     assert_eq!(fs::read_to_string(path("driver.py")).unwrap(), program);
     fs::write(path("fixed.scn"), "Edition 1\n").unwrap();
     fs::set_permissions(path("fixed.scn"), fs::Permissions::from_mode(0o444)).unwrap();
@@ -85,7 +87,7 @@ fn a_gate_does_not_pass_for_want_of_a_table() {
 }
 
 #[test]
-fn changed_tables_are_not_read_and_a_changed_manifest_is_told() {
+fn changed_tables_are_not_read_and_a_changed_manifest_is_reported() {
     let place = report();
     let (whole, other) = (place.path().join("out/small"), place.path().join("other"));
     assert!(falsify(&["verify", "out/small"], place.path()).status.success());
@@ -110,8 +112,9 @@ fn changed_tables_are_not_read_and_a_changed_manifest_is_told() {
         fs::write(other.join("manifest.toml"), text).unwrap();
         let output = falsify(&["verify", "other"], place.path());
         assert_eq!(output.status.code(), Some(8), "{output:?}");
-        let told = format!("{}{}", error(&output), said(&output));
-        assert!(told.contains("`manifest.toml` is not as it was written"), "{told}");
+        let text = format!("{}{}", error(&output), said(&output));
+        assert_eq!(text.matches("is not as it was written").count(), 1, "{text}");
+        assert!(text.contains("`manifest.toml` is not as it was written"), "{text}");
     }
 }
 

@@ -168,7 +168,7 @@ fn a_page_follows_its_file_and_gives_places_that_a_scenario_takes() {
 }
 
 #[test]
-fn what_a_map_has_and_no_driver_uses_is_told() {
+fn what_a_map_has_and_no_driver_uses_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let sign = |id: usize| {
         let kind = [206, 205][id % 2];

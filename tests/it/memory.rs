@@ -24,7 +24,7 @@ campaign long {{
     )
 }
 
-/// The most memory (MB) that a run has had. It is read while the run goes, so its last moment is missing.
+/// The most memory (MB) that a run has had. It is read while the run goes, so its last milliseconds are missing.
 fn most_memory(episodes: u64, folder: &Path) -> f64 {
     let name = format!("{episodes}.scn");
     std::fs::write(folder.join(&name), scenario(episodes)).unwrap();
@@ -50,7 +50,7 @@ fn most_memory(episodes: u64, folder: &Path) -> f64 {
 #[test]
 fn a_long_run_has_a_bound() {
     let folder = tempfile::tempdir().unwrap();
-    // Single episodes are kept of the first 100,000 of a run. A kilobyte for each of 200,000 would be 300 MB; a million episodes have had 153 MB.
+    // A run stores single episodes of its first 100,000. A kilobyte for each of 200,000 would be 300 MB; a million episodes have had 153 MB.
     let most = most_memory(200_000, folder.path());
     assert!((20.0..220.0).contains(&most), "{most} MB");
 }

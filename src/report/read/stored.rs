@@ -154,7 +154,7 @@ impl StoredReport {
     }
 
     /// The files that are not as they were written: changed, missing or added ones, by their paths in the report. The manifest is
-    /// changed when it has not the digest of its own lines.
+    /// changed when it has not the digest of its own lines; of one that lists no files nothing else is known.
     ///
     /// # Errors
     /// A file that cannot be read.
@@ -164,6 +164,9 @@ impl StoredReport {
         let now = report_files(&self.folder).map_err(failed)?;
         let sealed = is_sealed(&files::text(&self.folder.join(MARK)).map_err(failed)?);
         let manifest = (!sealed).then(|| MARK.to_owned());
+        if written.is_empty() {
+            return Ok(manifest.into_iter().collect());
+        }
         let missing = written.iter().filter(|file| !now.contains(file));
         let added = now.iter().filter(|file| written.iter().all(|other| other.path != file.path));
         Ok(manifest.into_iter().chain(missing.chain(added).map(|file| file.path.clone())).collect())
